@@ -1,0 +1,81 @@
+//! What the book shows and a program computes: checks of its equations, its numbers, figures and records.
+//!
+//! ```text
+//! exhibits list                    what there is, as JSON
+//! exhibits chapter SLUG FOLDER     writes a chapter's checks and numbers, and its figures as SVG and CSV
+//! exhibits record NAME             makes a record, as JSON
+//! ```
+
+mod bearing;
+mod chapter;
+mod comparison;
+mod figure;
+mod random;
+mod record;
+mod report;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use chapter::Chapter;
+
+/// Every chapter of the book: its slug, and the function that registers its exhibits.
+const CHAPTERS: [(&str, fn(&mut Chapter)); 1] = [("bearing", bearing::exhibits)];
+
+const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match arguments[..] {
+        ["list"] => list(),
+        ["chapter", slug, folder] => write_chapter(slug, Path::new(folder)),
+        ["record", name] => make_record(name),
+        _ => Err(format!("unknown arguments {arguments:?}; use {USAGE}")),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("exhibits: {sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The exhibits of every chapter, in the order of the book.
+fn chapters() -> Result<Vec<Chapter>, String> {
+    CHAPTERS
+        .iter()
+        .map(|(slug, register)| Chapter::registered(slug, *register))
+        .collect()
+}
+
+fn list() -> Result<(), String> {
+    println!("{}", report::list(&chapters()?));
+    Ok(())
+}
+
+fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
+    let chapters = chapters()?;
+    let Some(chapter) = chapters.iter().find(|chapter| chapter.slug == slug) else {
+        let known: Vec<&str> = CHAPTERS.iter().map(|(slug, _)| *slug).collect();
+        return Err(format!(
+            "there is no chapter `{slug}`; there is {}",
+            known.join(", ")
+        ));
+    };
+    report::write_chapter(chapter, folder)
+        .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
+}
+
+fn make_record(name: &str) -> Result<(), String> {
+    for chapter in &chapters()? {
+        if let Some(record) = chapter.records.iter().find(|record| record.name == name) {
+            println!("{}", report::record(chapter, record));
+            return Ok(());
+        }
+    }
+    Err(format!(
+        "there is no record `{name}`; `exhibits list` names them"
+    ))
+}

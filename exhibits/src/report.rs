@@ -1,0 +1,139 @@
+//! What the program prints and writes: JSON for the press, SVG and CSV for the reader.
+
+use std::io;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use crate::chapter::{Chapter, Equation, NamedFigure, text};
+use crate::figure::Figure;
+use crate::record::Record;
+
+/// The chapters and the names of their records.
+pub fn list(chapters: &[Chapter]) -> Value {
+    let chapters: Vec<Value> = chapters
+        .iter()
+        .map(|chapter| {
+            let records: Vec<&str> = chapter.records.iter().map(|record| record.name).collect();
+            json!({ "slug": chapter.slug, "records": records })
+        })
+        .collect();
+    json!({ "chapters": chapters })
+}
+
+/// Writes `exhibits.json`, and an SVG and a CSV file for each figure.
+pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let mut figures = Vec::new();
+    for named in &chapter.figures {
+        let drawn = (named.draw)();
+        std::fs::write(folder.join(named.name).with_extension("svg"), &drawn.svg)?;
+        std::fs::write(folder.join(named.name).with_extension("csv"), csv(&drawn))?;
+        figures.push(figure(named, &drawn));
+    }
+    let summary = json!({
+        "slug": chapter.slug,
+        "equations": chapter.equations.iter().map(equation).collect::<Vec<_>>(),
+        "numbers": numbers(chapter),
+        "figures": figures,
+        "records": records(chapter),
+    });
+    std::fs::write(folder.join("exhibits.json"), format!("{summary:#}\n"))
+}
+
+/// Runs a record.
+pub fn record(chapter: &Chapter, record: &Record) -> Value {
+    let values: Map<String, Value> = (record.run)()
+        .iter()
+        .map(|result| {
+            let described = json!({
+                "value": result.value,
+                "text": text(result.value, result.decimals),
+                "unit": result.unit,
+                "within": result.within,
+            });
+            (result.name.to_owned(), described)
+        })
+        .collect();
+    json!({
+        "name": record.name,
+        "chapter": chapter.slug,
+        "inputs": inputs(record),
+        "values": values,
+    })
+}
+
+fn equation(equation: &Equation) -> Value {
+    let comparison = equation.check();
+    json!({
+        "label": equation.label,
+        "worst": comparison.worst,
+        "tolerance": comparison.tolerance,
+        "unit": comparison.unit,
+        "states": comparison.states,
+        "against": comparison.against,
+        "failure": comparison.failure(),
+        "mutants": equation.mutants,
+        "survivors": equation.survivors(),
+        "file": equation.place.file,
+        "line": equation.place.line,
+    })
+}
+
+fn numbers(chapter: &Chapter) -> Vec<Value> {
+    let numbers = chapter.numbers.iter();
+    numbers
+        .map(|number| {
+            json!({
+                "name": number.name,
+                "value": number.value,
+                "text": number.text,
+                "unit": number.unit,
+                "file": number.place.file,
+                "line": number.place.line,
+            })
+        })
+        .collect()
+}
+
+fn figure(named: &NamedFigure, drawn: &Figure) -> Value {
+    json!({
+        "name": named.name,
+        "columns": drawn.columns,
+        "rows": drawn.rows,
+        "file": named.place.file,
+        "line": named.place.line,
+    })
+}
+
+fn records(chapter: &Chapter) -> Vec<Value> {
+    let records = chapter.records.iter();
+    records
+        .map(|record| {
+            json!({
+                "name": record.name,
+                "inputs": inputs(record),
+                "file": record.place.file,
+                "line": record.place.line,
+            })
+        })
+        .collect()
+}
+
+fn inputs(record: &Record) -> Map<String, Value> {
+    let inputs = record.inputs.iter();
+    inputs
+        .map(|(name, value)| (name.to_string(), json!(value)))
+        .collect()
+}
+
+fn csv(figure: &Figure) -> String {
+    let header = figure.columns.join(",");
+    let rows = figure.rows.iter().map(|row| row.join(","));
+    let mut lines = header + "\n";
+    for row in rows {
+        lines += &row;
+        lines.push('\n');
+    }
+    lines
+}

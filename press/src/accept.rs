@@ -1,0 +1,136 @@
+//! `cargo book accept` and `cargo book record`: what a person has looked at becomes what the build expects.
+
+use anyhow::{Result, anyhow};
+use mdbook_driver::MDBook;
+use similar::{ChangeTag, TextDiff};
+
+use crate::accepted::{Accepted, normal};
+use crate::blocks::Kind;
+use crate::files;
+use crate::make::Maker;
+use crate::pages::Page;
+use crate::records::Record;
+
+/// Shows what changed since it was last accepted, and accepts it unless `only_show`.
+pub fn accept(maker: &Maker, only_show: bool) -> Result<()> {
+    let mut changes = equations(maker, only_show)?;
+    changes += records(maker, only_show)?;
+    match (changes, only_show) {
+        (0, _) => println!("Nothing changed."),
+        (n, true) => println!("{n} changed; `cargo book accept` accepts."),
+        (n, false) => println!("{n} accepted."),
+    }
+    Ok(())
+}
+
+fn equations(maker: &Maker, only_show: bool) -> Result<usize> {
+    let book = MDBook::load(&maker.layout.root).map_err(|error| anyhow!("{error:#}"))?;
+    let mut changes = 0;
+    for page in Page::all(&book.book) {
+        let path = maker.layout.accepted(&page.slug);
+        let old = Accepted::read(&path)?;
+        let new = checked_equations(&page);
+        changes += show_equations(&page.slug, &old, &new);
+        if !only_show {
+            new.write(&path)?;
+        }
+    }
+    Ok(changes)
+}
+
+/// The equations of a page that have a check, as they are now.
+fn checked_equations(page: &Page) -> Accepted {
+    let equation = |kind: &Kind| match kind {
+        Kind::Equation { tex, attributes } if !attributes.has("definition") => {
+            Some((attributes.id.strip_prefix("eq:")?.to_owned(), normal(tex)))
+        }
+        _ => None,
+    };
+    Accepted { equations: page.blocks.iter().filter_map(|block| equation(&block.kind)).collect() }
+}
+
+fn show_equations(slug: &str, old: &Accepted, new: &Accepted) -> usize {
+    let mut changes = 0;
+    for (label, tex) in &new.equations {
+        match old.equations.get(label) {
+            Some(known) if known == tex => continue,
+            Some(known) => println!("{slug} eq:{label} changed:\n  {}", difference(known, tex)),
+            None => println!("{slug} eq:{label} is new:\n  {tex}"),
+        }
+        changes += 1;
+    }
+    for (label, tex) in old.equations.iter().filter(|(label, _)| !new.equations.contains_key(*label)) {
+        println!("{slug} eq:{label} is gone:\n  {tex}");
+        changes += 1;
+    }
+    changes
+}
+
+/// Two texts as one, with what went in [-…-] and what came in {+…+}.
+fn difference(old: &str, new: &str) -> String {
+    let changes = TextDiff::from_words(old, new);
+    let mark = |change: similar::Change<&str>| match change.tag() {
+        ChangeTag::Equal => change.value().to_owned(),
+        ChangeTag::Delete => format!("[-{}-]", change.value()),
+        ChangeTag::Insert => format!("{{+{}+}}", change.value()),
+    };
+    changes.iter_all_changes().map(mark).collect()
+}
+
+fn records(maker: &Maker, only_show: bool) -> Result<usize> {
+    let (kept, proposed) = (maker.layout.records(), maker.layout.proposed_records());
+    let old = Record::read_all(&kept)?;
+    let new = Record::read_all(&proposed)?;
+    for record in new.values() {
+        println!("record {}:", record.name);
+        show_record(old.get(&record.name), record);
+        if !only_show {
+            record.write(&kept)?;
+            files::remove(&proposed.join(format!("{}.toml", record.name)))?;
+        }
+    }
+    Ok(new.len())
+}
+
+fn show_record(old: Option<&Record>, new: &Record) {
+    match old.map(|old| old.differences(new)) {
+        None => new.values.iter().for_each(|(name, value)| println!("  {name} = {} {} ({})", value.text, value.unit, value.value)),
+        Some(differences) if differences.is_empty() => println!("  as before, within its margins"),
+        Some(differences) => differences.iter().for_each(|difference| println!("  {difference}")),
+    }
+}
+
+/// Makes a record anew and keeps it for `cargo book accept`; or, with `compare`, only says whether it still comes
+/// out as it was accepted. Gives whether it does.
+pub fn record(maker: &Maker, name: &str, compare: bool) -> Result<bool> {
+    let made = maker.make_record(name)?;
+    let record = Record::new(made, today(), machine());
+    let old = Record::read_all(&maker.layout.records())?;
+    println!("record {name}:");
+    show_record(old.get(name), &record);
+    let same = old.get(name).is_some_and(|old| old.differences(&record).is_empty());
+    if !compare {
+        record.write(&maker.layout.proposed_records())?;
+        println!("Not accepted yet: `cargo book accept` does that.");
+    }
+    Ok(same)
+}
+
+/// The names of all accepted records.
+pub fn record_names(maker: &Maker) -> Result<Vec<String>> {
+    Ok(Record::read_all(&maker.layout.records())?.into_keys().collect())
+}
+
+/// Today's date, UTC.
+fn today() -> String {
+    jiff::Timestamp::now().strftime("%Y-%m-%d").to_string()
+}
+
+/// The machine, as far as it matters for a number.
+fn machine() -> String {
+    let cpu = files::read_if_there("/proc/cpuinfo".as_ref()).ok().flatten().unwrap_or_default();
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ").map(|(_, name)| name.to_owned()));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let model = model.unwrap_or_else(|| "unknown processor".to_owned());
+    format!("{} {}, {model}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH)
+}

@@ -1,0 +1,154 @@
+//! The works the book cites, from `src/references.bib`.
+
+use std::collections::BTreeMap;
+
+use biblatex::{Bibliography as Parsed, ChunksExt, Entry};
+
+use crate::fault::Faults;
+
+/// The file, as faults name it.
+pub const FILE: &str = "src/references.bib";
+
+/// The works by key.
+#[derive(Debug, Default)]
+pub struct Bibliography {
+    works: BTreeMap<String, Work>,
+}
+
+/// A work, ready to be printed.
+#[derive(Debug, PartialEq)]
+pub struct Work {
+    /// `Forster et al. 2017`, as a citation shows it.
+    pub short: String,
+    /// `Forster et al. (2017)`, as a sentence uses it.
+    pub narrative: String,
+    /// All authors.
+    pub authors: String,
+    /// The year.
+    pub year: String,
+    /// The title.
+    pub title: String,
+    /// Journal or proceedings, volume, pages.
+    pub place: String,
+    /// Where it is found: a DOI or an address, and its link.
+    pub link: Option<(String, String)>,
+    /// Our sentence on what it is good for.
+    pub annotation: String,
+}
+
+impl Bibliography {
+    /// Reads the works; what is wrong with them is noted as faults.
+    pub fn parse(source: &str, faults: &mut Faults) -> Bibliography {
+        let parsed = match Parsed::parse(source) {
+            Ok(parsed) => parsed,
+            Err(error) => {
+                let line = line_at(source, error.span.start);
+                faults.add((FILE, line), "", format!("not BibTeX: {}", error.kind), "mend the entry; see CONTRIBUTING.md for an example");
+                return Bibliography::default();
+            }
+        };
+        let mut works = BTreeMap::new();
+        for entry in parsed.iter() {
+            let line = source.find(&format!("{{{},", entry.key)).map_or(0, |at| line_at(source, at));
+            for field in ["author", "title", "year", "annotation"] {
+                if text(entry, field).is_empty() && !(field == "year" && !text(entry, "date").is_empty()) {
+                    faults.add((FILE, line), &entry.key, format!("the work has no {field}"), format!("add `{field} = {{…}}`"));
+                }
+            }
+            works.insert(entry.key.clone(), Work::new(entry));
+        }
+        Bibliography { works }
+    }
+
+    /// The work of a key.
+    pub fn get(&self, key: &str) -> Option<&Work> {
+        self.works.get(key)
+    }
+
+    /// The works in the order of a bibliography: authors, then year.
+    pub fn sorted(&self) -> Vec<(&str, &Work)> {
+        let mut works: Vec<_> = self.works.iter().map(|(key, work)| (key.as_str(), work)).collect();
+        works.sort_by_key(|(_, work)| (work.authors.to_lowercase(), work.year.clone()));
+        works
+    }
+}
+
+impl Work {
+    fn new(entry: &Entry) -> Work {
+        let people = entry.author().unwrap_or_default();
+        let family: Vec<String> =
+            people.iter().map(|person| format!("{} {}", person.prefix, person.name).trim().to_owned()).collect();
+        let names = match &family[..] {
+            [] => text(entry, "title"),
+            [one] => one.clone(),
+            [one, two] => format!("{one} and {two}"),
+            [first, ..] => format!("{first} et al."),
+        };
+        let year = first(entry, &["year", "date"]).chars().take(4).collect::<String>();
+        let authors = people.iter().zip(&family).map(|(person, family)| format!("{family}, {}", initials(&person.given_name)));
+        Work {
+            short: format!("{names} {year}"),
+            narrative: format!("{names} ({year})"),
+            authors: authors.collect::<Vec<_>>().join("; "),
+            title: text(entry, "title"),
+            place: place(entry),
+            link: link(entry),
+            annotation: text(entry, "annotation"),
+            year,
+        }
+    }
+}
+
+fn text(entry: &Entry, field: &str) -> String {
+    entry.get(field).map(|chunks| chunks.format_verbatim()).unwrap_or_default()
+}
+
+fn first(entry: &Entry, fields: &[&str]) -> String {
+    fields.iter().map(|field| text(entry, field)).find(|text| !text.is_empty()).unwrap_or_default()
+}
+
+fn initials(given: &str) -> String {
+    let initial = |name: &str| name.chars().next().map(|letter| format!("{letter}."));
+    given.split([' ', '-', '~']).filter_map(initial).collect::<Vec<_>>().join(" ")
+}
+
+fn place(entry: &Entry) -> String {
+    let mut place = first(entry, &["journaltitle", "journal", "booktitle", "publisher"]);
+    for (field, before, after) in [("volume", " ", ""), ("number", " (", ")"), ("pages", ", ", "")] {
+        let value = text(entry, field).replace("--", "–");
+        if !value.is_empty() {
+            place.push_str(&format!("{before}{value}{after}"));
+        }
+    }
+    place
+}
+
+fn link(entry: &Entry) -> Option<(String, String)> {
+    let (doi, url) = (text(entry, "doi"), text(entry, "url"));
+    match (doi.is_empty(), url.is_empty()) {
+        (false, _) => Some((format!("doi:{doi}"), format!("https://doi.org/{doi}"))),
+        (true, false) => Some((url.clone(), url)),
+        (true, true) => None,
+    }
+}
+
+fn line_at(text: &str, at: usize) -> usize {
+    text[..at.min(text.len())].matches('\n').count() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_work_is_ready_to_be_printed() {
+        let source = "@article{lupton2012,\n author = {Lupton, Todd and Sukkarieh, Salah},\n title = {Motion},\n journal = {T-RO}, volume = {28}, number = {1}, pages = {61--76}, year = {2012}, doi = {10.1/x}, annotation = {First.}\n}";
+        let mut faults = Faults::default();
+        let works = Bibliography::parse(source, &mut faults);
+        assert!(faults.is_empty(), "{}", faults.report());
+        let work = works.get("lupton2012").unwrap();
+        assert_eq!(work.short, "Lupton and Sukkarieh 2012");
+        assert_eq!(work.authors, "Lupton, T.; Sukkarieh, S.");
+        assert_eq!(work.place, "T-RO 28 (1), 61–76");
+    }
+}

@@ -1,0 +1,304 @@
+//! A chapter's Markdown as the blocks that the press cares about.
+//!
+//! Everything else stays text and reaches mdBook untouched.
+
+use crate::attributes::Attributes;
+
+/// A piece of a chapter that begins on a line of its own.
+#[derive(Debug, PartialEq)]
+pub struct Block {
+    /// The line it begins on, counted from 1.
+    pub line: usize,
+    /// The white space before it, kept so that blocks in lists stay in their lists.
+    pub indent: String,
+    /// The number that the book gives it, `1.2`; empty where it has none.
+    pub number: String,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// The kinds of blocks.
+#[derive(Debug, PartialEq)]
+pub enum Kind {
+    /// Prose and whatever else is passed on; inline marks in it are still to be resolved.
+    Text(String),
+    /// `## Title {#sec:label}`.
+    Heading { level: usize, title: String, attributes: Attributes },
+    /// `$$ … $$ {#eq:label}`.
+    Equation { tex: String, attributes: Attributes },
+    /// `![caption](chapter/name.svg){#fig:label alt="…"}`.
+    Figure { caption: String, path: String, attributes: Attributes },
+    /// A fenced code block: ```` ```language ```` or ```` ```{.language #lst:label caption="…"} ````.
+    Fence { language: String, attributes: Attributes, body: Vec<String> },
+    /// Code by indentation, which the book does not use.
+    IndentedCode(String),
+    /// `::: {.class}` or `::: class`.
+    Open(Attributes),
+    /// `:::`.
+    Close,
+    /// `- [ ] …`, or `- [x] …` for the right one, in a prediction.
+    Choice { right: bool, text: String },
+    /// Something that was opened and never closed, in a few words.
+    Unclosed(&'static str),
+}
+
+/// Splits a chapter into blocks.
+pub fn blocks(chapter: &str) -> Vec<Block> {
+    let mut reader = Reader { lines: chapter.lines().collect(), at: 0, blocks: Vec::new(), text: None };
+    while reader.at < reader.lines.len() {
+        reader.next_block();
+    }
+    reader.end_text();
+    reader.blocks
+}
+
+struct Reader<'a> {
+    lines: Vec<&'a str>,
+    at: usize,
+    blocks: Vec<Block>,
+    text: Option<(usize, String)>,
+}
+
+impl Reader<'_> {
+    fn next_block(&mut self) {
+        let line = self.lines[self.at];
+        let start = line.trim_start();
+        if start.starts_with("```") || start.starts_with("~~~") {
+            self.fence();
+        } else if start.starts_with("$$") {
+            self.equation();
+        } else if start.starts_with("![") {
+            self.figure();
+        } else if start.starts_with(":::") {
+            self.div();
+        } else if start.starts_with("<!--") {
+            self.comment();
+        } else if self.is_heading(line) {
+            self.heading();
+        } else if start.starts_with("- [ ] ") || start.starts_with("- [x] ") {
+            self.choice();
+        } else if line.starts_with("    ") && self.after_blank() && !self.in_list() {
+            let code = line.to_owned();
+            self.push(self.at, Kind::IndentedCode(code));
+            self.at += 1;
+        } else {
+            let text = self.text.get_or_insert((self.at, String::new()));
+            text.1.push_str(line);
+            text.1.push('\n');
+            self.at += 1;
+        }
+    }
+
+    fn push(&mut self, at: usize, kind: Kind) {
+        self.end_text();
+        let line = self.lines[at];
+        let indent = line[..line.len() - line.trim_start().len()].to_owned();
+        self.blocks.push(Block { line: at + 1, indent, number: String::new(), kind });
+    }
+
+    fn end_text(&mut self) {
+        if let Some((at, text)) = self.text.take() {
+            let (indent, number) = (String::new(), String::new());
+            self.blocks.push(Block { line: at + 1, indent, number, kind: Kind::Text(text) });
+        }
+    }
+
+    fn after_blank(&self) -> bool {
+        self.at == 0 || self.lines[self.at - 1].trim().is_empty()
+    }
+
+    /// Whether the text above at the margin is an item of a list, so that indentation continues it.
+    fn in_list(&self) -> bool {
+        let above = self.lines[..self.at].iter().rev();
+        let mut margin = above.filter(|line| !line.trim().is_empty() && !line.starts_with("  "));
+        margin.next().is_some_and(|line| {
+            let mark = line.trim_start_matches(|c: char| c.is_ascii_digit());
+            line.starts_with("- ") || line.starts_with("* ") || mark.starts_with(". ") || line.starts_with(": ")
+        })
+    }
+
+    fn is_heading(&self, line: &str) -> bool {
+        let marks = line.len() - line.trim_start_matches('#').len();
+        (1..=6).contains(&marks) && line[marks..].starts_with(' ')
+    }
+
+    fn heading(&mut self) {
+        let line = self.lines[self.at];
+        let level = line.len() - line.trim_start_matches('#').len();
+        let text = line[level..].trim();
+        let tail = text.rfind(" {").and_then(|at| Some((at, Attributes::parse(&text[at + 1..])?.0)));
+        let (title, attributes) = match tail {
+            Some((at, attributes)) => (text[..at].trim().to_owned(), attributes),
+            None => (text.to_owned(), Attributes::default()),
+        };
+        self.push(self.at, Kind::Heading { level, title, attributes });
+        self.at += 1;
+    }
+
+    fn fence(&mut self) {
+        let first = self.at;
+        let open = self.lines[first].trim_start();
+        let mark = &open[..open.len() - open.trim_start_matches(&open[..1]).len()];
+        let indent = self.lines[first].len() - open.len();
+        let ends = |line: &&str| line.trim().starts_with(mark) && line.trim().trim_start_matches(&mark[..1]).is_empty();
+        let Some(length) = self.lines[first + 1..].iter().position(ends) else {
+            self.push(first, Kind::Unclosed("a code block"));
+            self.at = self.lines.len();
+            return;
+        };
+        let body = self.lines[first + 1..first + 1 + length]
+            .iter()
+            .map(|line| line[(line.len() - line.trim_start().len()).min(indent)..].to_owned())
+            .collect();
+        let info = open[mark.len()..].trim();
+        let attributes = Attributes::parse(info).map(|(attributes, _)| attributes).unwrap_or_default();
+        let word = info.split([',', ' ', '{']).next().unwrap_or_default().to_owned();
+        let language = attributes.classes.first().cloned().unwrap_or(word);
+        self.push(first, Kind::Fence { language, attributes, body });
+        self.at = first + length + 2;
+    }
+
+    /// Joins lines from the current one until `end` finds where the block ends in the joined text.
+    fn take_until<T>(&mut self, end: impl Fn(&str) -> Option<T>) -> Option<T> {
+        let mut joined = String::new();
+        for (count, line) in self.lines[self.at..].iter().enumerate() {
+            if !joined.is_empty() {
+                joined.push('\n');
+            }
+            joined.push_str(line.trim());
+            if let Some(found) = end(&joined) {
+                self.at += count + 1;
+                return Some(found);
+            }
+            if line.trim().is_empty() {
+                break;
+            }
+        }
+        None
+    }
+
+    fn equation(&mut self) {
+        let first = self.at;
+        let found = self.take_until(|text| {
+            let body = text.strip_prefix("$$")?;
+            let end = body.find("$$")?;
+            let after = body[end + 2..].trim_start();
+            let (attributes, length) = match after.is_empty() {
+                true => (Attributes::default(), 0),
+                false => Attributes::parse(after)?,
+            };
+            let tex = body[..end].trim().to_owned();
+            after[length..].trim().is_empty().then_some(Kind::Equation { tex, attributes })
+        });
+        self.push_or_unclosed(first, found, "a display equation ($$ … $$ with nothing but attributes behind it)");
+    }
+
+    fn figure(&mut self) {
+        let first = self.at;
+        let found = self.take_until(|text| {
+            let (caption, after) = matching(text.strip_prefix('!')?, '[', ']')?;
+            let (path, after) = matching(after, '(', ')')?;
+            let (attributes, length) = Attributes::parse(after)?;
+            after[length..].trim().is_empty().then(|| Kind::Figure {
+                caption: caption.to_owned(),
+                path: path.to_owned(),
+                attributes,
+            })
+        });
+        self.push_or_unclosed(first, found, "a figure (![caption](chapter/name.svg){#fig:label alt=\"…\"})");
+    }
+
+    fn push_or_unclosed(&mut self, first: usize, found: Option<Kind>, what: &'static str) {
+        if found.is_none() {
+            self.at = first + 1;
+        }
+        self.push(first, found.unwrap_or(Kind::Unclosed(what)));
+    }
+
+    fn div(&mut self) {
+        let rest = self.lines[self.at].trim().trim_start_matches(':').trim();
+        let kind = match (rest, Attributes::parse(rest)) {
+            ("", _) => Kind::Close,
+            (_, Some((attributes, _))) => Kind::Open(attributes),
+            (class, None) => Kind::Open(Attributes { classes: vec![class.to_owned()], ..Attributes::default() }),
+        };
+        self.push(self.at, kind);
+        self.at += 1;
+    }
+
+    fn comment(&mut self) {
+        let first = self.at;
+        match self.lines[first..].iter().position(|line| line.contains("-->")) {
+            Some(length) => self.at = first + length + 1,
+            None => {
+                self.push(first, Kind::Unclosed("a comment"));
+                self.at = self.lines.len();
+            }
+        }
+    }
+
+    fn choice(&mut self) {
+        let first = self.at;
+        let start = self.lines[first].trim_start();
+        let right = start.starts_with("- [x]");
+        let mut text = start[6..].to_owned();
+        self.at += 1;
+        while let Some(line) = self.lines.get(self.at).filter(|line| line.starts_with("  ")) {
+            text.push(' ');
+            text.push_str(line.trim());
+            self.at += 1;
+        }
+        self.push(first, Kind::Choice { right, text });
+    }
+}
+
+/// The text between a pair of brackets at the start of `text`, and what follows the closing one.
+pub fn matching(text: &str, open: char, close: char) -> Option<(&str, &str)> {
+    let body = text.strip_prefix(open)?;
+    let mut depth = 1;
+    for (at, c) in body.char_indices() {
+        match c {
+            c if c == open => depth += 1,
+            c if c == close => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some((&body[..at], &body[at + close.len_utf8()..]));
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_keep_their_lines_and_indentation() {
+        let found = blocks("# Title {#sec:a}\n\ntext\n\n1. step\n\n   $$\n   a = b\n   $$ {#eq:ab}\n\nmore\n");
+        let kinds: Vec<_> = found.iter().map(|block| (block.line, block.indent.as_str())).collect();
+        assert_eq!(kinds, [(1, ""), (2, ""), (7, "   "), (10, "")]);
+        let Kind::Equation { tex, attributes } = &found[2].kind else { panic!("{:?}", found[2]) };
+        assert_eq!((tex.as_str(), attributes.id.as_str()), ("a = b", "eq:ab"));
+    }
+
+    #[test]
+    fn a_fence_hides_what_looks_like_a_block() {
+        let found = blocks("```text\n$$ x\n::: y\n```\n");
+        assert_eq!(found.len(), 1);
+    }
+
+    #[test]
+    fn a_caption_may_hold_brackets_and_span_lines() {
+        let found = blocks("![Rays [of two\ncameras](x) meet](bearing/rays.svg){#fig:rays\nalt=\"a b\"}\n");
+        let Kind::Figure { caption, path, attributes } = &found[0].kind else { panic!("{:?}", found[0]) };
+        assert_eq!(caption, "Rays [of two\ncameras](x) meet");
+        assert_eq!((path.as_str(), attributes.value("alt")), ("bearing/rays.svg", "a b"));
+    }
+
+    #[test]
+    fn an_equation_that_never_ends_is_reported_where_it_begins() {
+        let found = blocks("text\n$$ a\n\nmore\n");
+        assert!(matches!(found[1], Block { line: 2, kind: Kind::Unclosed(_), .. }));
+    }
+}

@@ -1,0 +1,211 @@
+//! What the program `exhibits` computed: checks, numbers, figures, records.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+use crate::fault::Faults;
+use crate::files;
+use crate::records::Record;
+use crate::settings::Layout;
+
+/// All that one chapter shows, as the program wrote it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Shown {
+    /// The chapter.
+    pub slug: String,
+    /// The checks of its equations.
+    pub equations: Vec<Check>,
+    /// Its numbers.
+    pub numbers: Vec<Number>,
+    /// Its figures.
+    pub figures: Vec<Drawing>,
+    /// The records it stands on.
+    pub records: Vec<Inputs>,
+}
+
+/// The outcome of the check of one equation.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Check {
+    /// The label of the equation, without `eq:`.
+    pub label: String,
+    /// The largest error; none when it is not a number.
+    pub worst: Option<f64>,
+    /// What the error may be at most.
+    pub tolerance: f64,
+    /// How many random states were compared.
+    pub states: usize,
+    /// What the equation was compared with.
+    pub against: String,
+    /// Why the check failed, if it did.
+    pub failure: Option<String>,
+    /// The wrong formulas that the check was tried on.
+    pub mutants: Vec<String>,
+    /// Those of them that it did not reject.
+    pub survivors: Vec<String>,
+    /// Where it is registered.
+    pub file: String,
+    /// The line of that.
+    pub line: usize,
+}
+
+/// A computed number.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Number {
+    /// Its name in the chapter.
+    pub name: String,
+    /// The number itself; none when it is not finite.
+    pub value: Option<f64>,
+    /// As it stands in prose, without its unit.
+    pub text: String,
+    /// Its unit, for the ledger.
+    pub unit: String,
+    /// Where it is computed.
+    pub file: String,
+    /// The line of that.
+    pub line: usize,
+}
+
+/// A drawn figure and its data.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Drawing {
+    /// Its name in the chapter; `<name>.svg` and `<name>.csv` lie beside.
+    pub name: String,
+    /// The headings of its data.
+    pub columns: Vec<String>,
+    /// The rows of its data.
+    pub rows: Vec<Vec<String>>,
+    /// Where it is drawn.
+    pub file: String,
+    /// The line of that.
+    pub line: usize,
+}
+
+/// What a record is made from.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Inputs {
+    /// The name of the record.
+    pub name: String,
+    /// Its inputs by name.
+    pub inputs: BTreeMap<String, String>,
+    /// Where it is made.
+    pub file: String,
+    /// The line of that.
+    pub line: usize,
+}
+
+/// All exhibits of the book.
+#[derive(Clone, Debug, Default)]
+pub struct Exhibits {
+    /// What each chapter shows, by slug.
+    pub chapters: BTreeMap<String, Shown>,
+    /// The accepted records, by name.
+    pub records: BTreeMap<String, Record>,
+    folder: PathBuf,
+}
+
+impl Exhibits {
+    /// Reads what the program wrote for the chapters `slugs`, and the records.
+    pub fn read(layout: &Layout, slugs: &[String]) -> Result<Exhibits> {
+        let folder = layout.exhibits();
+        let mut chapters = BTreeMap::new();
+        for slug in slugs {
+            let path = folder.join(slug).join("exhibits.json");
+            if let Some(text) = files::read_if_there(&path)? {
+                let shown: Shown = serde_json::from_str(&text).with_context(|| format!("{} is damaged: delete it and build again", path.display()))?;
+                chapters.insert(slug.clone(), shown);
+            }
+        }
+        Ok(Exhibits { chapters, records: Record::read_all(&layout.records())?, folder })
+    }
+
+    /// The check of an equation of a chapter.
+    pub fn check(&self, slug: &str, label: &str) -> Option<&Check> {
+        self.chapters.get(slug)?.equations.iter().find(|check| check.label == label)
+    }
+
+    /// The figure `chapter/name` and the folder it lies in.
+    pub fn drawing(&self, slug: &str, name: &str) -> Option<(&Drawing, PathBuf)> {
+        let drawing = self.chapters.get(slug)?.figures.iter().find(|figure| figure.name == name)?;
+        Some((drawing, self.folder.join(slug)))
+    }
+
+    /// The number `chapter.name` or `record.name` as text.
+    pub fn number(&self, name: &str) -> Option<(Option<f64>, &str)> {
+        let (owner, name) = name.split_once('.')?;
+        if let Some(shown) = self.chapters.get(owner) {
+            return shown.numbers.iter().find(|number| number.name == name).map(|number| (number.value, number.text.as_str()));
+        }
+        let value = self.records.get(owner)?.values.get(name)?;
+        Some((Some(value.value), value.text.as_str()))
+    }
+
+    /// The names of all numbers, with where they are made.
+    pub fn number_names(&self) -> Vec<(String, String, usize)> {
+        let computed = self.chapters.values().flat_map(|shown| {
+            shown.numbers.iter().map(|number| (format!("{}.{}", shown.slug, number.name), number.file.clone(), number.line))
+        });
+        let recorded = self.records.values().flat_map(|record| {
+            record.values.keys().map(|name| (format!("{}.{name}", record.name), record.file(), 0))
+        });
+        computed.chain(recorded).collect()
+    }
+
+    /// Checks that fail, mutants that survive, names that stand twice, records that do not fit their program.
+    pub fn faults(&self, root: &Path) -> Faults {
+        let mut faults = Faults::default();
+        for shown in self.chapters.values() {
+            for check in &shown.equations {
+                check_faults(root, &shown.slug, check, &mut faults);
+            }
+            for inputs in &shown.records {
+                self.record_faults(inputs, &mut faults);
+            }
+        }
+        for name in self.records.keys().filter(|name| self.chapters.contains_key(*name)) {
+            faults.add((&self.records[name].file(), 0), name, "a record has the name of a chapter, so its values cannot be told apart", "rename the record");
+        }
+        faults
+    }
+
+    fn record_faults(&self, made: &Inputs, faults: &mut Faults) {
+        let place = (made.file.as_str(), made.line);
+        let mend = format!("run `cargo book record {0}`, read what it shows, then `cargo book accept`", made.name);
+        match self.records.get(&made.name) {
+            None => faults.add(place, &made.name, "this record was never made", mend),
+            Some(record) if record.inputs != made.inputs => {
+                faults.add(place, &made.name, "the record was made from other inputs than the program has now", mend);
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+fn check_faults(root: &Path, slug: &str, check: &Check, faults: &mut Faults) {
+    let place = (check.file.as_str(), check.line);
+    let label = format!("eq:{}", check.label);
+    if let Some(failure) = &check.failure {
+        faults.add(place, &label, format!("the check fails: {failure}"), "find out which is wrong, the equation, the library or the check, and mend that one");
+    }
+    for survivor in &check.survivors {
+        faults.add(place, &label, format!("the check does not notice the wrong formula “{survivor}”"), "compare with something that tells the two apart, or tighten the tolerance");
+    }
+    if check.mutants.is_empty() {
+        faults.add(place, &label, "the check was tried on no wrong formula", "give it mutants: a sign, a transpose, a wrong frame, a dropped term");
+    }
+    if check_function(root, slug, &check.label).is_none() {
+        let name = check.label.replace('-', "_");
+        faults.add(place, &label, format!("exhibits/src/{slug}.rs has no function `{name}`"), "name the check's function after the label of its equation");
+    }
+}
+
+/// The file and line of the function that checks an equation.
+pub fn check_function(root: &Path, slug: &str, label: &str) -> Option<(String, usize)> {
+    let head = format!("fn {}(", label.replace('-', "_"));
+    let file = format!("exhibits/src/{slug}.rs");
+    let source = files::read_if_there(&root.join(&file)).ok()??;
+    let line = source.lines().position(|line| line.trim_start().trim_start_matches("pub ").starts_with(&head))?;
+    Some((file, line + 1))
+}

@@ -1,0 +1,256 @@
+//! Mathematics: every formula is tried before the pages are made, rendered by mdbook-katex, and then
+//! guarded against the Markdown parser that reads it next.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use anyhow::{Result, bail};
+use katex::Opts;
+use mdbook_katex::cfg::{KatexConfig, get_config};
+use mdbook_katex::preprocess::KatexProcessor;
+use mdbook_preprocessor::book::{Book, BookItem, Chapter};
+use mdbook_preprocessor::config::Config;
+use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
+use rayon::prelude::*;
+use regex::{Captures, Regex};
+use sha2::{Digest, Sha256};
+
+use crate::fault::Faults;
+use crate::files;
+use crate::records::hex;
+
+/// A formula and where it stands.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// The file.
+    pub file: String,
+    /// The line its TeX begins on.
+    pub line: usize,
+    /// The label of its equation, or nothing.
+    pub label: String,
+    /// The TeX, with its numbers filled in.
+    pub tex: String,
+    /// Whether it is displayed or runs with the text.
+    pub display: bool,
+}
+
+/// Finds the formulas that KaTeX rejects. Those known to be good from an earlier build are not tried again.
+pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], faults: &mut Faults) -> Result<()> {
+    let settings = katex_settings(root, config, faults)?;
+    let Some(settings) = settings else { return Ok(()) };
+    let (inline, display) = settings.build_opts(root);
+    let salt = format!("{}\n{:?}", katex::KATEX_VERSION, macros(root, &settings)?);
+    let known_path = work.join("formulas");
+    let known_text = files::read_if_there(&known_path)?.unwrap_or_default();
+    let known: HashSet<&str> = known_text.lines().collect();
+    let tried: Vec<(String, Option<String>)> = formulas
+        .par_iter()
+        .map(|formula| {
+            let key = hex(&Sha256::digest(format!("{salt}\n{}\n{}", formula.display, formula.tex)));
+            if known.contains(key.as_str()) {
+                return (key, None);
+            }
+            let options = if formula.display { &display } else { &inline };
+            (key, rejection(&formula.tex, options))
+        })
+        .collect();
+    let mut good: Vec<&str> = Vec::new();
+    for (formula, (key, rejected)) in formulas.iter().zip(&tried) {
+        match rejected {
+            None => good.push(key),
+            Some(reason) => {
+                let line = formula.line + line_of(&formula.tex, reason);
+                faults.add((&formula.file, line), &formula.label, format!("KaTeX rejects the formula: {reason}"), "mend the TeX; katex.org/docs/supported lists what KaTeX knows");
+            }
+        }
+    }
+    good.sort();
+    good.dedup();
+    files::write(&known_path, good.join("\n").as_bytes())
+}
+
+fn rejection(tex: &str, options: &Opts) -> Option<String> {
+    let error = katex::render_with_opts(tex, options).err()?.to_string();
+    let reason = error.split("ParseError:").last().unwrap_or(&error);
+    Some(reason.split("\n    at").next().unwrap_or(reason).trim().trim_start_matches("KaTeX parse error:").trim().to_owned())
+}
+
+/// How many lines below its first one a formula fails, from the position in KaTeX's message.
+fn line_of(tex: &str, reason: &str) -> usize {
+    static POSITION: LazyLock<Regex> = LazyLock::new(|| Regex::new(r"at position (\d+)").expect("a valid pattern"));
+    let position = POSITION.captures(reason).and_then(|found| found[1].parse::<usize>().ok()).unwrap_or(1);
+    tex.chars().take(position.saturating_sub(1)).filter(|&c| c == '\n').count()
+}
+
+/// The settings of mdbook-katex, which itself turns what it cannot read into its defaults, and those ask
+/// another host for a stylesheet.
+fn katex_settings(root: &Path, config: &Config, faults: &mut Faults) -> Result<Option<KatexConfig>> {
+    let place = ("book.toml", 0);
+    let table = config.get::<toml::Value>("preprocessor.katex")?;
+    let Some(table) = table else {
+        faults.add(place, "", "there is no table [preprocessor.katex]", "add it, with no-css = true");
+        return Ok(None);
+    };
+    if let Err(error) = table.try_into::<KatexConfig>() {
+        faults.add(place, "", format!("[preprocessor.katex] cannot be read: {error}"), "mend that setting");
+        return Ok(None);
+    }
+    let settings = get_config(config)?;
+    if !settings.no_css {
+        faults.add(place, "", "[preprocessor.katex] would ask another host for a stylesheet", "set no-css = true; the theme brings KaTeX's style and fonts");
+    }
+    let lines = macros(root, &settings)?;
+    for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with('\\') && !line.contains(':')) {
+        let file = settings.macros.clone().unwrap_or_default();
+        faults.add((&file, at + 1), line, "a macro without a colon", r"write it as \name:{body}");
+        return Ok(None);
+    }
+    Ok(Some(settings))
+}
+
+fn macros(root: &Path, settings: &KatexConfig) -> Result<Vec<String>> {
+    let Some(path) = &settings.macros else { return Ok(Vec::new()) };
+    Ok(files::read(&root.join(path))?.lines().map(str::to_owned).collect())
+}
+
+/// mdbook-katex, which remembers the chapters it has rendered.
+///
+/// A formula takes a few milliseconds and a book has thousands: a saved chapter must not wait for all others.
+pub struct RememberingKatex {
+    folder: PathBuf,
+}
+
+impl RememberingKatex {
+    /// Remembers in this folder.
+    pub fn new(work: &Path) -> RememberingKatex {
+        RememberingKatex { folder: work.join("katex") }
+    }
+
+    fn render(&self, context: &PreprocessorContext, salt: &str, chapter: &mut Chapter) -> Result<PathBuf> {
+        let key = hex(&Sha256::digest(format!("{salt}\n{}", chapter.content)));
+        let path = self.folder.join(key);
+        chapter.content = match files::read_if_there(&path)? {
+            Some(content) => content,
+            None => {
+                let alone = Book::new_with_items(vec![BookItem::Chapter(Chapter { sub_items: Vec::new(), ..chapter.clone() })]);
+                let rendered = KatexProcessor.run(context, alone)?;
+                let Some(BookItem::Chapter(rendered)) = rendered.items.into_iter().next() else {
+                    bail!("mdbook-katex lost the chapter {}", chapter.name);
+                };
+                files::write(&path, rendered.content.as_bytes())?;
+                rendered.content
+            }
+        };
+        Ok(path)
+    }
+}
+
+impl Preprocessor for RememberingKatex {
+    fn name(&self) -> &str {
+        "katex"
+    }
+
+    fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
+        let settings = get_config(&context.config)?;
+        let salt = format!("{settings:?}\n{:?}", macros(&context.root, &settings)?);
+        let mut result = Ok(());
+        let mut fresh = HashSet::new();
+        book.for_each_chapter_mut(|chapter| {
+            if result.is_ok() && chapter.content.contains('$') {
+                match self.render(context, &salt, chapter) {
+                    Ok(path) => drop(fresh.insert(path)),
+                    Err(error) => result = Err(error),
+                }
+            }
+        });
+        result?;
+        for stale in files::below(&self.folder)?.iter().map(|file| self.folder.join(file)).filter(|path| !fresh.contains(path)) {
+            files::remove(&stale)?;
+        }
+        Ok(book)
+    }
+}
+
+/// Runs after KaTeX and keeps the Markdown parser away from what it made.
+pub struct Guard;
+
+impl Preprocessor for Guard {
+    fn name(&self) -> &str {
+        "guard"
+    }
+
+    fn run(&self, _: &PreprocessorContext, mut book: Book) -> Result<Book> {
+        book.for_each_chapter_mut(|chapter| chapter.content = guarded(&chapter.content));
+        Ok(book)
+    }
+}
+
+/// Escapes, in the text of each formula, what Markdown would take for its own marks, and drops the TeX
+/// that KaTeX encloses, which would otherwise turn up in the search.
+fn guarded(content: &str) -> String {
+    static ANNOTATION: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"(?s)<annotation[^>]*>.*?</annotation>").expect("a valid pattern"));
+    static TEXT: LazyLock<Regex> = LazyLock::new(|| Regex::new(r">[^<]+<").expect("a valid pattern"));
+    let escape = |found: &Captures<'_>| {
+        found[0].chars().fold(String::new(), |mut out, c| {
+            match c {
+                '\\' | '`' | '*' | '_' | '[' | ']' | '~' | '|' | '!' | '$' | '{' | '}' | '^' | '\'' | '"' => {
+                    out.push_str(&format!("&#{};", u32::from(c)));
+                }
+                c => out.push(c),
+            }
+            out
+        })
+    };
+    let mut out = String::with_capacity(content.len());
+    let mut rest = content;
+    while let Some(start) = rest.find("<span class=\"katex") {
+        let end = start + span_length(&rest[start..]);
+        out.push_str(&rest[..start]);
+        let formula = ANNOTATION.replace_all(&rest[start..end], "");
+        out.push_str(&TEXT.replace_all(&formula, escape));
+        rest = &rest[end..];
+    }
+    out.push_str(rest);
+    out
+}
+
+/// The length of the element `span` at the start of `html`.
+fn span_length(html: &str) -> usize {
+    let mut depth = 0_usize;
+    let mut at = 0;
+    while let Some(found) = html[at..].find('<') {
+        at += found;
+        if html[at..].starts_with("<span") {
+            depth += 1;
+        } else if html[at..].starts_with("</span>") {
+            depth -= 1;
+            if depth == 0 {
+                return at + "</span>".len();
+            }
+        }
+        at += 1;
+    }
+    html.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_text_of_a_formula_is_escaped_and_its_tex_is_dropped() {
+        let formula = r#"a* <span class="katex"><span class="m">~x_1|</span><annotation encoding="application/x-tex">\tilde</annotation></span> b*"#;
+        assert_eq!(
+            guarded(formula),
+            r#"a* <span class="katex"><span class="m">&#126;x&#95;1&#124;</span></span> b*"#
+        );
+    }
+
+    #[test]
+    fn the_line_of_an_error_is_counted_in_the_formula() {
+        assert_eq!(line_of("a\n\\b\nc", "Undefined control sequence: \\b at position 3: …"), 1);
+        assert_eq!(line_of("a", "no position"), 0);
+    }
+}

@@ -1,0 +1,205 @@
+//! The marks inside a paragraph: references, citations, computed values, mathematics, code.
+
+use crate::attributes::Attributes;
+use crate::blocks::matching;
+
+/// A piece of a paragraph, with the byte at which it begins.
+#[derive(Debug, PartialEq)]
+pub struct Token<'a> {
+    /// Offset in the paragraph.
+    pub at: usize,
+    /// What it is.
+    pub mark: Mark<'a>,
+}
+
+/// The marks of a paragraph.
+#[derive(Debug, PartialEq)]
+pub enum Mark<'a> {
+    /// Text that is passed on.
+    Plain(&'a str),
+    /// A code span with its backticks.
+    Code(&'a str),
+    /// The TeX between two dollar signs.
+    Math(&'a str),
+    /// `{{value chapter.name}}`.
+    Value(&'a str),
+    /// Any other `{{…}}`.
+    Directive(&'a str),
+    /// `@eq:label`, or `[-@eq:label]` for the number alone.
+    Reference { label: &'a str, bare: bool },
+    /// `[@key; @other]`, or `@key` as part of the sentence.
+    Citation { keys: Vec<&'a str>, narrative: bool },
+    /// `[text]{.class}`.
+    Span { text: &'a str, attributes: Attributes },
+    /// A dollar sign that begins mathematics which never ends.
+    UnclosedMath,
+    /// `$$` in the middle of a paragraph.
+    MisplacedDisplay,
+}
+
+/// The kinds of labels that can be referred to.
+pub const LABEL_KINDS: [&str; 5] = ["eq:", "fig:", "lst:", "sec:", "thm:"];
+
+/// Splits a paragraph into its marks.
+pub fn tokens(text: &str) -> Vec<Token<'_>> {
+    let mut tokens = Vec::new();
+    let mut plain = 0;
+    let mut at = 0;
+    while at < text.len() {
+        let (mark, length) = match mark(text, at) {
+            Some(found) => found,
+            None => {
+                at += step(&text[at..]);
+                continue;
+            }
+        };
+        if plain < at {
+            tokens.push(Token { at: plain, mark: Mark::Plain(&text[plain..at]) });
+        }
+        tokens.push(Token { at, mark });
+        at += length;
+        plain = at;
+    }
+    if plain < text.len() {
+        tokens.push(Token { at: plain, mark: Mark::Plain(&text[plain..]) });
+    }
+    tokens
+}
+
+/// The bytes to pass over where no mark begins: an escaped character counts as one step.
+fn step(rest: &str) -> usize {
+    let mut characters = rest.chars();
+    let first = characters.next().map_or(1, char::len_utf8);
+    match rest.starts_with('\\') {
+        true => first + characters.next().map_or(0, char::len_utf8),
+        false => first,
+    }
+}
+
+fn mark(text: &str, at: usize) -> Option<(Mark<'_>, usize)> {
+    let rest = &text[at..];
+    match rest.as_bytes()[0] {
+        b'`' => code(rest),
+        b'$' => Some(math(rest)),
+        b'{' => braces(rest),
+        b'[' => bracket(rest),
+        b'@' if !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.') => at_sign(rest),
+        _ => None,
+    }
+}
+
+fn code(rest: &str) -> Option<(Mark<'_>, usize)> {
+    let ticks = rest.len() - rest.trim_start_matches('`').len();
+    let fence = &rest[..ticks];
+    let mut from = ticks;
+    while let Some(found) = rest[from..].find(fence) {
+        let end = from + found + ticks;
+        if !rest[end..].starts_with('`') {
+            return Some((Mark::Code(&rest[..end]), end));
+        }
+        from = end + (rest[end..].len() - rest[end..].trim_start_matches('`').len());
+    }
+    Some((Mark::Plain(fence), ticks))
+}
+
+fn math(rest: &str) -> (Mark<'_>, usize) {
+    if rest.starts_with("$$") {
+        return (Mark::MisplacedDisplay, 2);
+    }
+    let body = &rest[1..];
+    let paragraph = body.find("\n\n").unwrap_or(body.len());
+    let mut from = 0;
+    while let Some(found) = body[from..paragraph].find('$') {
+        let end = from + found;
+        let slashes = body[..end].len() - body[..end].trim_end_matches('\\').len();
+        if slashes % 2 == 0 {
+            return (Mark::Math(&body[..end]), end + 2);
+        }
+        from = end + 1;
+    }
+    (Mark::UnclosedMath, 1)
+}
+
+fn braces(rest: &str) -> Option<(Mark<'_>, usize)> {
+    let body = rest.strip_prefix("{{")?;
+    let end = body.find("}}")?;
+    let inside = body[..end].trim();
+    let mark = match inside.strip_prefix("value ") {
+        Some(name) => Mark::Value(name.trim()),
+        None => Mark::Directive(inside),
+    };
+    Some((mark, end + 4))
+}
+
+fn bracket(rest: &str) -> Option<(Mark<'_>, usize)> {
+    let (inside, after) = matching(rest, '[', ']')?;
+    let length = rest.len() - after.len();
+    if let Some(label) = inside.strip_prefix("-@") {
+        return Some((Mark::Reference { label, bare: true }, length));
+    }
+    if inside.starts_with('@') && !LABEL_KINDS.iter().any(|kind| inside[1..].starts_with(kind)) {
+        let keys = inside.split(';').map(|key| key.trim().trim_start_matches('@')).collect();
+        return Some((Mark::Citation { keys, narrative: false }, length));
+    }
+    let (attributes, taken) = Attributes::parse(after)?;
+    Some((Mark::Span { text: inside, attributes }, length + taken))
+}
+
+fn at_sign(rest: &str) -> Option<(Mark<'_>, usize)> {
+    let body = &rest[1..];
+    let word = |text: &str| {
+        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')).unwrap_or(text.len());
+        text[..end].trim_end_matches(['-', '_']).len()
+    };
+    for kind in LABEL_KINDS {
+        if let Some(name) = body.strip_prefix(kind) {
+            let length = kind.len() + word(name);
+            return Some((Mark::Reference { label: &body[..length], bare: false }, length + 1));
+        }
+    }
+    let length = word(body);
+    (length > 0).then(|| (Mark::Citation { keys: vec![&body[..length]], narrative: true }, length + 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn marks(text: &str) -> Vec<Mark<'_>> {
+        tokens(text).into_iter().map(|token| token.mark).collect()
+    }
+
+    #[test]
+    fn references_citations_and_values_are_found() {
+        assert_eq!(
+            marks("By @eq:pose-block, see [@forster2017; @triggs2000]."),
+            [
+                Mark::Plain("By "),
+                Mark::Reference { label: "eq:pose-block", bare: false },
+                Mark::Plain(", see "),
+                Mark::Citation { keys: vec!["forster2017", "triggs2000"], narrative: false },
+                Mark::Plain("."),
+            ]
+        );
+        assert_eq!(marks("{{value bearing.fx}}"), [Mark::Value("bearing.fx")]);
+        assert_eq!(marks("[-@fig:rays]"), [Mark::Reference { label: "fig:rays", bare: true }]);
+    }
+
+    #[test]
+    fn code_and_mathematics_hide_marks() {
+        assert_eq!(marks("``@eq:a ` b``"), [Mark::Code("``@eq:a ` b``")]);
+        assert_eq!(marks(r"$a_\$ @x$"), [Mark::Math(r"a_\$ @x")]);
+        assert_eq!(marks(r"\$5 and \@x"), [Mark::Plain(r"\$5 and \@x")]);
+    }
+
+    #[test]
+    fn a_span_may_hold_mathematics_with_brackets() {
+        let found = marks("[the skew $[t]_\\times$]{.estimated}");
+        assert!(matches!(&found[..], [Mark::Span { text: "the skew $[t]_\\times$", .. }]), "{found:?}");
+    }
+
+    #[test]
+    fn an_address_is_not_a_citation() {
+        assert_eq!(marks("me@example.org"), [Mark::Plain("me@example.org")]);
+    }
+}

@@ -1,0 +1,30 @@
+//! The press: it builds the book with mdBook, and the build fails when the book says what no program does.
+//!
+//! [`make`] is the whole; [`preprocess`] the preprocessor; [`fault`] what both find.
+
+pub mod accept;
+pub mod accepted;
+pub mod attributes;
+pub mod bibliography;
+pub mod blocks;
+pub mod emit;
+pub mod exhibits;
+pub mod fault;
+pub mod files;
+pub mod formulas;
+pub mod inline;
+pub mod ledger;
+pub mod links;
+pub mod lint;
+pub mod listing;
+pub mod make;
+pub mod pages;
+pub mod preprocess;
+pub mod program;
+pub mod prose;
+pub mod records;
+pub mod serve;
+pub mod settings;
+pub mod sources;
+pub mod steps;
+pub mod warnings;

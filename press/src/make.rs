@@ -1,0 +1,100 @@
+//! Makes the book: exhibits, pages, links.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::{Context, Result, anyhow};
+use mdbook_driver::MDBook;
+
+use crate::fault::Faults;
+use crate::files;
+use crate::formulas::{Guard, RememberingKatex};
+use crate::links;
+use crate::preprocess::Press;
+use crate::program::Program;
+use crate::settings::{Layout, Settings};
+use crate::steps::Steps;
+use crate::warnings::Warnings;
+
+/// What every build of the book needs.
+#[derive(Clone)]
+pub struct Maker {
+    /// Where things lie.
+    pub layout: Layout,
+    /// How to tell what goes on.
+    pub steps: Steps,
+    /// What mdBook and its helpers warn of.
+    pub warnings: Warnings,
+}
+
+impl Maker {
+    /// Builds the book into a folder and gives the faults found on the way.
+    ///
+    /// # Errors
+    /// What keeps the pages from being made at all: exhibits that do not compile, a damaged `book.toml`, a folder
+    /// that cannot be written.
+    pub fn build(&self, site: &Path, live_reload: Option<&str>) -> Result<Faults> {
+        self.refresh_exhibits()?;
+        let faults = Arc::new(Mutex::new(Faults::default()));
+        self.steps.step("pages", || self.render(site, live_reload, &faults))?;
+        let mut faults = std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
+        faults.extend(self.warnings.take());
+        faults.extend(self.steps.step("links", || links::faults(site, &self.layout.src()))?);
+        Ok(faults)
+    }
+
+    /// Computes the exhibits of the chapters whose inputs changed.
+    pub fn refresh_exhibits(&self) -> Result<()> {
+        let settings = Settings::read(&self.layout.root)?;
+        let program = Program::new(&self.layout, &settings)?;
+        program.forget_others()?;
+        let stale = program.stale()?;
+        if stale.is_empty() {
+            return Ok(());
+        }
+        let executable = self.steps.step("compiling the exhibits", || program.compile())?;
+        self.steps.counted("computing the exhibits", stale.len() as u64, |bar| {
+            stale.iter().try_for_each(|slug| {
+                bar.set_message(format!("computing the exhibits of {slug}"));
+                program.run(&executable, slug)?;
+                bar.inc(1);
+                Ok(())
+            })
+        })
+    }
+
+    /// Makes a record with the program.
+    pub fn make_record(&self, name: &str) -> Result<crate::records::Made> {
+        let settings = Settings::read(&self.layout.root)?;
+        let program = Program::new(&self.layout, &settings)?;
+        let executable = self.steps.step("compiling the exhibits", || program.compile())?;
+        self.steps.step(&format!("making the record {name}"), || program.record(&executable, name))
+    }
+
+    fn render(&self, site: &Path, live_reload: Option<&str>, faults: &Arc<Mutex<Faults>>) -> Result<()> {
+        let mut book = MDBook::load(&self.layout.root).map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")?;
+        book.config.build.build_dir = absolute(site)?;
+        book.config.build.create_missing = false;
+        if let Some(endpoint) = live_reload {
+            book.config.set("output.html.live-reload-endpoint", endpoint)?;
+        }
+        book.with_preprocessor(Press::new(self.layout.clone(), faults.clone()));
+        book.with_preprocessor(RememberingKatex::new(&self.layout.work()));
+        book.with_preprocessor(Guard);
+        book.build().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot make the pages")
+    }
+
+    /// Builds into `book/`, which is replaced only when nothing is wrong.
+    pub fn build_book(&self) -> Result<Faults> {
+        let site = self.layout.work().join("site");
+        let faults = self.build(&site, None)?;
+        if faults.is_empty() {
+            files::replace_folder(&site, &self.layout.root.join("book"))?;
+        }
+        Ok(faults)
+    }
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).with_context(|| format!("{} is not a path", path.display()))
+}

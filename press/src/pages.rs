@@ -1,0 +1,151 @@
+//! The chapters of the book, and what their labels stand for.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use mdbook_preprocessor::book::{Book, BookItem};
+
+use crate::blocks::{Block, Kind, blocks};
+use crate::fault::Faults;
+
+/// A chapter of the book.
+#[derive(Debug)]
+pub struct Page {
+    /// The file as faults name it: `src/bearing.md`.
+    pub file: String,
+    /// The file relative to `src`.
+    pub path: PathBuf,
+    /// The word that leads to everything of this chapter.
+    pub slug: String,
+    /// `2`, or nothing for chapters outside the count.
+    pub number: Option<String>,
+    /// What it says.
+    pub blocks: Vec<Block>,
+}
+
+impl Page {
+    /// The chapters of a book that have a file, in reading order.
+    pub fn all(book: &Book) -> Vec<Page> {
+        let chapter = |item: &BookItem| match item {
+            BookItem::Chapter(chapter) => {
+                let path = chapter.source_path.clone()?;
+                let mut page = Page {
+                    file: format!("src/{}", slashed(&path)),
+                    slug: path.file_stem()?.to_str()?.to_owned(),
+                    number: chapter.number.as_ref().map(|number| number.to_string().trim_end_matches('.').to_owned()),
+                    blocks: blocks(&chapter.content),
+                    path,
+                };
+                page.number_blocks();
+                Some(page)
+            }
+            _ => None,
+        };
+        book.iter().filter_map(chapter).collect()
+    }
+
+    fn number_blocks(&mut self) {
+        let Some(chapter) = &self.number else { return };
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for block in &mut self.blocks {
+            let Some(kind) = counted(&block.kind) else { continue };
+            let count = counts.entry(kind).or_default();
+            *count += 1;
+            block.number = format!("{chapter}.{count}");
+        }
+    }
+
+    /// The way from this page to a file in `src`.
+    pub fn way_to(&self, path: &Path) -> String {
+        let depth = self.path.components().count() - 1;
+        format!("{}{}", "../".repeat(depth), slashed(path))
+    }
+}
+
+/// What a block is counted as, if it is counted.
+fn counted(kind: &Kind) -> Option<&'static str> {
+    let (attributes, counted) = match kind {
+        Kind::Heading { level: 2, .. } => return Some("sec:"),
+        Kind::Equation { attributes, .. } => (attributes, "eq:"),
+        Kind::Figure { attributes, .. } => (attributes, "fig:"),
+        Kind::Fence { attributes, .. } => (attributes, "lst:"),
+        Kind::Open(attributes) => (attributes, "thm:"),
+        _ => return None,
+    };
+    attributes.id.starts_with(counted).then_some(counted)
+}
+
+/// The label of a block and its title.
+fn label(kind: &Kind) -> Option<(&str, &str)> {
+    let (attributes, title) = match kind {
+        Kind::Heading { title, attributes, .. } => (attributes, title.as_str()),
+        Kind::Equation { attributes, .. } | Kind::Figure { attributes, .. } | Kind::Fence { attributes, .. } => (attributes, ""),
+        Kind::Open(attributes) => (attributes, attributes.value("title")),
+        _ => return None,
+    };
+    (!attributes.id.is_empty()).then_some((attributes.id.as_str(), title))
+}
+
+/// A path with the slashes of the web.
+pub fn slashed(path: &Path) -> String {
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+/// What a label stands for.
+#[derive(Debug)]
+pub struct Target {
+    /// The page it stands on.
+    pub path: PathBuf,
+    /// The line it stands on.
+    pub line: usize,
+    /// `1.2`; empty for what has no number.
+    pub number: String,
+    /// The title, for sections and theorems.
+    pub title: String,
+    /// Whether it is the title of a whole chapter.
+    pub chapter: bool,
+}
+
+/// All labels of the book.
+#[derive(Debug, Default)]
+pub struct Labels(BTreeMap<String, Target>);
+
+impl Labels {
+    /// Collects the labels of all pages; one that stands twice is a fault.
+    pub fn collect(pages: &[Page], faults: &mut Faults) -> Labels {
+        let mut labels = Labels::default();
+        for page in pages {
+            for block in &page.blocks {
+                if let Some((label, title)) = label(&block.kind) {
+                    let chapter = matches!(block.kind, Kind::Heading { level: 1, .. });
+                    let number = if chapter { page.number.clone().unwrap_or_default() } else { block.number.clone() };
+                    let target = Target { path: page.path.clone(), line: block.line, number, title: title.to_owned(), chapter };
+                    labels.insert(page, label, target, faults);
+                }
+            }
+        }
+        labels
+    }
+
+    /// What a label stands for.
+    pub fn get(&self, label: &str) -> Option<&Target> {
+        self.0.get(label)
+    }
+
+    /// The labels that resemble one that is not there.
+    pub fn like(&self, label: &str) -> Option<&str> {
+        let likeness = |known: &str| similar::TextDiff::from_chars(known, label).ratio();
+        let known = self.0.keys().map(|known| (known, likeness(known)));
+        known.filter(|(_, ratio)| *ratio > 0.7).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(known, _)| known.as_str())
+    }
+
+    fn insert(&mut self, page: &Page, label: &str, target: Target, faults: &mut Faults) {
+        match self.0.get(label) {
+            Some(first) => {
+                let problem = format!("the label is taken: src/{}:{} has it", slashed(&first.path), first.line);
+                faults.add((&page.file, target.line), label, problem, "choose another label");
+            }
+            None => drop(self.0.insert(label.to_owned(), target)),
+        }
+    }
+}

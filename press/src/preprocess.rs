@@ -1,0 +1,147 @@
+//! The preprocessor that keeps the promises of the book.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::Result;
+use mdbook_preprocessor::book::Book;
+use mdbook_preprocessor::config::Config;
+use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
+
+use crate::accepted::Accepted;
+use crate::bibliography::{self, Bibliography};
+use crate::blocks::Kind;
+use crate::emit::Emitter;
+use crate::exhibits::Exhibits;
+use crate::fault::Faults;
+use crate::files;
+use crate::formulas;
+use crate::ledger;
+use crate::lint::Lint;
+use crate::pages::{Labels, Page};
+use crate::prose::{Found, Known};
+use crate::settings::{Layout, Settings};
+use crate::sources;
+
+/// Resolves labels, numbers, figures and listings, and finds what the book says and no program does.
+///
+/// Faults do not stop it: it gathers them for whoever runs it.
+pub struct Press {
+    layout: Layout,
+    faults: Arc<Mutex<Faults>>,
+}
+
+impl Press {
+    /// A press for the book in `layout`, which adds what it finds to `faults`.
+    pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>) -> Press {
+        Press { layout, faults }
+    }
+}
+
+impl Preprocessor for Press {
+    fn name(&self) -> &str {
+        "press"
+    }
+
+    fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
+        let faults = press(&self.layout, &context.config, &mut book)?;
+        self.faults.lock().unwrap_or_else(PoisonError::into_inner).extend(faults);
+        Ok(book)
+    }
+}
+
+/// Presses all chapters of a book.
+fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
+    let settings = Settings::read(&layout.root)?;
+    let pages = Page::all(book);
+    let mut faults = Faults::default();
+    let labels = Labels::collect(&pages, &mut faults);
+    let slugs: Vec<String> = pages.iter().map(|page| page.slug.clone()).collect();
+    let exhibits = Exhibits::read(layout, &slugs)?;
+    let works = files::read_if_there(&layout.root.join(bibliography::FILE))?.unwrap_or_default();
+    let bibliography = Bibliography::parse(&works, &mut faults);
+    faults.extend(exhibits.faults(&layout.root));
+    let known = Known { labels: &labels, exhibits: &exhibits, bibliography: &bibliography };
+    let mut found = Found {
+        faults,
+        formulas: Vec::new(),
+        values: BTreeMap::new(),
+        figures: BTreeSet::new(),
+        citations: BTreeMap::new(),
+        sources: BTreeSet::new(),
+        generated: BTreeMap::new(),
+        lint: Lint::new(&settings.allow),
+    };
+    let mut contents = BTreeMap::new();
+    for page in &pages {
+        let accepted = Accepted::read(&layout.accepted(&page.slug))?;
+        contents.insert(page.path.clone(), Emitter::new(page, &known, &settings, layout, &accepted, &mut found).emit());
+    }
+    for page in &pages {
+        if let Some(content) = contents.get_mut(&page.path) {
+            if content.contains("{{ledger}}") {
+                *content = content.replace("{{ledger}}", &ledger::ledger(page, &pages, &layout.root, &known, &mut found));
+            }
+            if content.contains("{{bibliography}}") {
+                *content = content.replace("{{bibliography}}", &ledger::bibliography(page, &known, &found));
+            }
+        }
+    }
+    book.for_each_chapter_mut(|chapter| {
+        if let Some(content) = chapter.source_path.as_ref().and_then(|path| contents.remove(path)) {
+            chapter.content = content;
+        }
+    });
+    unused(&pages, &exhibits, &mut found);
+    found.lint.finish(&mut found.faults);
+    formulas::try_all(&layout.root, config, &layout.work(), &found.formulas, &mut found.faults)?;
+    write_generated(layout, &mut found)?;
+    Ok(found.faults)
+}
+
+/// What the program makes and no chapter shows.
+fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
+    for (name, file, line) in exhibits.number_names() {
+        if !found.values.contains_key(&name) {
+            found.faults.add((&file, line), &name, "no chapter uses this number", format!("write {{{{value {name}}}}} where it belongs, or remove it"));
+        }
+    }
+    for shown in exhibits.chapters.values() {
+        for figure in &shown.figures {
+            let name = format!("{}/{}", shown.slug, figure.name);
+            if !found.figures.contains(&name) {
+                found.faults.add((&figure.file, figure.line), &name, "no chapter shows this figure", "show it, or remove it");
+            }
+        }
+        let labels: BTreeSet<&str> = pages
+            .iter()
+            .filter(|page| page.slug == shown.slug)
+            .flat_map(|page| &page.blocks)
+            .filter_map(|block| match &block.kind {
+                Kind::Equation { attributes, .. } => attributes.id.strip_prefix("eq:"),
+                _ => None,
+            })
+            .collect();
+        for check in shown.equations.iter().filter(|check| !labels.contains(check.label.as_str())) {
+            let problem = format!("src/{}.md has no equation that this checks", shown.slug);
+            found.faults.add((&check.file, check.line), format!("eq:{}", check.label), problem, "label the equation, or remove the check");
+        }
+    }
+}
+
+/// Writes data and source pages for mdBook to copy, and removes those of earlier builds.
+fn write_generated(layout: &Layout, found: &mut Found<'_>) -> Result<()> {
+    let mut made = std::mem::take(&mut found.generated);
+    for file in &found.sources {
+        let source = files::read(&layout.root.join(file))?;
+        made.insert(format!("source/{file}.html").into(), sources::page(file, &source).into_bytes());
+    }
+    let folder = layout.generated();
+    for (path, content) in &made {
+        files::write(&folder.join(path), content)?;
+    }
+    for stale in files::below(&folder)?.iter().filter(|path| !made.contains_key(*path)) {
+        files::remove(&folder.join(stale))?;
+    }
+    Ok(())
+}

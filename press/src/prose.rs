@@ -1,0 +1,254 @@
+//! Resolves the marks inside a paragraph: references, citations, values, coloured terms.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use crate::bibliography::Bibliography;
+use crate::exhibits::Exhibits;
+use crate::fault::Faults;
+use crate::formulas::Formula;
+use crate::inline::{LABEL_KINDS, Mark, tokens};
+use crate::lint::Lint;
+use crate::pages::{Labels, Page, Target, slashed};
+
+/// The page of the bibliography, relative to `src`.
+pub const REFERENCES: &str = "references.md";
+
+/// The classes that a coloured term may have.
+pub const TERMS: [&str; 3] = ["measured", "estimated", "prior"];
+
+/// What the press knows before it writes a page.
+pub struct Known<'a> {
+    /// Every label and where it stands.
+    pub labels: &'a Labels,
+    /// What the program computed.
+    pub exhibits: &'a Exhibits,
+    /// What can be cited.
+    pub bibliography: &'a Bibliography,
+}
+
+/// What the press learns while it writes the pages.
+pub struct Found<'a> {
+    /// The promises broken so far.
+    pub faults: Faults,
+    /// Every formula, to be tried by KaTeX.
+    pub formulas: Vec<Formula>,
+    /// The numbers in use, and the pages that use them.
+    pub values: BTreeMap<String, BTreeSet<PathBuf>>,
+    /// The figures in use, as `chapter/name`.
+    pub figures: BTreeSet<String>,
+    /// The citations of each work: page, title of the page, anchor.
+    pub citations: BTreeMap<String, Vec<(PathBuf, String)>>,
+    /// The source files that pages link to.
+    pub sources: BTreeSet<String>,
+    /// Files for mdBook to copy, by path below `src/generated`.
+    pub generated: BTreeMap<PathBuf, Vec<u8>>,
+    /// Typed numbers and the permissions for them.
+    pub lint: Lint<'a>,
+}
+
+/// A stretch of prose on a page.
+#[derive(Clone, Copy)]
+pub struct Prose<'a> {
+    /// The page.
+    pub page: &'a Page,
+    /// The line it begins on.
+    pub line: usize,
+    /// Whether marks become HTML, or plain text as in an alternative text.
+    pub html: bool,
+}
+
+impl Prose<'_> {
+    /// The text with its marks resolved.
+    pub fn resolve(&self, text: &str, known: &Known<'_>, found: &mut Found<'_>) -> String {
+        let mut out = String::with_capacity(text.len());
+        for token in tokens(text) {
+            let place = (self.page.file.as_str(), self.line + text[..token.at].matches('\n').count());
+            let one = One { prose: self, place, known };
+            one.mark(&token.mark, &mut out, found);
+        }
+        out
+    }
+}
+
+/// One mark and where it stands.
+struct One<'a> {
+    prose: &'a Prose<'a>,
+    place: (&'a str, usize),
+    known: &'a Known<'a>,
+}
+
+impl One<'_> {
+    fn mark(&self, mark: &Mark<'_>, out: &mut String, found: &mut Found<'_>) {
+        match mark {
+            Mark::Plain(text) => {
+                found.lint.prose(self.place, &self.prose.page.slug, text, &mut found.faults);
+                out.push_str(text);
+            }
+            Mark::Code(code) => out.push_str(code),
+            Mark::Math(tex) => out.push_str(&self.math(tex, found)),
+            Mark::Value(name) => out.push_str(&self.value(name, found)),
+            Mark::Reference { label, bare } => out.push_str(&self.reference(label, *bare, found)),
+            Mark::Citation { keys, narrative } => out.push_str(&self.citation(keys, *narrative, found)),
+            Mark::Span { text, attributes } => out.push_str(&self.span(text, &attributes.classes, found)),
+            Mark::Directive(word @ ("ledger" | "bibliography")) => out.push_str(&format!("{{{{{word}}}}}")),
+            Mark::Directive(word) => found.faults.add(self.place, *word, "the press knows no such directive", "it knows {{value chapter.name}}, {{ledger}} and {{bibliography}}; code is included by a listing"),
+            Mark::UnclosedMath => found.faults.add(self.place, "$", "a formula begins here and never ends", r"close it with $, or write \$ for the sign itself"),
+            Mark::MisplacedDisplay => found.faults.add(self.place, "$$", "a display equation in the middle of a paragraph", "put $$ on a line of its own"),
+        }
+    }
+
+    fn math(&self, tex: &str, found: &mut Found<'_>) -> String {
+        found.lint.tex(self.place, &self.prose.page.slug, tex, &mut found.faults);
+        let filled = fill(tex, self.prose.page, self.place, self.known, found);
+        if self.prose.html {
+            found.formulas.push(Formula {
+                file: self.place.0.to_owned(),
+                line: self.place.1,
+                label: String::new(),
+                tex: filled.clone(),
+                display: false,
+            });
+        }
+        format!("${filled}$")
+    }
+
+    fn value(&self, name: &str, found: &mut Found<'_>) -> String {
+        let Some((value, text)) = number(name, self.prose.page, self.place, self.known, found) else {
+            return format!("[{name}]");
+        };
+        let shown = text.replace('-', "−");
+        match self.prose.html {
+            true => format!("<data class=\"value\" value=\"{value}\" title=\"{name}\">{shown}</data>"),
+            false => shown,
+        }
+    }
+
+    fn reference(&self, label: &str, bare: bool, found: &mut Found<'_>) -> String {
+        let Some(target) = self.known.labels.get(label) else {
+            let mend = match self.known.labels.like(label) {
+                Some(like) => format!("did you mean @{like}?"),
+                None => format!("write {{#{label}}} behind what it should lead to"),
+            };
+            found.faults.add(self.place, format!("@{label}"), "nothing in the book has this label", mend);
+            return format!("[{label}]");
+        };
+        let name = name_of(label, target, bare);
+        if !self.prose.html {
+            return name;
+        }
+        let page = self.prose.page;
+        let way = if target.path == page.path { String::new() } else { page.way_to(&target.path) };
+        format!("<a class=\"xref\" href=\"{way}#{label}\">{name}</a>")
+    }
+
+    fn citation(&self, keys: &[&str], narrative: bool, found: &mut Found<'_>) -> String {
+        let links: Vec<String> = keys.iter().map(|key| self.work(key, narrative, found)).collect();
+        match narrative {
+            true => links.concat(),
+            false => format!("({})", links.join("; ")),
+        }
+    }
+
+    fn work(&self, cited: &str, narrative: bool, found: &mut Found<'_>) -> String {
+        let (key, locator) = cited.split_once(',').unwrap_or((cited, ""));
+        let Some(work) = self.known.bibliography.get(key) else {
+            found.faults.add(self.place, format!("@{key}"), "the bibliography has no such work", format!("add it to {}, or write \\@ for the sign itself", crate::bibliography::FILE));
+            return format!("[{key}]");
+        };
+        let mut name = if narrative { work.narrative.clone() } else { work.short.clone() };
+        if !locator.is_empty() {
+            name = format!("{name}, {}", locator.trim());
+        }
+        if !self.prose.html {
+            return name;
+        }
+        let citations = found.citations.entry(key.to_owned()).or_default();
+        let anchor = format!("cite:{key}-{}", citations.len() + 1);
+        citations.push((self.prose.page.path.clone(), anchor.clone()));
+        let way = self.prose.page.way_to(REFERENCES.as_ref());
+        format!("<a class=\"citation\" id=\"{anchor}\" href=\"{way}#ref:{key}\">{name}</a>")
+    }
+
+    fn span(&self, text: &str, classes: &[String], found: &mut Found<'_>) -> String {
+        let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
+        match classes {
+            [class] if TERMS.contains(&class.as_str()) => match self.prose.html {
+                true => format!("<span class=\"term {class}\">{inside}</span>"),
+                false => inside,
+            },
+            _ => {
+                found.faults.add(self.place, classes.join(" "), "a span has no class that the book knows", format!("coloured terms are {}", TERMS.join(", ")));
+                inside
+            }
+        }
+    }
+}
+
+fn name_of(label: &str, target: &Target, bare: bool) -> String {
+    let number = match label.starts_with("eq:") {
+        true => format!("({})", target.number),
+        false => target.number.clone(),
+    };
+    let word = match LABEL_KINDS.iter().find(|kind| label.starts_with(**kind)) {
+        _ if target.number.is_empty() => return target.title.clone(),
+        Some(&"eq:") => "Equation",
+        Some(&"fig:") => "Figure",
+        Some(&"lst:") => "Listing",
+        Some(&"thm:") => "Theorem",
+        Some(&"sec:") if target.chapter => "Chapter",
+        _ => "Section",
+    };
+    match bare {
+        true => number,
+        false => format!("{word}\u{a0}{number}"),
+    }
+}
+
+/// TeX with its computed numbers filled in.
+pub fn fill(tex: &str, page: &Page, place: (&str, usize), known: &Known<'_>, found: &mut Found<'_>) -> String {
+    let mut filled = String::new();
+    let mut rest = tex;
+    while let Some((before, after)) = rest.split_once("{{value ") {
+        let Some((name, after)) = after.split_once("}}") else { break };
+        let number = number(name.trim(), page, place, known, found);
+        filled.push_str(before);
+        filled.push_str(number.map_or("?", |(_, text)| text));
+        rest = after;
+    }
+    filled.push_str(rest);
+    filled
+}
+
+/// A number and its text; a fault when there is none.
+fn number<'a>(name: &str, page: &Page, place: (&str, usize), known: &Known<'a>, found: &mut Found<'_>) -> Option<(f64, &'a str)> {
+    let mend = |slug: &str| format!("register it in exhibits/src/{slug}.rs, or mend the name");
+    let slug = name.split_once('.').map_or(page.slug.as_str(), |(slug, _)| slug);
+    match known.exhibits.number(name) {
+        None => found.faults.add(place, name, "no program computes this number", mend(slug)),
+        Some((None, _)) => found.faults.add(place, name, "the computed number is not finite", "find out why the program computes no number"),
+        Some((Some(value), text)) => {
+            found.values.entry(name.to_owned()).or_default().insert(page.path.clone());
+            return Some((value, text));
+        }
+    }
+    None
+}
+
+/// Text as it may stand in HTML, attributes included.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A link to a page of the book, from another one.
+pub fn link(from: &Page, to: &std::path::Path, anchor: &str, text: &str) -> String {
+    let way = if from.path == *to { String::new() } else { from.way_to(to) };
+    format!("<a href=\"{way}#{anchor}\">{text}</a>")
+}
+
+/// The way from a page to a line of a source file, which is thereby added to the source pages.
+pub fn source(page: &Page, file: &str, line: usize, found: &mut Found<'_>) -> String {
+    found.sources.insert(file.to_owned());
+    let path = PathBuf::from(format!("generated/source/{}.html", slashed(file.as_ref())));
+    format!("{}#L{line}", page.way_to(&path))
+}

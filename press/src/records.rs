@@ -1,0 +1,163 @@
+//! Records: what takes long is computed once, kept with how it was made, and compared when made again.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::files;
+
+/// The outcome of a long computation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Record {
+    /// Its name.
+    pub name: String,
+    /// The chapter that shows it.
+    pub chapter: String,
+    /// The command that makes it again.
+    pub command: String,
+    /// Digest of its inputs.
+    pub input_digest: String,
+    /// What it was made on.
+    pub machine: String,
+    /// The day it was made.
+    pub date: String,
+    /// The inputs by name.
+    pub inputs: BTreeMap<String, String>,
+    /// The values by name.
+    pub values: BTreeMap<String, Value>,
+}
+
+/// One value of a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Value {
+    /// The number.
+    pub value: f64,
+    /// As it stands in prose.
+    pub text: String,
+    /// Its unit.
+    pub unit: String,
+    /// By what share of itself it may differ when it is made again.
+    pub within: f64,
+}
+
+/// What the program prints of a record it made.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Made {
+    /// Its name.
+    pub name: String,
+    /// The chapter that shows it.
+    pub chapter: String,
+    /// The inputs by name.
+    pub inputs: BTreeMap<String, String>,
+    /// The values by name.
+    pub values: BTreeMap<String, Value>,
+}
+
+impl Record {
+    /// A record of what was made here and now.
+    pub fn new(made: Made, date: String, machine: String) -> Record {
+        Record {
+            command: format!("cargo book record {}", made.name),
+            input_digest: digest(&made.inputs),
+            name: made.name,
+            chapter: made.chapter,
+            machine,
+            date,
+            inputs: made.inputs,
+            values: made.values,
+        }
+    }
+
+    /// All records in a folder, by name.
+    pub fn read_all(folder: &Path) -> Result<BTreeMap<String, Record>> {
+        let mut records = BTreeMap::new();
+        for file in files::below(folder)?.iter().filter(|file| file.extension().is_some_and(|end| end == "toml")) {
+            let path = folder.join(file);
+            let record: Record = toml::from_str(&files::read(&path)?).with_context(|| {
+                format!("{} is not a record: make it again with `cargo book record NAME`", path.display())
+            })?;
+            records.insert(record.name.clone(), record);
+        }
+        Ok(records)
+    }
+
+    /// Writes the record into a folder.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let text = toml::to_string(self).context("a record cannot be written as TOML")?;
+        files::write(&folder.join(format!("{}.toml", self.name)), text.as_bytes())
+    }
+
+    /// The file it is kept in, relative to the root of the book.
+    pub fn file(&self) -> String {
+        format!("exhibits/records/{}.toml", self.name)
+    }
+
+    /// What differs between this record and the same one made again, a sentence each.
+    pub fn differences(&self, again: &Record) -> Vec<String> {
+        let mut found = Vec::new();
+        if self.inputs != again.inputs {
+            found.push(format!("the inputs were {:?} and are {:?}", self.inputs, again.inputs));
+        }
+        for (name, old) in &self.values {
+            match again.values.get(name) {
+                None => found.push(format!("{name} is gone")),
+                Some(new) if (new.value - old.value).abs() <= old.within * old.value.abs() => {}
+                Some(new) => found.push(format!(
+                    "{name} was {} and is {} (may differ by {:e} of itself)",
+                    old.value, new.value, old.within
+                )),
+            }
+        }
+        let added = again.values.keys().filter(|name| !self.values.contains_key(*name));
+        found.extend(added.map(|name| format!("{name} is new")));
+        found
+    }
+}
+
+/// Digest of the inputs of a record.
+pub fn digest(inputs: &BTreeMap<String, String>) -> String {
+    let mut hasher = Sha256::new();
+    for (name, value) in inputs {
+        hasher.update(format!("{name}={value}\n"));
+    }
+    hex(&hasher.finalize())[..16].to_owned()
+}
+
+/// Bytes as hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(ratio: f64, within: f64) -> Record {
+        let value = Value { value: ratio, text: String::new(), unit: String::new(), within };
+        let made = Made {
+            name: "noise".to_owned(),
+            chapter: "bearing".to_owned(),
+            inputs: BTreeMap::from([("draws".to_owned(), "10".to_owned())]),
+            values: BTreeMap::from([("ratio".to_owned(), value)]),
+        };
+        Record::new(made, "2026-01-01".to_owned(), "here".to_owned())
+    }
+
+    #[test]
+    fn a_value_may_differ_within_its_margin_and_no_further() {
+        assert!(record(1.0, 0.01).differences(&record(1.005, 0.01)).is_empty());
+        assert_eq!(record(1.0, 0.01).differences(&record(1.02, 0.01)).len(), 1);
+        assert_eq!(record(1.0, 0.01).differences(&record(f64::NAN, 0.01)).len(), 1);
+    }
+
+    #[test]
+    fn a_record_survives_being_written_and_read() {
+        let folder = tempfile::tempdir().unwrap();
+        record(1.5, 0.0).write(folder.path()).unwrap();
+        assert_eq!(Record::read_all(folder.path()).unwrap()["noise"], record(1.5, 0.0));
+    }
+}

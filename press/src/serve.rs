@@ -1,0 +1,169 @@
+//! Serves the book and builds it anew whenever something it is made from changes.
+
+use std::convert::Infallible;
+use std::io::ErrorKind;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use axum::Router;
+use axum::extract::{Request, State};
+use axum::http::StatusCode;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::get;
+use notify::{RecursiveMode, Watcher};
+use tokio::net::TcpListener;
+use tokio::sync::broadcast;
+use tokio_stream::StreamExt;
+use tokio_stream::wrappers::BroadcastStream;
+use tower_http::services::ServeDir;
+
+use crate::make::Maker;
+use crate::prose::escape;
+
+/// Where a page listens for news of the book.
+const NEWS: &str = "__book-news";
+
+/// Editors write a file in several steps; what comes within this time is one change.
+const PAUSE: Duration = Duration::from_millis(80);
+
+/// What is served, and who is told when it changes.
+#[derive(Clone)]
+struct Served {
+    site: Arc<RwLock<Option<PathBuf>>>,
+    trouble: Arc<RwLock<String>>,
+    news: broadcast::Sender<News>,
+}
+
+#[derive(Clone)]
+enum News {
+    Reload,
+    Faults(String),
+}
+
+/// Builds the book, serves it on `port` of this machine and goes on until it is stopped.
+pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().context("cannot start the server")?;
+    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let listener = match runtime.block_on(TcpListener::bind(address)) {
+        Ok(listener) => listener,
+        Err(error) if error.kind() == ErrorKind::AddrInUse => {
+            bail!("port {port} is taken by another program: stop that, or choose another port with `cargo book serve --port {}`", port.wrapping_add(1).max(1024));
+        }
+        Err(error) => return Err(error).with_context(|| format!("cannot listen on port {port}: choose another with --port")),
+    };
+    let address = listener.local_addr()?;
+    let served = Served { site: Arc::default(), trouble: Arc::default(), news: broadcast::channel(16).0 };
+    let (changed, changes) = channel();
+    let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
+        // The receiver goes away only when the program ends.
+        drop(changed.send(event));
+    })
+    .context("cannot watch the files of the book")?;
+    for folder in ["src", "code", "exhibits", "press/theme", "book.toml"] {
+        let path = maker.layout.root.join(folder);
+        if path.exists() {
+            watcher.watch(&path, RecursiveMode::Recursive).with_context(|| format!("cannot watch {}", path.display()))?;
+        }
+    }
+    build(maker, &served);
+    maker.steps.say(&format!("\n  The book is at http://{address}/ — stop with Ctrl-C.\n"));
+    if open {
+        opener::open_browser(format!("http://{address}/")).context("cannot open a browser: open the address above yourself")?;
+    }
+    let router = Router::new().route(&format!("/{NEWS}"), get(news)).fallback(get(page)).with_state(served.clone());
+    runtime.spawn(async move { axum::serve(listener, router).await });
+    watch(maker, &served, &changes)
+}
+
+/// Builds after every change, for ever.
+fn watch(maker: &Maker, served: &Served, changes: &Receiver<notify::Result<notify::Event>>) -> Result<()> {
+    loop {
+        let mut changed = changed_file(maker, changes.recv().context("the files are watched no more")?);
+        loop {
+            match changes.recv_timeout(PAUSE) {
+                Ok(event) => changed = changed_file(maker, event).or(changed),
+                Err(RecvTimeoutError::Timeout) => break,
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+        }
+        if let Some(path) = changed {
+            maker.steps.say(&format!("\n{} changed", path.display()));
+            build(maker, served);
+        }
+    }
+}
+
+/// The file an event is about, unless the build itself wrote it.
+fn changed_file(maker: &Maker, event: notify::Result<notify::Event>) -> Option<PathBuf> {
+    let event = event.ok().filter(|event| event.kind.is_create() || event.kind.is_modify() || event.kind.is_remove())?;
+    let generated = maker.layout.generated();
+    let path = event.paths.into_iter().find(|path| !path.starts_with(&generated) && !is_scratch(path))?;
+    Some(path.strip_prefix(&maker.layout.root).map(Path::to_path_buf).unwrap_or(path))
+}
+
+/// Whether an editor keeps the file for itself.
+fn is_scratch(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    name.starts_with('.') || name.ends_with('~') || name.ends_with(".swp") || name == "4913"
+}
+
+/// Builds beside the pages that are being served, and puts the new ones in their place.
+fn build(maker: &Maker, served: &Served) {
+    let start = Instant::now();
+    let current = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let name = if current.as_ref().is_some_and(|site| site.ends_with("serve-a")) { "serve-b" } else { "serve-a" };
+    let site = maker.layout.work().join(name);
+    let trouble = match maker.build(&site, Some(NEWS)) {
+        Ok(faults) => {
+            *served.site.write().unwrap_or_else(PoisonError::into_inner) = Some(site);
+            faults.report()
+        }
+        Err(error) => format!("{error:#}\n"),
+    };
+    eprint!("{trouble}");
+    maker.steps.say(&format!("built in {:.1} s", start.elapsed().as_secs_f64()));
+    // Nobody may be listening, which is no error.
+    drop(served.news.send(News::Reload));
+    if !trouble.is_empty() {
+        drop(served.news.send(News::Faults(trouble.clone())));
+    }
+    *served.trouble.write().unwrap_or_else(PoisonError::into_inner) = trouble;
+}
+
+/// A stream of what happens to the book; whoever comes late is told of the faults there are.
+async fn news(State(served): State<Served>) -> impl IntoResponse {
+    let trouble = served.trouble.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let first = (!trouble.is_empty()).then_some(News::Faults(trouble));
+    let later = BroadcastStream::new(served.news.subscribe()).filter_map(Result::ok);
+    let events = tokio_stream::iter(first).chain(later).map(|news| {
+        Ok::<_, Infallible>(match news {
+            News::Reload => Event::default().event("reload").data("reload"),
+            News::Faults(text) => Event::default().event("faults").data(text),
+        })
+    });
+    Sse::new(events).keep_alive(KeepAlive::default())
+}
+
+/// A file of the book.
+async fn page(State(served): State<Served>, request: Request) -> Response {
+    let site = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let Some(site) = site else {
+        let trouble = served.trouble.read().unwrap_or_else(PoisonError::into_inner).clone();
+        let page = format!("<!DOCTYPE html><title>The book cannot be built</title><pre>{}</pre><script>new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())</script>", escape(&trouble));
+        return (StatusCode::INTERNAL_SERVER_ERROR, Html(page)).into_response();
+    };
+    let missing = site.join("404.html");
+    match ServeDir::new(&site).try_call(request).await {
+        Ok(found) if found.status() == StatusCode::NOT_FOUND => {
+            let text = std::fs::read_to_string(missing).unwrap_or_else(|_| "There is no such page.".to_owned());
+            (StatusCode::NOT_FOUND, Html(text)).into_response()
+        }
+        Ok(found) => found.into_response(),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+    }
+}

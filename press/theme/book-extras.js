@@ -1,0 +1,289 @@
+// What the pages do beyond mdBook's own scripts. Without this file everything can still be read.
+(function () {
+    "use strict";
+
+    const page = document.documentElement;
+    const text = document.getElementById("text");
+    const all = (selector, root = document) => Array.from(root.querySelectorAll(selector));
+
+    function element(name, properties, ...children) {
+        const made = Object.assign(document.createElement(name), properties);
+        made.append(...children);
+        return made;
+    }
+
+    // ---- Keys. book.js turns pages with Left and Right, and hears them on the document. A reader presses them to move
+    // through a wide equation or a slider, so they go no further than the body; what has focus has already had them.
+    document.body.addEventListener("keydown", event => {
+        if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
+            event.stopPropagation();
+        }
+    });
+
+    // ---- Skip link. A page with a <base> would leave itself on "#text".
+    document.querySelector(".skip-link").addEventListener("click", event => {
+        event.preventDefault();
+        text.focus();
+        text.scrollIntoView();
+    });
+
+    // ---- Contents. The class on <html> says whether they are shown; book.js listens to a checkbox.
+    (function contents() {
+        const toggle = document.getElementById("mdbook-sidebar-toggle");
+        const checkbox = document.getElementById("mdbook-sidebar-toggle-anchor");
+        const sidebar = document.getElementById("mdbook-sidebar");
+        const narrow = matchMedia("(max-width: 1079px)");
+        const visible = () => page.classList.contains("sidebar-visible");
+
+        function show(yes) {
+            checkbox.checked = yes;
+            checkbox.dispatchEvent(new Event("change"));
+        }
+        toggle.addEventListener("click", () => show(!visible()));
+        document.querySelector(".scrim").addEventListener("click", () => show(false));
+        document.addEventListener("keydown", event => {
+            if (event.key === "Escape" && narrow.matches && visible()) {
+                show(false);
+                toggle.focus();
+            }
+        });
+        sidebar.addEventListener("click", event => {
+            if (narrow.matches && event.target.closest("a[href]")) {
+                show(false);
+            }
+        });
+        new MutationObserver(() => {
+            checkbox.checked = visible();
+        }).observe(page, { attributeFilter: ["class"] });
+
+        all("a.active", sidebar).forEach(link => link.setAttribute("aria-current", "page"));
+    })();
+
+    // ---- Theme menu. book.js marks the chosen theme with a class; say it aloud too.
+    (function themeMenu() {
+        const themes = all("#mdbook-theme-list .theme");
+        const tell = () => themes.forEach(theme =>
+            theme.setAttribute("aria-checked", theme.classList.contains("theme-selected")));
+        tell();
+        themes.forEach(theme => new MutationObserver(tell).observe(theme, { attributeFilter: ["class"] }));
+    })();
+
+    // ---- Search opens under the bar; searcher.js also scrolls to the top, and the reader loses the place.
+    (function searchKeepsPlace() {
+        const panel = document.getElementById("mdbook-search-wrapper");
+        if (!panel) {
+            return;
+        }
+        let place = 0;
+        const remember = () => {
+            place = scrollY;
+        };
+        document.addEventListener("keydown", remember, true);
+        document.addEventListener("click", remember, true);
+        new MutationObserver(() => {
+            if (!panel.classList.contains("hidden") && scrollY === 0) {
+                scrollTo(0, place);
+            }
+        }).observe(panel, { attributeFilter: ["class"] });
+    })();
+
+    // ---- What is wider than the page scrolls inside itself, and only then can be reached with the keyboard.
+    (function scrollers() {
+        const boxes = all(".equation-body, .katex-display, .plot, .table-wrapper, pre > code", text);
+        const names = { "equation-body": "Equation", "katex-display": "Formula", "table-wrapper": "Table" };
+
+        function look(box) {
+            const scrolls = box.scrollWidth > box.clientWidth + 1 || box.scrollHeight > box.clientHeight + 1;
+            const reachable = scrolls && getComputedStyle(box).overflowX !== "visible";
+            if (reachable === box.hasAttribute("tabindex")) {
+                return;
+            }
+            const kind = Object.keys(names).find(name => box.classList.contains(name));
+            if (reachable) {
+                box.tabIndex = 0;
+            } else {
+                box.removeAttribute("tabindex");
+            }
+            if (kind && reachable) {
+                box.setAttribute("role", "group");
+                box.setAttribute("aria-label", names[kind] + ", scrolls sideways");
+            } else if (kind) {
+                box.removeAttribute("role");
+                box.removeAttribute("aria-label");
+            }
+        }
+
+        // The width of a formula in its own letters: print.css sets wide ones smaller by it.
+        function measure(body) {
+            if (body.scrollWidth > body.clientWidth) {
+                body.style.setProperty("--ems", (body.scrollWidth / parseFloat(getComputedStyle(body).fontSize)).toFixed(2));
+            }
+        }
+
+        const lookAtAll = () => {
+            boxes.forEach(look);
+            all(".equation-body", text).forEach(measure);
+        };
+        const sizes = new ResizeObserver(entries => entries.forEach(entry => look(entry.target)));
+        boxes.forEach(box => sizes.observe(box));
+        document.fonts.ready.then(lookAtAll);
+        addEventListener("load", lookAtAll);
+    })();
+
+    // ---- A margin note stands beside the text that it follows. CSS alone lets it begin where that text ends, so it is
+    // moved up by the height of the text, as far as the note or check before it leaves room.
+    (function marginNotes() {
+        const notes = all(".margin", text);
+        if (!notes.some(note => note.classList.contains("note"))) {
+            return;
+        }
+        function place() {
+            let free = -Infinity;
+            notes.forEach(note => {
+                note.style.marginTop = "";
+                const floats = getComputedStyle(note).float !== "none";
+                const before = note.previousElementSibling;
+                if (floats && before && note.classList.contains("note")) {
+                    const top = note.getBoundingClientRect().top;
+                    const wanted = Math.max(before.getBoundingClientRect().top + 4, free + 12);
+                    if (wanted < top) {
+                        const own = parseFloat(getComputedStyle(note).marginTop);
+                        note.style.marginTop = (own - (top - wanted)) + "px";
+                    }
+                }
+                if (floats) {
+                    free = note.getBoundingClientRect().bottom;
+                }
+            });
+        }
+        new ResizeObserver(place).observe(text);
+        text.addEventListener("toggle", place, true);
+        document.fonts.ready.then(place);
+    })();
+
+    // ---- Predictions: choose, commit, and only then look. The choice stays in this browser.
+    const printed = page.classList.contains("print-page");
+
+    const memory = {
+        get(key) { try { return localStorage.getItem(key); } catch { return null; } },
+        set(key, value) { try { localStorage.setItem(key, value); } catch { /* kept until the page is left */ } },
+        remove(key) { try { localStorage.removeItem(key); } catch { /* nothing was kept */ } },
+    };
+
+    function prediction(box, number) {
+        const list = box.querySelector(".choices");
+        const reveal = box.querySelector(".reveal");
+        const items = list ? Array.from(list.children) : [];
+        if (!reveal || items.length === 0) {
+            return;
+        }
+        const key = "predict:" + (box.dataset.key || box.id);
+        const letter = item => String.fromCharCode(65 + items.indexOf(item));
+        let committed = null;
+
+        const inputs = items.map((item, index) => {
+            if (item.children.length === 1 && item.firstElementChild.tagName === "P") {
+                item.firstElementChild.replaceWith(...item.firstElementChild.childNodes);
+            }
+            const input = element("input", { type: "radio", name: "prediction-" + number, id: "prediction-" + number + "-" + index });
+            const label = element("label", { htmlFor: input.id }, ...item.childNodes);
+            item.append(input, label);
+            return input;
+        });
+        list.classList.add("asked");
+
+        const button = element("button", { type: "button" });
+        const verdict = element("p", { className: "verdict" });
+        verdict.setAttribute("role", "status");
+        reveal.before(element("div", { className: "act" }, button, verdict));
+
+        function show() {
+            const right = items.filter(item => item.hasAttribute("data-right"));
+            items.forEach(item => item.classList.toggle("chosen", item === committed));
+            inputs.forEach((input, index) => {
+                input.disabled = committed !== null;
+                if (committed !== null) {
+                    input.checked = items[index] === committed;
+                }
+            });
+            list.classList.toggle("committed", committed !== null);
+            button.textContent = committed ? "Predict again" : "Commit";
+            button.classList.toggle("again", committed !== null);
+            verdict.className = "verdict";
+            verdict.textContent = "";
+            if (committed && right.length > 0) {
+                const hit = right.includes(committed);
+                verdict.classList.add(hit ? "right" : "wrong");
+                verdict.textContent = "You predicted " + letter(committed) + (hit
+                    ? ", and that is right."
+                    : ". The answer is " + right.map(letter).join(" or ") + ".");
+            } else if (committed) {
+                verdict.textContent = "You predicted " + letter(committed) + ".";
+            }
+        }
+
+        function commit(item) {
+            committed = item;
+            memory.set(key, String(items.indexOf(item)));
+            show();
+            reveal.open = true;
+        }
+
+        function again() {
+            committed = null;
+            memory.remove(key);
+            inputs.forEach(input => {
+                input.checked = false;
+            });
+            reveal.open = false;
+            show();
+            inputs[0].focus();
+        }
+
+        button.addEventListener("click", () => {
+            const chosen = inputs.findIndex(input => input.checked);
+            if (committed) {
+                again();
+            } else if (chosen >= 0) {
+                commit(items[chosen]);
+            } else {
+                verdict.textContent = "Choose an answer first.";
+            }
+        });
+        reveal.querySelector("summary").addEventListener("click", event => {
+            if (!committed && !reveal.open) {
+                event.preventDefault();
+                verdict.textContent = "Choose an answer and commit to it first.";
+            }
+        });
+
+        const kept = memory.get(key);
+        if (kept !== null && items[Number(kept)]) {
+            committed = items[Number(kept)];
+        }
+        show();
+        reveal.open = committed !== null;
+    }
+
+    if (!printed) {
+        all(".predict", text).forEach(prediction);
+    }
+
+    // ---- Paper has every answer.
+    const folds = all(".reveal", text);
+    let shut = [];
+    const open = () => {
+        shut = folds.filter(fold => !fold.open);
+        shut.forEach(fold => {
+            fold.open = true;
+        });
+    };
+    if (printed) {
+        open();
+    } else {
+        addEventListener("beforeprint", open);
+        addEventListener("afterprint", () => shut.forEach(fold => {
+            fold.open = false;
+        }));
+    }
+})();

@@ -1,0 +1,131 @@
+// What the tests share: the built book behind a small server, and a browser that keeps a list of everything that goes wrong.
+
+import fs from "node:fs";
+import http from "node:http";
+import os from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+export const bookDir = path.resolve(process.env.BOOK_DIR ?? path.join(here, "../../book"));
+export const axeScript = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
+
+if (!fs.existsSync(path.join(bookDir, "index.html"))) {
+    throw new Error(`${bookDir} holds no index.html: build the book first, or name its folder in BOOK_DIR`);
+}
+
+/** Chapters and other pages of text, as paths in the book; not the source pages, the contents, the print page. */
+export function pages() {
+    const found = [];
+    (function walk(folder) {
+        for (const entry of fs.readdirSync(path.join(bookDir, folder), { withFileTypes: true })) {
+            const file = path.posix.join(folder, entry.name);
+            if (entry.isDirectory()) {
+                if (!["generated", "api"].includes(file)) walk(file);
+            } else if (file.endsWith(".html") && !["toc.html", "print.html", "404.html"].includes(file)) {
+                found.push(file);
+            }
+        }
+    })("");
+    if (found.length < 2) throw new Error(`${bookDir} holds ${found.length} pages`);
+    return found.sort();
+}
+
+/** The first page that holds `pattern`. A test of something that the book does not have is no test. */
+export function pageWith(pattern) {
+    const page = pages().find(file => file !== "index.html" && pattern.test(read(file)));
+    if (!page) throw new Error(`no page of the book holds ${pattern}`);
+    return page;
+}
+
+export const read = file => fs.readFileSync(path.join(bookDir, file), "utf8");
+
+const types = {
+    ".css": "text/css", ".csv": "text/csv", ".html": "text/html; charset=utf-8", ".js": "text/javascript",
+    ".json": "application/json", ".png": "image/png", ".svg": "image/svg+xml", ".txt": "text/plain",
+    ".wasm": "application/wasm", ".woff2": "font/woff2",
+};
+
+/** Serves the book under `mount`, such as "/some/where/", and nothing beside it. */
+export async function serve(mount) {
+    const server = http.createServer((request, response) => {
+        const { pathname } = new URL(request.url, "http://localhost");
+        let file = pathname.startsWith(mount) ? path.join(bookDir, decodeURIComponent(pathname.slice(mount.length))) : "";
+        if (file.endsWith(path.sep) || file === bookDir) file = path.join(file, "index.html");
+        if (!file.startsWith(bookDir) || !fs.existsSync(file) || !fs.statSync(file).isFile()) {
+            response.writeHead(404, { "content-type": types[".html"] }).end(fs.readFileSync(path.join(bookDir, "404.html")));
+            return;
+        }
+        response.writeHead(200, { "content-type": types[path.extname(file)] ?? "application/octet-stream" });
+        fs.createReadStream(file).pipe(response);
+    });
+    await new Promise(resolve => server.listen(0, "127.0.0.1", resolve));
+    return { url: `http://127.0.0.1:${server.address().port}${mount}`, close: () => server.close() };
+}
+
+export async function launch() {
+    const profile = fs.mkdtempSync(path.join(os.tmpdir(), "book-browser-"));
+    const context = await chromium.launchPersistentContext(profile, {
+        executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+        args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+            "--disable-component-update", "--disable-sync"],
+    });
+    const browser = context.browser();
+    return {
+        /** A page in a fresh context; `page.complaints` collects console output, errors, failed and foreign requests. */
+        async page({ width = 1280, height = 900, dark = false, ...options } = {}) {
+            const context = await browser.newContext({
+                viewport: { width, height },
+                colorScheme: dark ? "dark" : "light",
+                reducedMotion: "reduce",
+                ...options,
+            });
+            const page = await context.newPage();
+            page.complaints = [];
+            const complain = text => page.complaints.push(text);
+            page.on("console", message => complain(`${message.type()}: ${message.text()}`));
+            page.on("pageerror", error => complain(`error: ${error.message}`));
+            page.on("requestfailed", request => complain(`failed: ${request.url()} ${request.failure()?.errorText}`));
+            page.on("response", response => {
+                if (response.status() >= 400) complain(`${response.status()}: ${response.url()}`);
+            });
+            page.on("request", request => {
+                const { protocol, hostname } = new URL(request.url());
+                if (protocol.startsWith("http") && hostname !== "127.0.0.1") complain(`foreign: ${request.url()}`);
+            });
+            return page;
+        },
+        async close() {
+            await context.close();
+            fs.rmSync(profile, { recursive: true, force: true });
+        },
+    };
+}
+
+/** Goes to a page and waits until its letters and scripts are there. */
+export async function open(page, url) {
+    await page.goto(url, { waitUntil: "load" });
+    await page.evaluate(() => document.fonts.ready.then(() => new Promise(requestAnimationFrame)));
+}
+
+/** How far the page can be scrolled sideways, and what sticks out. */
+export const overhang = page => page.evaluate(() => {
+    const width = document.documentElement.clientWidth;
+    const over = document.documentElement.scrollWidth - width;
+    if (over <= 0) return null;
+    const names = [...document.querySelectorAll("main *")]
+        .filter(node => node.getBoundingClientRect().right > width + 1 && !node.closest(".katex-mathml"))
+        .slice(0, 5).map(node => `${node.tagName.toLowerCase()}.${node.className} “${node.textContent.slice(0, 40)}”`);
+    return `${over}px: ${names.join("; ")}`;
+});
+
+/** Violations of serious or critical impact, one line each. */
+export async function axe(page) {
+    await page.addScriptTag({ path: axeScript });
+    const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    return violations
+        .filter(({ impact }) => impact === "serious" || impact === "critical")
+        .flatMap(({ id, nodes }) => nodes.slice(0, 4).map(node => `${id}: ${node.target.join(" ")}: ${node.failureSummary}`));
+}

@@ -1,0 +1,1 @@
+//! Tests of the rendered book; they stand in `tests/tests`.
