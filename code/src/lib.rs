@@ -1,10 +1,13 @@
-//! The theory of the book *Visual-Inertial SLAM, Derived and Tested*, one module per chapter.
+//! The theory of the book *Visual-Inertial SLAM, Derived and Tested*, one module per
+//! chapter.
 //!
-//! Lengths are in metres, angles in radians, image coordinates in pixels. A camera looks along its +z axis, x points
-//! to the right of the image and y down. A transform is named by its frames: `camera_from_world` takes the
-//! coordinates of a point in the world to its coordinates in the camera.
+//! Lengths are in metres, angles in radians, image coordinates in pixels. A camera
+//! looks along its +z axis, x points to the right of the image and y down. A transform
+//! is named by its frames: `camera_from_world` takes the coordinates of a point in the
+//! world to its coordinates in the camera.
 //!
-//! `{eq:label}` in a description names the equation of the book that an item implements.
+//! `{eq:label}` in a description names the equation of the book that an item
+//! implements.
 
 #![forbid(unsafe_code)]
 

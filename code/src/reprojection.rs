@@ -22,7 +22,8 @@ pub const Z_MIN: f64 = 0.05;
 // ANCHOR_END: pinhole
 
 impl Pinhole {
-    /// A camera with focal lengths `fx`, `fy` and principal point (`cx`, `cy`), all in pixels.
+    /// A camera with focal lengths `fx`, `fy` and principal point (`cx`, `cy`), all in
+    /// pixels.
     ///
     /// # Errors
     ///
@@ -42,8 +43,9 @@ impl Pinhole {
     }
 
     // ANCHOR: project_cam
-    /// Pixel of a point in camera coordinates (metres), or `None` when the point is not farther than [`Z_MIN`] in
-    /// front of the camera. A pixel is always finite: a point with a NaN coordinate has none.
+    /// Pixel of a point in camera coordinates (metres), or `None` when the point is not
+    /// farther than [`Z_MIN`] in front of the camera. A pixel is always finite: a point
+    /// with a NaN coordinate has none.
     ///
     /// Implements {eq:projection}.
     pub fn project_cam(&self, point_in_camera: &Vector3<f64>) -> Option<Vector2<f64>> {
@@ -55,9 +57,11 @@ impl Pinhole {
     // ANCHOR_END: project_cam
 
     // ANCHOR: project
-    /// Pixel of a point in world coordinates (metres), or `None` as in [`Pinhole::project_cam`].
+    /// Pixel of a point in world coordinates (metres), or `None` as in
+    /// [`Pinhole::project_cam`].
     ///
-    /// `camera_from_world` is the inverse of the camera's pose; its translation is not the camera's position.
+    /// `camera_from_world` is the inverse of the camera's pose; its translation is not
+    /// the camera's position.
     pub fn project(
         &self,
         camera_from_world: &Isometry3<f64>,

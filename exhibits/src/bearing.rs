@@ -1,7 +1,7 @@
 //! What chapter `bearing` shows: one image gives directions, a second one depth.
 //!
-//! Each part registers its equations, then checks them. In formulas `k` is a camera, `b` a baseline, `s` a stretch
-//! and `rho` an inverse depth.
+//! Each part registers its equations, then checks them. In formulas `k` is a camera, `b` a
+//! baseline, `s` a stretch and `rho` an inverse depth.
 
 mod figures;
 mod noise;
@@ -24,7 +24,8 @@ const STATES: usize = 500;
 /// Stands for the pixel of a formula that gives none; no comparison accepts it.
 const NOWHERE: Vector2<f64> = Vector2::new(f64::NAN, f64::NAN);
 
-/// Metres that stand for infinity: from there a point moves by less than 1e-11 px between two cameras.
+/// Metres that stand for infinity: from there a point moves by less than 1e-11 px between two
+/// cameras.
 const FAR_AWAY: f64 = 1e15;
 
 /// Registers the chapter's exhibits.
@@ -34,6 +35,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     uncertain_depth(chapter);
     other_blindnesses(chapter);
     inverse_depth(chapter);
+    projected_inverse_depth(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
     noise::record(chapter);
@@ -275,7 +277,8 @@ fn parallax_depth(formula: DepthSigma) -> Comparison {
     compared_with_meeting_rays(7, formula, |sigma, depth| sigma / depth)
 }
 
-/// Compares `formula` with `expected`, which is given the true standard deviation of depth, and the depth.
+/// Compares `formula` with `expected`, which is given the true standard deviation of depth, and the
+/// depth.
 fn compared_with_meeting_rays(
     seed: u64,
     formula: DepthSigma,
@@ -421,7 +424,7 @@ fn inverse_depth(chapter: &mut Chapter) {
     let formula: InverseDepthLine = |k, b, u, rho| u - k.fx * b * rho;
     let mutants: [(_, InverseDepthLine); 4] = [
         ("sign", |k, b, u, rho| u + k.fx * b * rho),
-        ("squared inverse depth", |k, b, u, rho| {
+        ("inverse depth squared", |k, b, u, rho| {
             u - k.fx * b * rho * rho
         }),
         ("focal length dropped", |_, b, u, rho| u - b * rho),
@@ -429,76 +432,12 @@ fn inverse_depth(chapter: &mut Chapter) {
     ];
     chapter.equation("inverse-depth-line", inverse_depth_line, formula, &mutants);
 
-    let mutants: [(_, InverseDepthProjection); 5] = [
-        (
-            "translation not times inverse depth",
-            |landmark, k, motion| {
-                InverseDepth {
-                    inverse_depth: 1.0,
-                    ..*landmark
-                }
-                .project_into(k, motion)
-            },
-        ),
-        ("translation dropped", |landmark, k, motion| {
-            InverseDepth {
-                inverse_depth: 0.0,
-                ..*landmark
-            }
-            .project_into(k, motion)
-        }),
-        ("sign of the translation", |landmark, k, motion| {
-            let opposite = (-motion.translation.vector).into();
-            landmark.project_into(k, &Isometry3::from_parts(opposite, motion.rotation))
-        }),
-        ("rotation transposed", |landmark, k, motion| {
-            landmark.project_into(k, &with_rotation_transposed(motion))
-        }),
-        ("motion inverted", |landmark, k, motion| {
-            landmark.project_into(k, &motion.inverse())
-        }),
-    ];
-    let formula = InverseDepth::project_into;
-    chapter.equation(
-        "inverse-depth-projection",
-        inverse_depth_projection,
-        formula,
-        &mutants,
-    );
-
-    let mutants: [(_, InverseDepthJacobian); 5] = [
-        ("rotation transposed", |landmark, k, motion| {
-            landmark.project_with_jacobian(k, &with_rotation_transposed(motion))
-        }),
-        ("sign of the inverse depth", |landmark, k, motion| {
-            with_last_column_times(-1.0, landmark.project_with_jacobian(k, motion))
-        }),
-        ("translation dropped", |landmark, k, motion| {
-            with_last_column_times(0.0, landmark.project_with_jacobian(k, motion))
-        }),
-        ("by depth for by inverse depth", |landmark, k, motion| {
-            let depth_by_parameter = -landmark.inverse_depth.powi(2);
-            with_last_column_times(
-                depth_by_parameter,
-                landmark.project_with_jacobian(k, motion),
-            )
-        }),
-        ("second depth held fixed", with_second_depth_held_fixed),
-    ];
-    let formula = InverseDepth::project_with_jacobian;
-    chapter.equation(
-        "inverse-depth-jacobian",
-        inverse_depth_jacobian,
-        formula,
-        &mutants,
-    );
-
+    let formula = theory::inverse_depth_sigma;
     let mutants: [(_, InverseDepthSigma); 3] = [
         ("baseline above the line", |k, b, sigma| sigma * b / k.fx),
         ("focal length dropped", |_, b, sigma| sigma / b),
         ("fy for fx", |k, b, sigma| sigma / (k.fy * b)),
     ];
-    let formula = theory::inverse_depth_sigma;
     chapter.equation(
         "inverse-depth-sigma",
         inverse_depth_sigma,
@@ -526,6 +465,78 @@ fn inverse_depth_line(formula: InverseDepthLine) -> Comparison {
         );
     }
     comparison
+}
+
+/// Takes a camera, a baseline and the standard deviation of the disparity.
+type InverseDepthSigma = fn(&Pinhole, f64, f64) -> f64;
+
+fn inverse_depth_sigma(formula: InverseDepthSigma) -> Comparison {
+    let against = "central differences of the inverse depth at which the two rays meet";
+    let mut comparison = Comparison::relative(against, 1e-9);
+    let mut random = Random::new(14);
+    for _ in 0..STATES {
+        let camera = random.camera();
+        let baseline = random.logarithmic(0.05..2.0);
+        let point = random.point(0.5..100.0);
+        let sigma = random.uniform(0.2..3.0);
+        let first = image_of(&camera, &point).x;
+        let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
+        let inverse_depth = |second| 1.0 / meeting_depth(&camera, baseline, first, second);
+        let slope = central_difference(inverse_depth, second, 1e-2 * (first - second));
+        comparison.add(&[formula(&camera, baseline, sigma)], &[slope.abs() * sigma]);
+    }
+    comparison
+}
+
+fn projected_inverse_depth(chapter: &mut Chapter) {
+    let formula = InverseDepth::project_into;
+    let mutants: [(_, InverseDepthProjection); 5] = [
+        ("translation not times inverse depth", |point, k, motion| {
+            with_inverse_depth(1.0, point).project_into(k, motion)
+        }),
+        ("translation dropped", |point, k, motion| {
+            with_inverse_depth(0.0, point).project_into(k, motion)
+        }),
+        ("sign of the translation", |point, k, motion| {
+            point.project_into(k, &with_translation_negated(motion))
+        }),
+        ("rotation transposed", |point, k, motion| {
+            point.project_into(k, &with_rotation_transposed(motion))
+        }),
+        ("motion inverted", |point, k, motion| {
+            point.project_into(k, &motion.inverse())
+        }),
+    ];
+    chapter.equation(
+        "inverse-depth-projection",
+        inverse_depth_projection,
+        formula,
+        &mutants,
+    );
+
+    let formula = InverseDepth::project_with_jacobian;
+    let mutants: [(_, InverseDepthJacobian); 5] = [
+        ("rotation transposed", |point, k, motion| {
+            point.project_with_jacobian(k, &with_rotation_transposed(motion))
+        }),
+        ("sign of the last column", |point, k, motion| {
+            with_last_column_times(-1.0, point.project_with_jacobian(k, motion))
+        }),
+        ("last column dropped", |point, k, motion| {
+            with_last_column_times(0.0, point.project_with_jacobian(k, motion))
+        }),
+        ("by depth for by inverse depth", |point, k, motion| {
+            let factor = -point.inverse_depth.powi(2);
+            with_last_column_times(factor, point.project_with_jacobian(k, motion))
+        }),
+        ("second depth held fixed", with_second_depth_held_fixed),
+    ];
+    chapter.equation(
+        "inverse-depth-jacobian",
+        inverse_depth_jacobian,
+        formula,
+        &mutants,
+    );
 }
 
 type InverseDepthProjection = fn(&InverseDepth, &Pinhole, &Isometry3<f64>) -> Option<Vector2<f64>>;
@@ -573,32 +584,11 @@ fn inverse_depth_jacobian(formula: InverseDepthJacobian) -> Comparison {
     comparison
 }
 
-/// Takes a camera, a baseline and the standard deviation of the disparity.
-type InverseDepthSigma = fn(&Pinhole, f64, f64) -> f64;
-
-fn inverse_depth_sigma(formula: InverseDepthSigma) -> Comparison {
-    let against = "central differences of the inverse depth at which the two rays meet";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(14);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
-        let point = random.point(0.5..100.0);
-        let sigma = random.uniform(0.2..3.0);
-        let first = image_of(&camera, &point).x;
-        let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
-        let inverse_depth = |second| 1.0 / meeting_depth(&camera, baseline, first, second);
-        let slope = central_difference(inverse_depth, second, 1e-2 * (first - second));
-        comparison.add(&[formula(&camera, baseline, sigma)], &[slope.abs() * sigma]);
-    }
-    comparison
-}
-
 /// A point in the first camera, as inverse depth and as coordinates; every tenth lies at infinity.
 fn landmark_and_point(random: &mut Random, state: usize) -> (InverseDepth, Vector3<f64>) {
     let point = random.point(1.0..200.0);
     let ray = point / point.z;
-    let (inverse_depth, depth) = if state % 10 == 0 {
+    let (inverse_depth, depth) = if state.is_multiple_of(10) {
         (0.0, FAR_AWAY)
     } else {
         (1.0 / point.z, point.z)
@@ -634,6 +624,18 @@ fn with_principal_point_dropped(camera: &Pinhole) -> Pinhole {
         cy: 0.0,
         ..*camera
     }
+}
+
+fn with_inverse_depth(inverse_depth: f64, point: &InverseDepth) -> InverseDepth {
+    InverseDepth {
+        inverse_depth,
+        ..*point
+    }
+}
+
+fn with_translation_negated(motion: &Isometry3<f64>) -> Isometry3<f64> {
+    let opposite = -motion.translation.vector;
+    Isometry3::from_parts(opposite.into(), motion.rotation)
 }
 
 fn with_rotation_transposed(motion: &Isometry3<f64>) -> Isometry3<f64> {

@@ -25,7 +25,8 @@ impl Place {
     }
 }
 
-/// An equation of the book with the check of its formula and the wrong formulas that the check must reject.
+/// An equation of the book with the check of its formula and the wrong formulas that the check must
+/// reject.
 pub struct Equation {
     pub label: &'static str,
     pub place: Place,
@@ -67,7 +68,8 @@ pub struct NamedFigure {
     pub place: Place,
 }
 
-/// The exhibits of one chapter. Nothing is checked, drawn or run before it is asked for.
+/// The exhibits of one chapter. Its numbers are computed at once; nothing is checked, drawn or run
+/// before it is asked for.
 pub struct Chapter {
     pub slug: &'static str,
     pub equations: Vec<Equation>,
@@ -77,8 +79,8 @@ pub struct Chapter {
 }
 
 impl Chapter {
-    /// The chapter `slug` with all that `register` adds to it, or a sentence about a name that it uses
-    /// twice or a number that is not finite.
+    /// The chapter `slug` with all that `register` adds to it, or a sentence about a name that it
+    /// uses twice or a number that is not finite.
     pub fn registered(slug: &'static str, register: fn(&mut Self)) -> Result<Self, String> {
         let mut chapter = Self {
             slug,
@@ -107,8 +109,8 @@ impl Chapter {
         Ok(chapter)
     }
 
-    /// Registers an equation. Its formula is a parameter of `check`, so that the check can also be shown `mutants`,
-    /// each with what is wrong with it, and must reject them.
+    /// Registers an equation. Its formula is a parameter of `check`, so that the check can also be
+    /// shown `mutants`, each with what is wrong with it, and must reject them.
     #[track_caller]
     pub fn equation<F: Copy + 'static>(
         &mut self,
@@ -210,7 +212,9 @@ mod tests {
     use crate::chapters;
     use crate::comparison::Comparison;
 
-    fn doubles(formula: fn(f64) -> f64) -> Comparison {
+    type Formula = fn(f64) -> f64;
+
+    fn doubles(formula: Formula) -> Comparison {
         let mut comparison = Comparison::absolute("a sum", 1e-12, "m");
         comparison.add(&[formula(3.0)], &[3.0 + 3.0]);
         comparison
@@ -258,8 +262,7 @@ mod tests {
     #[test]
     fn a_mutant_that_passes_is_named_as_a_survivor() {
         let chapter = Chapter::registered("test", |chapter| {
-            let mutants: [(&str, fn(f64) -> f64); 2] =
-                [("sign", |x| -2.0 * x), ("none", |x| x + x)];
+            let mutants: [(_, Formula); 2] = [("sign", |x| -2.0 * x), ("none", |x| x + x)];
             chapter.equation("double", doubles, |x| 2.0 * x, &mutants);
         });
         assert_eq!(chapter.unwrap().equations[0].survivors(), ["none"]);

@@ -8,12 +8,13 @@ pub struct Comparison {
     pub against: &'static str,
     /// The largest error that is still accepted.
     pub tolerance: f64,
-    /// Unit of error and tolerance; `relative` when the error is divided by the size of the oracle's value.
+    /// Unit of error and tolerance, or `relative`.
     pub unit: &'static str,
     /// How many states were compared.
     pub states: usize,
     /// The largest finite error.
     pub worst: f64,
+    is_relative: bool,
     first_failure: Option<String>,
 }
 
@@ -26,13 +27,17 @@ impl Comparison {
             unit,
             states: 0,
             worst: 0.0,
+            is_relative: false,
             first_failure: None,
         }
     }
 
     /// Errors are distances divided by the length of the oracle's value.
     pub fn relative(against: &'static str, tolerance: f64) -> Self {
-        Self::absolute(against, tolerance, "relative")
+        Self {
+            is_relative: true,
+            ..Self::absolute(against, tolerance, "relative")
+        }
     }
 
     /// Compares one state. The values are all components of a scalar, vector or matrix.
@@ -43,9 +48,10 @@ impl Comparison {
             "a check compares values of the same shape"
         );
         let difference = length(formula.iter().zip(oracle).map(|(a, b)| a - b));
-        let error = match self.unit {
-            "relative" => difference / length(oracle.iter().copied()),
-            _ => difference,
+        let error = if self.is_relative {
+            difference / length(oracle.iter().copied())
+        } else {
+            difference
         };
         let state = self.states;
         self.states += 1;

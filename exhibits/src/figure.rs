@@ -1,10 +1,12 @@
 //! Drawing with plotters so that the page, light or dark, decides about the colours.
 
 use std::error::Error;
+use std::f64::consts::TAU;
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::element::Polygon;
 use plotters::prelude::{Cartesian2d, DrawingArea, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, RGBColor, TRANSPARENT, TextStyle};
@@ -21,7 +23,6 @@ pub struct Figure {
 
 pub const INK: RGBColor = RGBColor(1, 0, 0);
 pub const GRID: RGBColor = RGBColor(2, 0, 0);
-pub const GROUND: RGBColor = RGBColor(3, 0, 0);
 pub const MEASURED: RGBColor = RGBColor(4, 0, 0);
 pub const ESTIMATED: RGBColor = RGBColor(5, 0, 0);
 pub const SERIES: [RGBColor; 4] = [
@@ -32,10 +33,9 @@ pub const SERIES: [RGBColor; 4] = [
 ];
 
 /// What the page puts in the place of each colour that a figure draws with.
-const MEANING: [(RGBColor, &str); 9] = [
+const MEANING: [(RGBColor, &str); 8] = [
     (INK, "currentColor"),
     (GRID, "var(--grid)"),
-    (GROUND, "var(--plot-ground)"),
     (MEASURED, "var(--measured)"),
     (ESTIMATED, "var(--estimated)"),
     (SERIES[0], "var(--series-1)"),
@@ -45,10 +45,10 @@ const MEANING: [(RGBColor, &str); 9] = [
 ];
 
 /// Width of every figure in units of its view box. A page shows it at a quarter to a half of that.
-pub const WIDTH: u32 = 1280;
+const WIDTH: u32 = 1280;
 
 /// Height of letters in the same units.
-pub const LETTERS: u32 = 36;
+const LETTERS: f64 = 36.0;
 
 pub type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Drawn = Result<(), Box<dyn Error>>;
@@ -71,7 +71,8 @@ pub fn draw(height: u32, paint: impl FnOnce(&Drawing) -> Drawn) -> String {
     svg
 }
 
-/// Axes with a faint grid, titles with units, and at most this many ticks.
+/// Axes with a faint grid, titles with units, and at most this many ticks. A vertical axis without
+/// ticks takes less room.
 pub fn axes<'a, X, Y>(
     drawing: &Drawing<'a>,
     (x_title, x_range, x_ticks): (&str, X, usize),
@@ -95,6 +96,8 @@ where
         .y_desc(y_title)
         .x_labels(x_ticks)
         .y_labels(y_ticks)
+        .x_label_formatter(&tick)
+        .y_label_formatter(&tick)
         .bold_line_style(GRID.stroke_width(2))
         .light_line_style(TRANSPARENT)
         .axis_style(INK.stroke_width(2))
@@ -102,6 +105,12 @@ where
         .axis_desc_style(letters(INK))
         .draw()?;
     Ok(chart)
+}
+
+/// A tick without needless zeros, so that 0.30000000000000004 is 0.3 and 20.0 is 20.
+fn tick(value: &f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    format!("{rounded}").replace('-', "\u{2212}")
 }
 
 /// A chart with axes of the given ranges.
@@ -114,8 +123,7 @@ pub type Chart<'a, X, Y> = ChartContext<
 /// Text that begins at its place.
 pub fn letters(colour: RGBColor) -> TextStyle<'static> {
     // The backend divides the size of a font by this number.
-    let size = f64::from(LETTERS) * 1.24;
-    ("sans-serif", size).into_font().color(&colour)
+    ("sans-serif", LETTERS * 1.24).into_font().color(&colour)
 }
 
 /// Text that stands to the right of its place, halfway up.
@@ -126,4 +134,105 @@ pub fn letters_right_of(colour: RGBColor) -> TextStyle<'static> {
 /// Text with its place in the middle.
 pub fn letters_around(colour: RGBColor) -> TextStyle<'static> {
     letters(colour).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+/// A filled mark around the origin in the colour of a series. Each of the four series has a shape
+/// of its own, for readers who do not go by colour.
+pub fn marker(series: usize) -> Polygon<(i32, i32)> {
+    let corners = match series {
+        0 => disc(14.0),
+        1 => vec![(0, -17), (15, 11), (-15, 11)],
+        2 => vec![(-12, -12), (12, -12), (12, 12), (-12, 12)],
+        _ => vec![(0, -18), (18, 0), (0, 18), (-18, 0)],
+    };
+    Polygon::new(corners, SERIES[series].filled())
+}
+
+fn disc(radius: f64) -> Vec<(i32, i32)> {
+    let corner = |index: i32| {
+        let (sine, cosine) = (TAU * f64::from(index) / 20.0).sin_cos();
+        (
+            (radius * cosine).round() as i32,
+            (radius * sine).round() as i32,
+        )
+    };
+    (0..20).map(corner).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::chapters;
+
+    /// Every figure of the book, with its name.
+    fn figures() -> Vec<(String, super::Figure)> {
+        let chapters = chapters().unwrap();
+        let named = chapters.iter().flat_map(|chapter| {
+            let slug = chapter.slug;
+            chapter
+                .figures
+                .iter()
+                .map(move |figure| (format!("{slug}/{}", figure.name), (figure.draw)()))
+        });
+        named.collect()
+    }
+
+    #[test]
+    fn figures_are_one_line_that_can_stand_inside_markdown() {
+        for (name, figure) in figures() {
+            assert!(figure.svg.starts_with("<svg viewBox="), "{name}");
+            assert!(figure.svg.ends_with("</svg>"), "{name}");
+            assert!(!figure.svg.contains(['\n', '\r']), "{name}");
+        }
+    }
+
+    #[test]
+    fn figures_leave_every_colour_to_the_page() {
+        for (name, figure) in figures() {
+            assert!(!figure.svg.contains('#'), "{name} has a colour of its own");
+            assert!(figure.svg.contains("currentColor"), "{name} has no ink");
+        }
+    }
+
+    #[test]
+    fn figures_carry_no_identifiers_that_could_meet_those_of_the_page() {
+        for (name, figure) in figures() {
+            assert!(!figure.svg.contains(" id="), "{name}");
+        }
+    }
+
+    #[test]
+    fn figures_close_what_they_open() {
+        for (name, figure) in figures() {
+            let mut open = Vec::new();
+            for tag in figure.svg.split('<').skip(1) {
+                let (tag, _text) = tag.split_once('>').expect("a tag ends");
+                if let Some(closed) = tag.strip_prefix('/') {
+                    assert_eq!(open.pop(), Some(closed), "{name}");
+                } else if !tag.ends_with('/') {
+                    open.push(tag.split(' ').next().expect("a tag has a name"));
+                }
+                assert_eq!(tag.matches('"').count() % 2, 0, "{name}: {tag}");
+            }
+            assert!(open.is_empty(), "{name}");
+        }
+    }
+
+    #[test]
+    fn figures_keep_their_data_in_a_table_that_is_full_and_not_too_long() {
+        for (name, figure) in figures() {
+            assert!((1..=60).contains(&figure.rows.len()), "{name}");
+            for row in &figure.rows {
+                assert_eq!(row.len(), figure.columns.len(), "{name}");
+                assert!(row.iter().all(|cell| !cell.contains([',', '"'])), "{name}");
+                assert!(row.iter().all(|cell| !cell.contains("NaN")), "{name}");
+            }
+            assert!(
+                figure
+                    .columns
+                    .iter()
+                    .all(|column| !column.contains([',', '"'])),
+                "{name}"
+            );
+        }
+    }
 }

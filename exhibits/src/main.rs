@@ -1,8 +1,9 @@
-//! What the book shows and a program computes: checks of its equations, its numbers, figures and records.
+//! What the book shows and a program computes: checks of its equations, its numbers, figures and
+//! records.
 //!
 //! ```text
 //! exhibits list                    what there is, as JSON
-//! exhibits chapter SLUG FOLDER     writes a chapter's checks and numbers, and its figures as SVG and CSV
+//! exhibits chapter SLUG FOLDER     writes a chapter's checks, numbers and figures
 //! exhibits record NAME             makes a record, as JSON
 //! ```
 
@@ -19,8 +20,11 @@ use std::process::ExitCode;
 
 use chapter::Chapter;
 
-/// Every chapter of the book: its slug, and the function that registers its exhibits.
-const CHAPTERS: [(&str, fn(&mut Chapter)); 1] = [("bearing", bearing::exhibits)];
+/// Adds a chapter's exhibits to it.
+type Register = fn(&mut Chapter);
+
+/// Every chapter of the book by its slug.
+const CHAPTERS: [(&str, Register); 1] = [("bearing", bearing::exhibits)];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 

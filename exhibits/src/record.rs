@@ -1,4 +1,7 @@
-//! What takes long: large runs whose results the book keeps beside a small live check of the same thing.
+//! What takes long: large runs whose results the book keeps beside a small live check of the same
+//! thing.
+
+use crate::chapter::Place;
 
 /// One result of a record.
 pub struct RecordValue {
@@ -7,7 +10,8 @@ pub struct RecordValue {
     /// Digits after the decimal point in the book.
     pub decimals: usize,
     pub unit: &'static str,
-    /// Relative difference that is accepted when the record is made again; 0 asks for the same bits.
+    /// Relative difference that is accepted when the record is made again; 0 asks for the same
+    /// bits.
     pub within: f64,
 }
 
@@ -16,5 +20,5 @@ pub struct Record {
     pub name: &'static str,
     pub inputs: Vec<(&'static str, String)>,
     pub run: fn() -> Vec<RecordValue>,
-    pub place: crate::chapter::Place,
+    pub place: Place,
 }

@@ -1,7 +1,6 @@
 //! `cargo book accept` and `cargo book record`: what a person has looked at becomes what the build expects.
 
-use anyhow::{Result, anyhow};
-use mdbook_driver::MDBook;
+use anyhow::Result;
 use similar::{ChangeTag, TextDiff};
 
 use crate::accepted::{Accepted, normal};
@@ -24,7 +23,7 @@ pub fn accept(maker: &Maker, only_show: bool) -> Result<()> {
 }
 
 fn equations(maker: &Maker, only_show: bool) -> Result<usize> {
-    let book = MDBook::load(&maker.layout.root).map_err(|error| anyhow!("{error:#}"))?;
+    let book = maker.load()?;
     let mut changes = 0;
     for page in Page::all(&book.book) {
         let path = maker.layout.accepted(&page.slug);
@@ -41,7 +40,7 @@ fn equations(maker: &Maker, only_show: bool) -> Result<usize> {
 /// The equations of a page that have a check, as they are now.
 fn checked_equations(page: &Page) -> Accepted {
     let equation = |kind: &Kind| match kind {
-        Kind::Equation { tex, attributes } if !attributes.has("definition") => {
+        Kind::Equation { tex, attributes, .. } if !attributes.has("definition") => {
             Some((attributes.id.strip_prefix("eq:")?.to_owned(), normal(tex)))
         }
         _ => None,

@@ -24,8 +24,8 @@ pub enum Kind {
     Text(String),
     /// `## Title {#sec:label}`.
     Heading { level: usize, title: String, attributes: Attributes },
-    /// `$$ … $$ {#eq:label}`.
-    Equation { tex: String, attributes: Attributes },
+    /// `$$ … $$ {#eq:label}`, and the line its TeX begins on.
+    Equation { tex: String, attributes: Attributes, tex_line: usize },
     /// `![caption](chapter/name.svg){#fig:label alt="…"}`.
     Figure { caption: String, path: String, attributes: Attributes },
     /// A fenced code block: ```` ```language ```` or ```` ```{.language #lst:label caption="…"} ````.
@@ -187,8 +187,9 @@ impl Reader<'_> {
                 true => (Attributes::default(), 0),
                 false => Attributes::parse(after)?,
             };
+            let tex_line = first + 1 + usize::from(body.starts_with('\n'));
             let tex = body[..end].trim().to_owned();
-            after[length..].trim().is_empty().then_some(Kind::Equation { tex, attributes })
+            after[length..].trim().is_empty().then_some(Kind::Equation { tex, attributes, tex_line })
         });
         self.push_or_unclosed(first, found, "a display equation ($$ … $$ with nothing but attributes behind it)");
     }
@@ -278,7 +279,7 @@ mod tests {
         let found = blocks("# Title {#sec:a}\n\ntext\n\n1. step\n\n   $$\n   a = b\n   $$ {#eq:ab}\n\nmore\n");
         let kinds: Vec<_> = found.iter().map(|block| (block.line, block.indent.as_str())).collect();
         assert_eq!(kinds, [(1, ""), (2, ""), (7, "   "), (10, "")]);
-        let Kind::Equation { tex, attributes } = &found[2].kind else { panic!("{:?}", found[2]) };
+        let Kind::Equation { tex, attributes, tex_line: 8 } = &found[2].kind else { panic!("{:?}", found[2]) };
         assert_eq!((tex.as_str(), attributes.id.as_str()), ("a = b", "eq:ab"));
     }
 

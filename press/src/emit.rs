@@ -1,6 +1,9 @@
 //! Writes a chapter for mdBook: its blocks as Markdown and HTML, with everything resolved.
 
 use std::path::{Component, Path, PathBuf};
+use std::sync::LazyLock;
+
+use regex::Regex;
 
 use crate::accepted::{Accepted, normal};
 use crate::attributes::Attributes;
@@ -79,7 +82,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 self.out.push_str(&text);
             }
             Kind::Heading { level, title, attributes } => self.heading(block, *level, title, attributes),
-            Kind::Equation { tex, attributes } => self.equation(block, tex, attributes),
+            Kind::Equation { tex, attributes, tex_line } => self.equation(block, tex, *tex_line, attributes),
             Kind::Figure { caption, path, attributes } => self.figure(block, caption, path, attributes),
             Kind::Fence { language, attributes, body } => self.fence(block, language, attributes, body),
             Kind::Open(attributes) => self.open(block, attributes),
@@ -115,6 +118,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
+    /// Stands for what cannot be shown, so that links to it lead somewhere and are not counted as faults of their own.
+    fn missing(&mut self, id: &str) {
+        self.out.push_str(&format!("\n<p id=\"{id}\">[{id}]</p>\n\n"));
+    }
+
     fn source(&mut self, file: &str, line: usize) -> String {
         source(self.page, file, line, self.found)
     }
@@ -130,7 +138,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn heading(&mut self, block: &Block, level: usize, title: &str, attributes: &Attributes) {
         let shown = self.resolve(block.line, title);
-        let number = if block.number.is_empty() { String::new() } else { format!("{} ", block.number) };
+        let number = match level {
+            1 => self.page.number.as_deref().unwrap_or_default(),
+            _ => &block.number,
+        };
+        let number = if number.is_empty() { String::new() } else { format!("{number} ") };
         let id = match attributes.id.is_empty() {
             true if block.number.is_empty() => String::new(),
             true => format!(" {{#{}}}", anchor(title)),
@@ -139,13 +151,13 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.out.push_str(&format!("{} {number}{shown}{id}\n", "#".repeat(level)));
     }
 
-    fn equation(&mut self, block: &Block, tex: &str, attributes: &Attributes) {
-        let place = (self.page.file.as_str(), block.line);
+    fn equation(&mut self, block: &Block, tex: &str, tex_line: usize, attributes: &Attributes) {
+        let place = (self.page.file.as_str(), tex_line);
         self.found.lint.tex(place, &self.page.slug, tex, &mut self.found.faults);
         let filled = fill(tex, self.page, place, self.known, self.found);
         self.found.formulas.push(Formula {
             file: self.page.file.clone(),
-            line: block.line,
+            line: tex_line,
             label: attributes.id.clone(),
             tex: filled.clone(),
             display: true,
@@ -204,6 +216,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let drawing = name.split_once('/').and_then(|(slug, name)| self.known.exhibits.drawing(slug, name));
         let Some((drawing, folder)) = drawing else {
             let slug = name.split_once('/').map_or(self.page.slug.as_str(), |(slug, _)| slug);
+            self.missing(id);
             return self.fault(block.line, path, "no program draws this figure", format!("register it in exhibits/src/{slug}.rs; the path is chapter/name.svg"));
         };
         self.found.figures.insert(name.to_owned());
@@ -274,16 +287,19 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let id = &attributes.id;
         let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
         let Some(file) = self.included(path) else {
+            self.missing(id);
             return self.fault(block.line, id, format!("{path} is not a file of the book"), "mend the path, which begins at the chapter's folder");
         };
         let cut = files::read(&self.layout.root.join(&file)).ok().and_then(|text| listing::cut(&text, name));
         let Some(cut) = cut else {
+            self.missing(id);
             return self.fault(block.line, id, format!("{file} has no anchor `{name}`"), format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"));
         };
         let longest = self.settings.longest_listing;
         if cut.code.len() > longest {
             self.fault(block.line, id, format!("the listing has {} lines, and {longest} is what a reader can hold", cut.code.len()), "cut it in two, or print only the part the text speaks of");
         }
+        self.labels_in(block.line, id, &cut.code);
         let caption = attributes.value("caption").to_owned();
         if caption.is_empty() {
             self.fault(block.line, id, "the listing has no caption", "say in caption=\"…\" what it does");
@@ -298,6 +314,16 @@ impl<'a, 'f> Emitter<'a, 'f> {
             cut.code.join("\n"),
         );
         self.lines(&block.indent, &html);
+    }
+
+    /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.
+    fn labels_in(&mut self, line: usize, id: &str, code: &[String]) {
+        static LABEL: LazyLock<Regex> = LazyLock::new(|| Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern"));
+        for found in code.iter().flat_map(|text| LABEL.captures_iter(text)) {
+            if self.known.labels.get(&found[1]).is_none() {
+                self.fault(line, id, format!("the listing names {}, and nothing in the book has this label", &found[1]), "mend the comment in the source");
+            }
+        }
     }
 
     /// The file of an include, relative to the root of the book; none when it lies outside or is absent.
@@ -359,9 +385,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 "difficulty" => ("Difficulty", format!("{value} of 3")),
                 _ => ("Needs", value),
             };
-            terms.push_str(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>"));
+            terms.push_str(&format!("<dt>{name}</dt><dd>{value}</dd>"));
             if key == "difficulty" {
-                terms.push_str(&format!("<div><dt>Reading time</dt><dd>{} minutes</dd></div>", minutes(self.page)));
+                terms.push_str(&format!("<dt>Reading time</dt><dd>{} minutes</dd>", minutes(self.page)));
             }
         }
         format!("<div class=\"opening\">\n<dl>{terms}</dl>\n")
@@ -435,13 +461,22 @@ impl<'a, 'f> Emitter<'a, 'f> {
 fn note(check: &Check, href: &str) -> String {
     let worst = check.worst.map_or("not a number".to_owned(), |worst| format!("{worst:.0e}"));
     format!(
-        "<details class=\"check margin\"><summary>checked: {worst} over {states} states</summary><p>Largest error {worst}, tolerance {:.0e}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
+        "<details class=\"check margin\"><summary>checked: {worst} over {states} states</summary><p>Largest error {worst}{unit}, tolerance {:.0e}{unit}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
         check.tolerance,
         escape(&check.against),
         check.mutants.len(),
         escape(&check.mutants.join(", ")),
         states = check.states,
+        unit = unit(check),
     )
+}
+
+/// The unit of an error as it follows the number; nothing for a relative one.
+fn unit(check: &Check) -> String {
+    match check.unit.as_str() {
+        "" | "relative" => String::new(),
+        unit => format!("\u{a0}{}", escape(unit)),
+    }
 }
 
 /// The colours a page uses, explained.

@@ -35,6 +35,8 @@ pub struct Check {
     pub worst: Option<f64>,
     /// What the error may be at most.
     pub tolerance: f64,
+    /// The unit of both; `relative` for none.
+    pub unit: String,
     /// How many random states were compared.
     pub states: usize,
     /// What the equation was compared with.

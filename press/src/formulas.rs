@@ -20,6 +20,9 @@ use crate::fault::Faults;
 use crate::files;
 use crate::records::hex;
 
+/// What is said of a formula that KaTeX does not know.
+pub const REJECTED: &str = "KaTeX rejects the formula";
+
 /// A formula and where it stands.
 #[derive(Clone, Debug)]
 pub struct Formula {
@@ -61,7 +64,7 @@ pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], 
             None => good.push(key),
             Some(reason) => {
                 let line = formula.line + line_of(&formula.tex, reason);
-                faults.add((&formula.file, line), &formula.label, format!("KaTeX rejects the formula: {reason}"), "mend the TeX; katex.org/docs/supported lists what KaTeX knows");
+                faults.add((&formula.file, line), &formula.label, format!("{REJECTED}: {reason}"), "mend the TeX; katex.org/docs/supported lists what KaTeX knows");
             }
         }
     }
@@ -71,9 +74,11 @@ pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], 
 }
 
 fn rejection(tex: &str, options: &Opts) -> Option<String> {
+    static REASON: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"(?s)KaTeX parse error: (.*? at (?:position \d+|end of input))").expect("a valid pattern"));
     let error = katex::render_with_opts(tex, options).err()?.to_string();
-    let reason = error.split("ParseError:").last().unwrap_or(&error);
-    Some(reason.split("\n    at").next().unwrap_or(reason).trim().trim_start_matches("KaTeX parse error:").trim().to_owned())
+    let reason = REASON.captures(&error).map_or(error.as_str(), |found| found.get(1).map_or("", |reason| reason.as_str()));
+    Some(reason.replace(r"\\", r"\"))
 }
 
 /// How many lines below its first one a formula fails, from the position in KaTeX's message.

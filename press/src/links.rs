@@ -27,11 +27,16 @@ pub fn faults(site: &Path, src: &Path) -> Result<Faults> {
     let pages = html.par_iter().map(|path| Rendered::read(site, path)).collect::<Result<Vec<_>>>()?;
     let anchors: BTreeMap<&PathBuf, &BTreeSet<String>> = pages.iter().map(|page| (&page.path, &page.anchors)).collect();
     let mut faults = Faults::default();
-    for page in &pages {
+    let mut known = BTreeSet::new();
+    let (chapters, copies): (Vec<_>, Vec<_>) = pages.iter().partition(|page| page.chapter(src).is_some());
+    // What a chapter has wrong, its copies on the first page and on the page for printers have wrong as well.
+    for page in chapters.into_iter().chain(copies) {
         for (address, loaded) in &page.links {
             if let Some((problem, mend)) = page.fault(address, *loaded, &there, &anchors) {
                 let (file, line) = page.origin(src, address);
-                faults.add((&file, line), address, problem, mend);
+                if known.insert(address) || line > 0 {
+                    faults.add((&file, line), address, problem, mend);
+                }
             }
         }
     }
@@ -72,11 +77,18 @@ impl Rendered {
         (!known).then(|| (format!("the link leads nowhere: {} has no `#{anchor}`", slashed(&path)), "mend the fragment; a label and @-reference would have been found earlier"))
     }
 
+    /// The chapter that this page was made from.
+    fn chapter(&self, src: &Path) -> Option<PathBuf> {
+        let chapter = self.path.with_extension("md");
+        src.join(&chapter).is_file().then_some(chapter)
+    }
+
     /// The chapter and line that an address was written in, as near as the text tells.
     fn origin(&self, src: &Path, address: &str) -> (String, usize) {
-        let chapter = self.path.with_extension("md");
+        let chapter = self.chapter(src);
+        let text = chapter.as_ref().and_then(|chapter| files::read(&src.join(chapter)).ok());
+        let (Some(chapter), Some(text)) = (chapter, text) else { return (slashed(&self.path), 0) };
         let file = format!("src/{}", slashed(&chapter));
-        let Ok(text) = files::read(&src.join(&chapter)) else { return (slashed(&self.path), 0) };
         let written = [address.to_owned(), address.replacen(".html", ".md", 1)];
         let line = text.lines().position(|line| written.iter().any(|address| line.contains(address.as_str())));
         (file, line.map_or(0, |line| line + 1))

@@ -7,7 +7,8 @@ use regex::Regex;
 use crate::fault::Faults;
 use crate::settings::Allowed;
 
-const UNITS: &str = r"px|pixels?|[kcmµn]?m|(?:kilo|centi|milli|micro)?met(?:re|er)s?|m?rad|(?:milli)?radians?|deg|degrees?|°|µs|[mn]?s|(?:milli|micro)?seconds?|min|minutes?|hours?|[kM]?Hz|k?g|%|percent|[kMG]?B|bytes?|m/s²?|fps|sigmas?";
+/// Units of measurement, as they follow a number.
+pub const UNITS: &str = r"px|pixels?|[kcmµn]?m|(?:kilo|centi|milli|micro)?met(?:re|er)s?|m?rad|(?:milli)?radians?|deg|degrees?|°|µs|[mn]?s|(?:milli|micro)?seconds?|min|minutes?|hours?|[kM]?Hz|k?g|%|percent|[kMG]?B|bytes?|m/s²?|fps|sigmas?";
 
 static PROSE: LazyLock<Regex> = LazyLock::new(|| pattern(&format!(r"[ \u{{a0}}\u{{202f}}-]?(?:{UNITS})")));
 static TEX: LazyLock<Regex> = LazyLock::new(|| {

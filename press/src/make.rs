@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result, anyhow};
 use mdbook_driver::MDBook;
+use mdbook_driver::config::Config;
 
 use crate::fault::Faults;
 use crate::files;
@@ -38,7 +39,7 @@ impl Maker {
         let faults = Arc::new(Mutex::new(Faults::default()));
         self.steps.step("pages", || self.render(site, live_reload, &faults))?;
         let mut faults = std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
-        faults.extend(self.warnings.take());
+        faults.extend(self.warnings.take(&faults));
         faults.extend(self.steps.step("links", || links::faults(site, &self.layout.src()))?);
         Ok(faults)
     }
@@ -71,10 +72,20 @@ impl Maker {
         self.steps.step(&format!("making the record {name}"), || program.record(&executable, name))
     }
 
+    /// The book as mdBook reads it. A chapter that nobody wrote is an error and not an empty file.
+    pub fn load(&self) -> Result<MDBook> {
+        let read = || {
+            let mut config = Config::from_disk(self.layout.root.join("book.toml"))?;
+            config.update_from_env()?;
+            config.build.create_missing = false;
+            MDBook::load_with_config(&self.layout.root, config)
+        };
+        read().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")
+    }
+
     fn render(&self, site: &Path, live_reload: Option<&str>, faults: &Arc<Mutex<Faults>>) -> Result<()> {
-        let mut book = MDBook::load(&self.layout.root).map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")?;
+        let mut book = self.load()?;
         book.config.build.build_dir = absolute(site)?;
-        book.config.build.create_missing = false;
         if let Some(endpoint) = live_reload {
             book.config.set("output.html.live-reload-endpoint", endpoint)?;
         }

@@ -2,14 +2,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use regex::Regex;
 
 use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::formulas::Formula;
 use crate::inline::{LABEL_KINDS, Mark, tokens};
-use crate::lint::Lint;
+use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
+
+static UNIT: LazyLock<Regex> = LazyLock::new(|| Regex::new(&format!(r"^\s(?:{UNITS})(?:$|[^\w])")).expect("a valid pattern"));
 
 /// The page of the bibliography, relative to `src`.
 pub const REFERENCES: &str = "references.md";
@@ -62,10 +67,18 @@ impl Prose<'_> {
     /// The text with its marks resolved.
     pub fn resolve(&self, text: &str, known: &Known<'_>, found: &mut Found<'_>) -> String {
         let mut out = String::with_capacity(text.len());
-        for token in tokens(text) {
+        let tokens = tokens(text);
+        for (at, token) in tokens.iter().enumerate() {
             let place = (self.page.file.as_str(), self.line + text[..token.at].matches('\n').count());
             let one = One { prose: self, place, known };
-            one.mark(&token.mark, &mut out, found);
+            let mut written = String::new();
+            one.mark(&token.mark, &mut written, found);
+            let after_value = at > 0 && matches!(tokens[at - 1].mark, Mark::Value(_));
+            match UNIT.find(&written).filter(|_| after_value) {
+                // A number and its unit stay on one line.
+                Some(_) => out.push_str(&written.replacen(char::is_whitespace, "\u{a0}", 1)),
+                None => out.push_str(&written),
+            }
         }
         out
     }

@@ -9,17 +9,22 @@ use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::layer::{Context, Layer};
 
 use crate::fault::Faults;
+use crate::formulas::REJECTED;
+
+/// How mdbook-katex begins its warning of a formula that the press rejected before.
+const UNRENDERED: &str = "Rendering failed";
 
 /// Gathers warnings and errors that libraries report while they work.
 #[derive(Clone, Default)]
 pub struct Warnings(Arc<Mutex<Vec<String>>>);
 
 impl Warnings {
-    /// What was reported since the last time, as faults.
-    pub fn take(&self) -> Faults {
+    /// What was reported since the last time, as faults, except what is among the `known` ones already.
+    pub fn take(&self, known: &Faults) -> Faults {
         let mut faults = Faults::default();
+        let rejected = known.sorted().iter().any(|fault| fault.problem.starts_with(REJECTED));
         let taken = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
-        for message in taken {
+        for message in taken.into_iter().filter(|message| !(rejected && message.starts_with(UNRENDERED))) {
             faults.add((&file_in(&message), 0), "mdBook", message, "mend what it warns of; the build counts a warning as a fault");
         }
         faults

@@ -140,15 +140,14 @@
         function place() {
             let free = -Infinity;
             notes.forEach(note => {
-                note.style.marginTop = "";
+                note.style.removeProperty("--rise");
                 const floats = getComputedStyle(note).float !== "none";
                 const before = note.previousElementSibling;
                 if (floats && before && note.classList.contains("note")) {
-                    const top = note.getBoundingClientRect().top;
                     const wanted = Math.max(before.getBoundingClientRect().top + 4, free + 12);
-                    if (wanted < top) {
-                        const own = parseFloat(getComputedStyle(note).marginTop);
-                        note.style.marginTop = (own - (top - wanted)) + "px";
+                    const rise = note.getBoundingClientRect().top - wanted;
+                    if (rise > 0) {
+                        note.style.setProperty("--rise", rise + "px");
                     }
                 }
                 if (floats) {

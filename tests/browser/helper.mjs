@@ -82,6 +82,7 @@ export async function launch() {
                 reducedMotion: "reduce",
                 ...options,
             });
+            context.setDefaultTimeout(10_000);
             const page = await context.newPage();
             page.complaints = [];
             const complain = text => page.complaints.push(text);

@@ -46,7 +46,6 @@ fn stretched(chapter: &mut Chapter) {
     let stretched = stretch * POINT;
     chapter.number("stretch_percent", 100.0 * (stretch - 1.0), "%", 0);
     chapter.number("stretched_x", stretched.x, "m", 2);
-    chapter.number("stretched_y", stretched.y, "m", 2);
     chapter.number("stretched_z", stretched.z, "m", 1);
     chapter.number("stretched_second_x", stretched.x - BASELINE, "m", 2);
     chapter.number(
@@ -75,13 +74,11 @@ fn stretched(chapter: &mut Chapter) {
 
 fn depth_sigmas(chapter: &mut Chapter) {
     let sigma = |baseline, depth| depth_sigma(&CAMERA, baseline, depth, 1.0);
-    chapter.number("sigma_z", sigma(BASELINE, 5.0), "m", 3);
     chapter.number("sigma_z_cm", 100.0 * sigma(BASELINE, 5.0), "cm", 1);
     chapter.number("sigma_z_10", sigma(BASELINE, 10.0), "m", 1);
     chapter.number("sigma_z_50", sigma(BASELINE, 50.0), "m", 1);
     chapter.number("sigma_z_short", sigma(SHORT_BASELINE, 5.0), "m", 3);
     chapter.number("sqrt2", Pair::worked().disparity_sigma(), "px", 2);
-    chapter.number("sigma_z_both", Pair::worked().depth_sigma(), "m", 3);
     chapter.number(
         "sigma_z_both_cm",
         100.0 * Pair::worked().depth_sigma(),
@@ -198,7 +195,8 @@ fn percentage(values: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     100.0 * counted as f64 / values.len() as f64
 }
 
-/// Pixels by which the second camera contradicts a depth that is wrong by `error` metres at the worked geometry.
+/// Pixels by which the second camera contradicts a depth that is wrong by `error` metres at the
+/// worked geometry.
 fn contradiction(baseline: f64, error: f64) -> f64 {
     stretch_shift(&CAMERA, baseline, POINT.z, (POINT.z + error) / POINT.z).abs()
 }

@@ -10,8 +10,9 @@ pub fn calibration(camera: &Pinhole) -> Matrix3<f64> {
     )
 }
 
-/// Pixel of a point in camera coordinates: where the line from the optical centre to the point meets the plane
-/// z = 1. The line is given by two planes that contain it. NaN for a point behind the camera.
+/// Pixel of a point in camera coordinates: where the line from the optical centre to the point
+/// meets the plane z = 1. The line is given by two planes that contain it. NaN for a point behind
+/// the camera.
 pub fn image_of(camera: &Pinhole, point: &Vector3<f64>) -> Vector2<f64> {
     let planes = Matrix3::from_rows(&[
         point.cross(&Vector3::x()).transpose(),
@@ -24,8 +25,8 @@ pub fn image_of(camera: &Pinhole, point: &Vector3<f64>) -> Vector2<f64> {
     }
 }
 
-/// Depth at which the rays of two pixels of the same image row meet; the second camera stands `baseline` metres to
-/// the right of the first. NaN when the rays are parallel.
+/// Depth at which the rays of two pixels of the same image row meet; the second camera stands
+/// `baseline` metres to the right of the first. NaN when the rays are parallel.
 pub fn meeting_depth(camera: &Pinhole, baseline: f64, first_u: f64, second_u: f64) -> f64 {
     let slope = |u: f64| (u - camera.cx) / camera.fx;
     // x - slope z = x of the camera's centre, once for each camera.

@@ -1,4 +1,5 @@
-//! The worked example that runs through the chapter: two cameras side by side and a point five metres ahead.
+//! The worked example that runs through the chapter: two cameras side by side and a point five
+//! metres ahead.
 
 use nalgebra::{Isometry3, Vector3};
 use vislam::reprojection::Pinhole;

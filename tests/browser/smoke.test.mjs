@@ -1,0 +1,303 @@
+// What must hold at every change. BOOK_DIR names the built book, CHROMIUM the browser.
+
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import { after, before, test } from "node:test";
+import { axe, bookDir, launch, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
+
+let browser, server;
+
+before(async () => {
+    server = await serve("/some/where/");
+    browser = await launch();
+});
+
+after(async () => {
+    await browser.close();
+    server.close();
+});
+
+const predicted = () => pageWith(/class="predict"/);
+
+/** The longest word of a page's first heading of a section: what a reader might search. */
+async function headingWord(page) {
+    const words = (await page.locator("main h2").first().innerText()).split(/\W+/);
+    return words.reduce((a, b) => (b.length > a.length ? b : a));
+}
+
+/** Opens a page of the book in a context of its own, and closes it when the body has run. */
+async function at(file, options, body) {
+    const page = await browser.page(options);
+    try {
+        await open(page, server.url + file);
+        await body(page);
+        assert.deepEqual(page.complaints, [], file);
+    } finally {
+        await page.context().close();
+    }
+}
+
+test("every page loads under a sub-path with an empty console and no failed or foreign request", async () => {
+    for (const file of pages()) {
+        await at(file, {}, async page => {
+            assert.ok((await page.locator("main").innerText()).length > 100, `${file} is empty`);
+            assert.ok(await page.evaluate(() => document.title && document.documentElement.lang), `${file} has no title or language`);
+            const faces = await page.evaluate(() => [...document.fonts].filter(face => face.status === "error").length);
+            assert.equal(faces, 0, `${file}: fonts that did not load`);
+        });
+    }
+});
+
+test("the book works at the root of a site, and a page that is not there looks like the book", async () => {
+    const base = new URL(read("404.html").match(/<base href="([^"]*)"/)?.[1] ?? "/", "http://host/").pathname;
+    for (const [mount, file] of [["/", "index.html"], ["/", predicted()], [base, "no/such/page.html"]]) {
+        const root = await serve(mount);
+        const page = await browser.page();
+        await open(page, root.url + file);
+        const expected = file.startsWith("no/") ? 2 : 0; // the answer 404 and what the console says about it
+        assert.equal(page.complaints.length, expected, page.complaints.join("\n"));
+        assert.ok(await page.locator(".chapter a").count() > 1, `${mount}${file}: no contents`);
+        assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector(".menu-bar")).position), "sticky");
+        await page.context().close();
+        root.close();
+    }
+});
+
+test("search finds a word of a heading and shows no TeX", async () => {
+    const file = predicted();
+    await at(file, {}, async page => {
+        const word = await headingWord(page);
+        await page.keyboard.press("/");
+        await page.locator("#mdbook-searchbar").pressSequentially(word);
+        const results = page.locator("#mdbook-searchresults li");
+        await results.first().waitFor();
+        assert.ok(await page.locator(`#mdbook-searchresults a[href*="${file}"]`).count() > 0, `“${word}” is not found in ${file}`);
+        assert.doesNotMatch((await results.allInnerTexts()).join("\n"), /\\[a-zA-Z]|\$\$/);
+        assert.ok((await results.first().innerText()).toLowerCase().includes(word.toLowerCase()));
+        await page.keyboard.press("Escape");
+        assert.ok(await page.locator("#mdbook-search-wrapper").isHidden());
+    });
+    const index = fs.readdirSync(bookDir).find(name => /^searchindex.*\.js$/.test(name));
+    assert.doesNotMatch(read(index), /\\(frac|begin|mathbf|htmlClass|tilde)\b/, "raw TeX in the search index");
+});
+
+test("search keeps the place of the reader", async () => {
+    await at(predicted(), {}, async page => {
+        await page.evaluate(() => scrollTo(0, 600));
+        await page.keyboard.press("s");
+        await page.locator("#mdbook-searchbar:focus").waitFor();
+        assert.equal(await page.evaluate(() => Math.round(scrollY)), 600);
+    });
+});
+
+test("a theme that is chosen stays, and Auto follows the system while the page is open", async () => {
+    await at("index.html", {}, async page => {
+        const ground = () => page.evaluate(() => {
+            const [r, g, b] = getComputedStyle(document.documentElement).backgroundColor.match(/[\d.]+/g).map(Number);
+            return r + g + b > 384 ? "light" : "dark";
+        });
+        const choose = async name => {
+            await page.locator("#mdbook-theme-toggle").click();
+            await page.getByRole("menuitemradio", { name }).click();
+            assert.equal(await page.getByRole("menuitemradio", { name }).getAttribute("aria-checked"), "true");
+            await page.keyboard.press("Escape");
+        };
+        assert.equal(await ground(), "light");
+        await choose("Dark");
+        assert.equal(await ground(), "dark");
+        await page.reload();
+        assert.equal(await ground(), "dark", "forgotten by a reload");
+        await choose("Light");
+        await page.emulateMedia({ colorScheme: "dark" });
+        assert.equal(await ground(), "light", "the system overrules the choice");
+        await choose("Auto");
+        assert.equal(await ground(), "dark");
+        await page.emulateMedia({ colorScheme: "light" });
+        await page.waitForFunction(() => document.documentElement.classList.contains("light"));
+        assert.equal(await ground(), "light");
+        await page.locator("#mdbook-theme-toggle").click();
+        assert.deepEqual(await page.getByRole("menuitemradio").allInnerTexts(), ["Auto", "Light", "Dark"]);
+    });
+});
+
+for (const width of [1280, 360]) {
+    for (const dark of [false, true]) {
+        test(`at ${width} px in ${dark ? "dark" : "light"}, axe finds nothing serious and no page scrolls sideways`, async () => {
+            for (const file of pages()) {
+                await at(file, { width, dark }, async page => {
+                    assert.equal(await overhang(page), null, file);
+                    await page.evaluate(() => document.querySelectorAll("main details").forEach(fold => { fold.open = true; }));
+                    assert.equal(await overhang(page), null, `${file}, folds open`);
+                    assert.deepEqual(await axe(page), [], file);
+                });
+            }
+        });
+    }
+}
+
+test("search results, contents and theme menu give axe no reason to complain either", async () => {
+    for (const width of [1280, 360]) {
+        for (const dark of [false, true]) {
+            await at(predicted(), { width, dark }, async page => {
+                if (width === 360) await page.locator("#mdbook-sidebar-toggle").click();
+                await page.keyboard.press("/");
+                await page.locator("#mdbook-searchbar").pressSequentially(await headingWord(page));
+                await page.locator("#mdbook-searchresults li").first().waitFor();
+                assert.deepEqual(await axe(page), []);
+                await page.keyboard.press("Escape");
+                await page.locator("#mdbook-theme-toggle").click();
+                assert.deepEqual(await axe(page), []);
+            });
+        }
+    }
+});
+
+test("a prediction asks for a choice, keeps it over a reload, and can be made again", async () => {
+    await at(predicted(), {}, async page => {
+        const box = page.locator(".predict").first();
+        const reveal = box.locator(".reveal");
+        const status = box.getByRole("status");
+        const opened = () => reveal.evaluate(fold => fold.open);
+
+        await reveal.locator("summary").click();
+        assert.equal(await opened(), false, "revealed without a choice");
+        assert.match(await status.innerText(), /choose/i);
+
+        const choice = box.getByRole("radio").first();
+        await choice.focus();
+        await page.keyboard.press("Space");
+        await page.keyboard.press("ArrowDown");
+        await page.keyboard.press("ArrowUp");
+        assert.ok(await choice.isChecked());
+        await box.getByRole("button", { name: "Commit" }).press("Enter");
+        assert.equal(await opened(), true);
+        assert.match(await status.innerText(), /You predicted A/);
+
+        await page.reload();
+        assert.equal(await opened(), true, "the reveal closed");
+        assert.ok(await choice.isChecked(), "the choice is lost");
+        assert.match(await status.innerText(), /You predicted A/);
+
+        await box.getByRole("button", { name: "Predict again" }).click();
+        assert.equal(await opened(), false);
+        assert.ok(!await choice.isChecked());
+        await page.reload();
+        assert.equal(await opened(), false, "not forgotten");
+    });
+});
+
+test("a prediction works where the browser keeps nothing", async () => {
+    const page = await browser.page();
+    await page.addInitScript(() => Object.defineProperty(window, "localStorage", {
+        get() { throw new DOMException("no", "SecurityError"); },
+    }));
+    await open(page, server.url + predicted());
+    const box = page.locator(".predict").first();
+    await box.getByRole("radio").last().check();
+    await box.getByRole("button", { name: "Commit" }).click();
+    assert.ok(await box.locator(".reveal").evaluate(fold => fold.open));
+    assert.deepEqual(page.complaints, []);
+    await page.context().close();
+});
+
+test("without script everything is there to read, a prediction is a fold, and the contents are a link away", async () => {
+    for (const dark of [false, true]) {
+        await at(predicted(), { javaScriptEnabled: false, dark }, async page => {
+            assert.ok((await page.locator("main").innerText()).length > 1000);
+            assert.equal(await page.getByRole("radio").count(), 0);
+            const reveal = page.locator(".predict .reveal").first();
+            const answer = reveal.locator("> :not(summary)").first();
+            assert.ok(await answer.isHidden());
+            await reveal.locator("summary").click();
+            assert.ok(await answer.isVisible());
+            assert.ok(await page.locator("#mdbook-search-toggle, #mdbook-theme-toggle, #mdbook-sidebar").first().isHidden());
+            await page.getByRole("link", { name: "Contents" }).click();
+            assert.match(page.url(), /toc\.html$/);
+            await page.locator(".chapter a").nth(1).click();
+            assert.doesNotMatch(page.url(), /toc\.html$/);
+        });
+    }
+});
+
+test("arrow keys turn no page, and no help promises it", async () => {
+    const file = pages().find(name => /rel="next"/.test(read(name)) && /rel="prev"/.test(read(name)));
+    assert.ok(file, "no page has a page before and after it");
+    await at(file, {}, async page => {
+        for (const key of ["ArrowRight", "ArrowLeft"]) {
+            await page.keyboard.press(key);
+            await page.waitForTimeout(150);
+            assert.ok(page.url().endsWith(file), `${key} left the page`);
+        }
+        await page.keyboard.press("?");
+        const help = await page.locator("#mdbook-help-popup").innerText();
+        assert.match(help, /search/);
+        assert.doesNotMatch(help, /←|→|arrow/i);
+        await page.keyboard.press("Escape");
+        for (const rel of ["prev", "next"]) {
+            assert.ok((await page.locator(`.turn a[rel=${rel}]`).innerText()).split("\n")[1]?.length > 2, "no title at the foot");
+        }
+        await page.locator(".turn a[rel=next]").click();
+        assert.ok(!page.url().endsWith(file));
+    });
+});
+
+test("the skip link comes first, and whatever has focus shows it", async () => {
+    await at(predicted(), {}, async page => {
+        await page.keyboard.press("Tab");
+        assert.equal(await page.evaluate(() => document.activeElement.className), "skip-link");
+        assert.ok(await page.locator(".skip-link").evaluate(link => link.getBoundingClientRect().top >= 0), "out of sight");
+        for (let stop = 0; stop < 40; stop += 1) {
+            const shown = await page.evaluate(() => {
+                const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
+                return document.activeElement === document.body || (outlineStyle !== "none" && parseFloat(outlineWidth) >= 2)
+                    || document.activeElement.outerHTML.slice(0, 120);
+            });
+            assert.equal(shown, true);
+            await page.keyboard.press("Tab");
+        }
+        await page.locator(".skip-link").focus();
+        await page.keyboard.press("Enter");
+        assert.equal(await page.evaluate(() => document.activeElement.tagName), "MAIN");
+        await page.keyboard.press("Tab");
+        assert.ok(await page.evaluate(() => !!document.activeElement.closest("main, .turn")));
+    });
+});
+
+test("a wide equation is reached and scrolled with the keyboard, a short one is no stop", async () => {
+    const file = pageWith(/class="equation-body"/);
+    await at(file, { width: 360 }, async page => {
+        const bodies = await page.locator(".equation-body").evaluateAll(all => all.map(body => ({
+            scrolls: body.scrollWidth > body.clientWidth + 1, stop: body.tabIndex === 0,
+        })));
+        for (const { scrolls, stop } of bodies) assert.equal(stop, scrolls);
+        // Whether a chapter happens to have a wide equation or not, one is made here.
+        const body = page.locator(".equation-body").first();
+        await body.evaluate(box => {
+            const base = box.querySelector(".katex-html .base");
+            for (let copy = 0; copy < 8; copy += 1) base.after(base.cloneNode(true));
+        });
+        await page.setViewportSize({ width: 350, height: 900 });
+        await page.waitForFunction(() => document.querySelector(".equation-body").tabIndex === 0);
+        assert.equal(await overhang(page), null);
+        await body.focus();
+        await page.keyboard.press("ArrowRight");
+        await page.waitForFunction(() => document.querySelector(".equation-body").scrollLeft > 0);
+        const number = await page.locator(".equation-number").first().boundingBox();
+        assert.ok(number.x + number.width <= 350, "the number scrolls away");
+    });
+});
+
+test("the contents open and close with the keyboard, over the page on a phone", async () => {
+    await at(predicted(), { width: 360 }, async page => {
+        const toggle = page.locator("#mdbook-sidebar-toggle");
+        const link = page.locator("#mdbook-sidebar a.active");
+        assert.ok(await link.isHidden());
+        await toggle.press("Enter");
+        assert.ok(await link.isVisible());
+        assert.equal(await toggle.getAttribute("aria-expanded"), "true");
+        assert.equal(await link.getAttribute("aria-current"), "page");
+        await page.keyboard.press("Escape");
+        assert.equal(await toggle.getAttribute("aria-expanded"), "false");
+        await page.waitForFunction(() => getComputedStyle(document.getElementById("mdbook-sidebar")).visibility === "hidden");
+    });
+});
