@@ -155,11 +155,7 @@ impl InverseDepth {
     /// The point that the first camera sees at `pixel`, at an inverse depth in 1/metre.
     pub fn from_pixel(camera: &Pinhole, pixel: &Vector2<f64>, inverse_depth: f64) -> Self {
         let ray = back_project(camera, pixel, 1.0);
-        Self {
-            x: ray.x,
-            y: ray.y,
-            inverse_depth,
-        }
+        Self { x: ray.x, y: ray.y, inverse_depth }
     }
 
     /// The point in coordinates of the first camera (metres), or `None` at infinity and
@@ -182,11 +178,7 @@ impl InverseDepth {
     ) -> Option<Vector2<f64>> {
         let h = self.scaled_point_in(second_from_first);
         // The point is h divided by the inverse depth, so this asks for a depth above Z_MIN.
-        if h.z > Z_MIN * self.inverse_depth {
-            pixel_of_direction(camera, &h)
-        } else {
-            None
-        }
+        if h.z > Z_MIN * self.inverse_depth { pixel_of_direction(camera, &h) } else { None }
     }
 
     /// The point in the second camera's coordinates, times its inverse depth in the

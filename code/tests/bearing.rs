@@ -45,28 +45,16 @@ fn two_views_fix_the_depth_that_one_view_leaves_open() {
 
 #[test]
 fn a_pixel_of_disparity_noise_costs_more_depth_far_away_and_on_a_short_baseline() {
-    assert_abs_diff_eq!(
-        depth_sigma(&camera(), 0.5, 5.0, 1.0),
-        0.125,
-        epsilon = 1e-15
-    );
+    assert_abs_diff_eq!(depth_sigma(&camera(), 0.5, 5.0, 1.0), 0.125, epsilon = 1e-15);
     assert_abs_diff_eq!(depth_sigma(&camera(), 0.5, 10.0, 1.0), 0.5, epsilon = 1e-15);
-    assert_abs_diff_eq!(
-        depth_sigma(&camera(), 0.1, 5.0, 1.0),
-        0.625,
-        epsilon = 1e-15
-    );
+    assert_abs_diff_eq!(depth_sigma(&camera(), 0.1, 5.0, 1.0), 0.625, epsilon = 1e-15);
 }
 
 #[test]
 fn a_pixel_of_noise_in_each_image_is_more_than_a_pixel_of_disparity_noise() {
     let both = disparity_sigma(1.0, 1.0);
     assert_abs_diff_eq!(both, std::f64::consts::SQRT_2, epsilon = 1e-15);
-    assert_abs_diff_eq!(
-        depth_sigma(&camera(), 0.5, 5.0, both),
-        0.177,
-        epsilon = 5e-4
-    );
+    assert_abs_diff_eq!(depth_sigma(&camera(), 0.5, 5.0, both), 0.177, epsilon = 5e-4);
 }
 
 #[test]
@@ -84,36 +72,19 @@ fn the_whole_ray_of_a_pixel_has_that_pixel() {
     let pixel = Vector2::new(336.0, 232.0);
     let direction = bearing(&camera(), &pixel);
     for distance in [0.1, 1.0, 5.0, 1e6] {
-        let seen = camera()
-            .project_cam(&(direction.into_inner() * distance))
-            .unwrap();
+        let seen = camera().project_cam(&(direction.into_inner() * distance)).unwrap();
         assert_abs_diff_eq!(seen, pixel, epsilon = 1e-10);
     }
-    assert_abs_diff_eq!(
-        back_project(&camera(), &pixel, 5.0),
-        point(),
-        epsilon = 1e-12
-    );
+    assert_abs_diff_eq!(back_project(&camera(), &pixel, 5.0), point(), epsilon = 1e-12);
 }
 
 #[test]
 fn a_direction_has_a_pixel_only_when_it_points_forward() {
-    assert_eq!(
-        pixel_of_direction(&camera(), &Vector3::z()),
-        Some(Vector2::new(320.0, 240.0))
-    );
-    assert_eq!(
-        pixel_of_direction(&camera(), &(1e-6 * Vector3::z()))
-            .unwrap()
-            .x,
-        320.0
-    );
+    assert_eq!(pixel_of_direction(&camera(), &Vector3::z()), Some(Vector2::new(320.0, 240.0)));
+    assert_eq!(pixel_of_direction(&camera(), &(1e-6 * Vector3::z())).unwrap().x, 320.0);
     assert_eq!(pixel_of_direction(&camera(), &Vector3::x()), None);
     assert_eq!(pixel_of_direction(&camera(), &-Vector3::z()), None);
-    assert_eq!(
-        pixel_of_direction(&camera(), &Vector3::repeat(f64::NAN)),
-        None
-    );
+    assert_eq!(pixel_of_direction(&camera(), &Vector3::repeat(f64::NAN)), None);
 }
 
 #[test]
@@ -123,9 +94,7 @@ fn a_world_of_twice_the_size_makes_the_same_pictures() {
     let picture = |scale: f64| {
         let translation = -(rotation * (scale * centre));
         let camera_from_world = Isometry3::from_parts(translation.into(), rotation.into());
-        camera()
-            .project(&camera_from_world, &(scale * point()))
-            .unwrap()
+        camera().project(&camera_from_world, &(scale * point())).unwrap()
     };
     assert_abs_diff_eq!(picture(2.0), picture(1.0), epsilon = 1e-10);
 }
@@ -145,10 +114,7 @@ fn a_turn_on_the_spot_leaves_no_trace_of_depth() {
 #[test]
 fn a_pixel_can_turn_out_of_sight() {
     let half_turn = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);
-    assert_eq!(
-        turned_pixel(&camera(), &half_turn, &Vector2::new(336.0, 232.0)),
-        None
-    );
+    assert_eq!(turned_pixel(&camera(), &half_turn, &Vector2::new(336.0, 232.0)), None);
 }
 
 #[test]
@@ -156,11 +122,7 @@ fn parallax_is_the_angle_at_the_point() {
     let origin = Vector3::zeros();
     let right = Vector3::new(0.5, 0.0, 0.0);
     let ahead = Vector3::new(0.0, 0.0, 5.0);
-    assert_abs_diff_eq!(
-        parallax(&ahead, &origin, &right),
-        0.1_f64.atan(),
-        epsilon = 1e-15
-    );
+    assert_abs_diff_eq!(parallax(&ahead, &origin, &right), 0.1_f64.atan(), epsilon = 1e-15);
     assert_eq!(parallax(&ahead, &origin, &origin), 0.0);
     assert_eq!(parallax(&origin, &origin, &right), 0.0);
 }
@@ -186,9 +148,7 @@ fn inverse_depth_and_depth_are_the_same_point() {
     let landmark = InverseDepth::from_pixel(&camera(), &Vector2::new(336.0, 232.0), 0.2);
     assert_abs_diff_eq!(landmark.point().unwrap(), point(), epsilon = 1e-12);
     let second_from_first = Isometry3::translation(-0.5, 0.0, 0.0);
-    let pixel = landmark
-        .project_into(&camera(), &second_from_first)
-        .unwrap();
+    let pixel = landmark.project_into(&camera(), &second_from_first).unwrap();
     assert_abs_diff_eq!(pixel, Vector2::new(296.0, 232.0), epsilon = 1e-12);
 }
 
@@ -216,28 +176,13 @@ fn noise_may_push_inverse_depth_beyond_infinity() {
 
 #[test]
 fn a_point_the_second_camera_has_passed_has_no_pixel() {
-    let landmark = InverseDepth {
-        x: 0.0,
-        y: 0.0,
-        inverse_depth: 0.5,
-    };
+    let landmark = InverseDepth { x: 0.0, y: 0.0, inverse_depth: 0.5 };
     let ahead = |metres: f64| Isometry3::translation(0.0, 0.0, -metres);
     assert!(landmark.project_into(&camera(), &ahead(1.9)).is_some());
-    assert!(
-        landmark
-            .project_into(&camera(), &ahead(2.0 - 0.9 * Z_MIN))
-            .is_none()
-    );
+    assert!(landmark.project_into(&camera(), &ahead(2.0 - 0.9 * Z_MIN)).is_none());
     assert!(landmark.project_into(&camera(), &ahead(3.0)).is_none());
-    assert!(
-        landmark
-            .project_with_jacobian(&camera(), &ahead(3.0))
-            .is_none()
-    );
-    let lost = InverseDepth {
-        inverse_depth: f64::NAN,
-        ..landmark
-    };
+    assert!(landmark.project_with_jacobian(&camera(), &ahead(3.0)).is_none());
+    let lost = InverseDepth { inverse_depth: f64::NAN, ..landmark };
     assert!(lost.project_into(&camera(), &ahead(1.0)).is_none());
 }
 
@@ -248,14 +193,8 @@ fn the_inverse_depth_jacobian_agrees_with_differences_even_at_infinity() {
     for inverse_depth in [0.0, 0.2, 1.5] {
         let parameters = Vector3::new(0.04, -0.02, inverse_depth);
         let pixel = |p: Vector3<f64>| {
-            let landmark = InverseDepth {
-                x: p.x,
-                y: p.y,
-                inverse_depth: p.z,
-            };
-            landmark
-                .project_into(&camera(), &second_from_first)
-                .unwrap()
+            let landmark = InverseDepth { x: p.x, y: p.y, inverse_depth: p.z };
+            landmark.project_into(&camera(), &second_from_first).unwrap()
         };
         let step = 1e-5;
         let column = |i| {
@@ -263,14 +202,8 @@ fn the_inverse_depth_jacobian_agrees_with_differences_even_at_infinity() {
             (pixel(parameters + change) - pixel(parameters - change)) / (2.0 * step)
         };
         let differences = Matrix2x3::from_columns(&[column(0), column(1), column(2)]);
-        let landmark = InverseDepth {
-            x: 0.04,
-            y: -0.02,
-            inverse_depth,
-        };
-        let (_, jacobian) = landmark
-            .project_with_jacobian(&camera(), &second_from_first)
-            .unwrap();
+        let landmark = InverseDepth { x: 0.04, y: -0.02, inverse_depth };
+        let (_, jacobian) = landmark.project_with_jacobian(&camera(), &second_from_first).unwrap();
         assert_relative_eq!(jacobian, differences, max_relative = 1e-7);
     }
 }
@@ -281,10 +214,6 @@ fn inverse_depth_is_equally_certain_at_every_range() {
     for depth in [1.0, 5.0, 100.0] {
         let one_pixel_nearer =
             depth_from_disparity(&camera(), 0.5, disparity(&camera(), 0.5, depth) + 1.0).unwrap();
-        assert_relative_eq!(
-            1.0 / one_pixel_nearer - 1.0 / depth,
-            sigma,
-            max_relative = 1e-12
-        );
+        assert_relative_eq!(1.0 / one_pixel_nearer - 1.0 / depth, sigma, max_relative = 1e-12);
     }
 }

@@ -26,14 +26,8 @@ fn a_turned_and_moved_camera_sees_the_point_in_its_own_coordinates() {
     let quarter_turn_about_y = Vector3::y() * std::f64::consts::FRAC_PI_2;
     let camera_from_world = Isometry3::new(Vector3::new(0.0, 0.0, 1.0), quarter_turn_about_y);
     // The turn takes the world's -x axis to the camera's +z axis, and z to x.
-    let pixel = camera()
-        .project(&camera_from_world, &Vector3::new(-4.0, 0.0, 0.5))
-        .unwrap();
-    assert_abs_diff_eq!(
-        pixel,
-        Vector2::new(400.0 * 0.5 / 5.0 + 320.0, 240.0),
-        epsilon = 1e-12
-    );
+    let pixel = camera().project(&camera_from_world, &Vector3::new(-4.0, 0.0, 0.5)).unwrap();
+    assert_abs_diff_eq!(pixel, Vector2::new(400.0 * 0.5 / 5.0 + 320.0, 240.0), epsilon = 1e-12);
 }
 
 #[test]
@@ -71,13 +65,7 @@ fn a_camera_needs_positive_finite_focal_lengths() {
         assert!(Pinhole::new(400.0, value, 320.0, 240.0).is_err());
     }
     let error = Pinhole::new(400.0, -400.0, 320.0, 240.0).unwrap_err();
-    assert_eq!(
-        error,
-        PinholeError::FocalLength {
-            name: "fy",
-            value: -400.0
-        }
-    );
+    assert_eq!(error, PinholeError::FocalLength { name: "fy", value: -400.0 });
     assert_eq!(
         error.to_string(),
         "focal length fy is -400; give a positive, finite number of pixels"
@@ -88,8 +76,5 @@ fn a_camera_needs_positive_finite_focal_lengths() {
 fn a_principal_point_may_lie_anywhere_but_must_be_finite() {
     assert!(Pinhole::new(400.0, 400.0, -10.0, 0.0).is_ok());
     let error = Pinhole::new(400.0, 400.0, f64::NAN, 240.0).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "principal point cx is NaN; give a finite number of pixels"
-    );
+    assert_eq!(error.to_string(), "principal point cx is NaN; give a finite number of pixels");
 }

@@ -43,21 +43,11 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 fn one_view(chapter: &mut Chapter) {
     let mutants: [(_, Projection); 5] = [
-        ("sign of x", |k, p| {
-            k.project_cam(&Vector3::new(-p.x, p.y, p.z))
-        }),
-        ("distance for depth", |k, p| {
-            k.project_cam(&Vector3::new(p.x, p.y, p.norm()))
-        }),
-        ("not divided by depth", |k, p| {
-            k.project_cam(&Vector3::new(p.x, p.y, 1.0))
-        }),
-        ("focal lengths exchanged", |k, p| {
-            with_focal_lengths_exchanged(k).project_cam(p)
-        }),
-        ("principal point dropped", |k, p| {
-            with_principal_point_dropped(k).project_cam(p)
-        }),
+        ("sign of x", |k, p| k.project_cam(&Vector3::new(-p.x, p.y, p.z))),
+        ("distance for depth", |k, p| k.project_cam(&Vector3::new(p.x, p.y, p.norm()))),
+        ("not divided by depth", |k, p| k.project_cam(&Vector3::new(p.x, p.y, 1.0))),
+        ("focal lengths exchanged", |k, p| with_focal_lengths_exchanged(k).project_cam(p)),
+        ("principal point dropped", |k, p| with_principal_point_dropped(k).project_cam(p)),
     ];
     chapter.equation("projection", projection, Pinhole::project_cam, &mutants);
 
@@ -71,9 +61,7 @@ fn one_view(chapter: &mut Chapter) {
         ("principal point dropped", |k, pixel| {
             theory::bearing(&with_principal_point_dropped(k), pixel)
         }),
-        ("not normalized", |k, pixel| {
-            Unit::new_unchecked(theory::back_project(k, pixel, 1.0))
-        }),
+        ("not normalized", |k, pixel| Unit::new_unchecked(theory::back_project(k, pixel, 1.0))),
     ];
     chapter.equation("bearing", bearing, theory::bearing, &mutants);
 
@@ -84,16 +72,9 @@ fn one_view(chapter: &mut Chapter) {
         ("stretched across the axis only", |k, p, s| {
             k.project_cam(&Vector3::new(s * p.x, s * p.y, p.z))
         }),
-        ("pushed along the axis", |k, p, s| {
-            k.project_cam(&(p + s * Vector3::z()))
-        }),
+        ("pushed along the axis", |k, p, s| k.project_cam(&(p + s * Vector3::z()))),
     ];
-    chapter.equation(
-        "depth-blind",
-        depth_blind,
-        |k, p, s| k.project_cam(&(s * p)),
-        &mutants,
-    );
+    chapter.equation("depth-blind", depth_blind, |k, p, s| k.project_cam(&(s * p)), &mutants);
 }
 
 type Projection = fn(&Pinhole, &Vector3<f64>) -> Option<Vector2<f64>>;
@@ -123,10 +104,7 @@ fn bearing(formula: Bearing) -> Comparison {
         let walked = random.logarithmic(0.1..100.0);
         let reached = walked * formula(&camera, &pixel).into_inner();
         let seen = image_of(&camera, &reached);
-        comparison.add(
-            &[seen.x, seen.y, reached.norm()],
-            &[pixel.x, pixel.y, walked],
-        );
+        comparison.add(&[seen.x, seen.y, reached.norm()], &[pixel.x, pixel.y, walked]);
     }
     comparison
 }
@@ -150,30 +128,18 @@ fn depth_blind(formula: Stretched) -> Comparison {
 fn two_views(chapter: &mut Chapter) {
     let mutants: [(_, Disparity); 5] = [
         ("sign", |k, b, depth| -theory::disparity(k, b, depth)),
-        ("depth and baseline exchanged", |k, b, depth| {
-            theory::disparity(k, depth, b)
-        }),
+        ("depth and baseline exchanged", |k, b, depth| theory::disparity(k, depth, b)),
         ("fy for fx", |k, b, depth| k.fy * b / depth),
-        ("divided by depth twice", |k, b, depth| {
-            theory::disparity(k, b, depth) / depth
-        }),
+        ("divided by depth twice", |k, b, depth| theory::disparity(k, b, depth) / depth),
         ("baseline dropped", |k, _, depth| k.fx / depth),
     ];
     chapter.equation("disparity", disparity, theory::disparity, &mutants);
 
     let mutants: [(_, Stretch); 4] = [
-        ("sign", |k, b, depth, s| {
-            -theory::stretch_shift(k, b, depth, s)
-        }),
-        ("s for 1/s", |k, b, depth, s| {
-            theory::stretch_shift(k, b, depth, 1.0 / s)
-        }),
-        ("one dropped", |k, b, depth, s| {
-            -theory::disparity(k, b, depth) / s
-        }),
-        ("linear in s", |k, b, depth, s| {
-            theory::disparity(k, b, depth) * (s - 1.0)
-        }),
+        ("sign", |k, b, depth, s| -theory::stretch_shift(k, b, depth, s)),
+        ("s for 1/s", |k, b, depth, s| theory::stretch_shift(k, b, depth, 1.0 / s)),
+        ("one dropped", |k, b, depth, s| -theory::disparity(k, b, depth) / s),
+        ("linear in s", |k, b, depth, s| theory::disparity(k, b, depth) * (s - 1.0)),
     ];
     chapter.equation("stretch", stretch, theory::stretch_shift, &mutants);
 }
@@ -191,10 +157,7 @@ fn disparity(formula: Disparity) -> Comparison {
         let point = random.point(0.5..100.0);
         let first = image_of(&camera, &point);
         let second = image_of(&camera, &(point - baseline * Vector3::x()));
-        comparison.add(
-            &[formula(&camera, baseline, point.z)],
-            &[first.x - second.x],
-        );
+        comparison.add(&[formula(&camera, baseline, point.z)], &[first.x - second.x]);
     }
     comparison
 }
@@ -220,46 +183,27 @@ fn stretch(formula: Stretch) -> Comparison {
 
 fn uncertain_depth(chapter: &mut Chapter) {
     let mutants: [(_, DepthSigma); 4] = [
-        ("depth not squared", |k, b, depth, sigma| {
-            theory::depth_sigma(k, b, depth, sigma) / depth
-        }),
+        ("depth not squared", |k, b, depth, sigma| theory::depth_sigma(k, b, depth, sigma) / depth),
         ("baseline above the line", |k, b, depth, sigma| {
             theory::depth_sigma(k, 1.0 / b, depth, sigma)
         }),
-        ("focal length dropped", |_, b, depth, sigma| {
-            depth * depth * sigma / b
-        }),
-        ("fy for fx", |k, b, depth, sigma| {
-            depth * depth * sigma / (k.fy * b)
-        }),
+        ("focal length dropped", |_, b, depth, sigma| depth * depth * sigma / b),
+        ("fy for fx", |k, b, depth, sigma| depth * depth * sigma / (k.fy * b)),
     ];
     chapter.equation("depth-sigma", depth_sigma, theory::depth_sigma, &mutants);
 
     let mutants: [(_, DisparityNoise); 4] = [
         ("deviations added", |first, second| first + second),
-        ("deviations subtracted", |first, second| {
-            (first - second).abs()
-        }),
+        ("deviations subtracted", |first, second| (first - second).abs()),
         ("noise in the first image only", |first, _| first),
-        ("root dropped", |first, second| {
-            first * first + second * second
-        }),
+        ("root dropped", |first, second| first * first + second * second),
     ];
-    chapter.equation(
-        "disparity-noise",
-        disparity_noise,
-        theory::disparity_sigma,
-        &mutants,
-    );
+    chapter.equation("disparity-noise", disparity_noise, theory::disparity_sigma, &mutants);
 
     let formula: DepthSigma = |k, b, depth, sigma| (sigma / k.fx) / (b / depth);
     let mutants: [(_, DepthSigma); 4] = [
-        ("parallax squared", |k, b, depth, sigma| {
-            (sigma / k.fx) / (b / depth).powi(2)
-        }),
-        ("times parallax", |k, b, depth, sigma| {
-            (sigma / k.fx) * (b / depth)
-        }),
+        ("parallax squared", |k, b, depth, sigma| (sigma / k.fx) / (b / depth).powi(2)),
+        ("times parallax", |k, b, depth, sigma| (sigma / k.fx) * (b / depth)),
         ("baseline for parallax", |k, b, _, sigma| (sigma / k.fx) / b),
         ("pixels for angle", |_, b, depth, sigma| sigma / (b / depth)),
     ];
@@ -313,11 +257,7 @@ fn disparity_noise(formula: DisparityNoise) -> Comparison {
     for state in 0..25 {
         let first_sigma = random.uniform(0.5..2.0);
         let second_sigma = random.uniform(0.5..2.0);
-        let measured = noise::Pair {
-            first_sigma,
-            second_sigma,
-            ..noise::Pair::worked()
-        };
+        let measured = noise::Pair { first_sigma, second_sigma, ..noise::Pair::worked() };
         let drawn = noise::Moments::of(measured.disparities(100 + state).take(20_000));
         comparison.add(&[formula(first_sigma, second_sigma)], &[drawn.deviation()]);
     }
@@ -327,37 +267,22 @@ fn disparity_noise(formula: DisparityNoise) -> Comparison {
 fn other_blindnesses(chapter: &mut Chapter) {
     let formula: Scaled = |k, r, centre, p, s| picture(k, r, &(s * centre), &(s * p));
     let mutants: [(_, Scaled); 3] = [
-        ("centres stay", |k, r, centre, p, s| {
-            picture(k, r, centre, &(s * p))
-        }),
-        ("points stay", |k, r, centre, p, s| {
-            picture(k, r, &(s * centre), p)
-        }),
-        ("centres shrink", |k, r, centre, p, s| {
-            picture(k, r, &(centre / s), &(s * p))
-        }),
+        ("centres stay", |k, r, centre, p, s| picture(k, r, centre, &(s * p))),
+        ("points stay", |k, r, centre, p, s| picture(k, r, &(s * centre), p)),
+        ("centres shrink", |k, r, centre, p, s| picture(k, r, &(centre / s), &(s * p))),
     ];
     chapter.equation("scale-blind", scale_blind, formula, &mutants);
 
     let mutants: [(_, Turned); 3] = [
-        ("rotation transposed", |k, r, pixel| {
-            theory::turned_pixel(k, &r.inverse(), pixel)
-        }),
-        ("K and its inverse dropped", |_, r, pixel| {
-            dehomogenized(r * pixel.push(1.0))
-        }),
+        ("rotation transposed", |k, r, pixel| theory::turned_pixel(k, &r.inverse(), pixel)),
+        ("K and its inverse dropped", |_, r, pixel| dehomogenized(r * pixel.push(1.0))),
         ("K and its inverse exchanged", |k, r, pixel| {
             let calibration = oracle::calibration(k);
             let turned = r * (calibration * pixel.push(1.0));
             dehomogenized(calibration.try_inverse()? * turned)
         }),
     ];
-    chapter.equation(
-        "rotation-blind",
-        rotation_blind,
-        theory::turned_pixel,
-        &mutants,
-    );
+    chapter.equation("rotation-blind", rotation_blind, theory::turned_pixel, &mutants);
 }
 
 /// Takes a camera, its rotation from the world, its centre, a point and the scale of the world.
@@ -376,10 +301,7 @@ fn scale_blind(formula: Scaled) -> Comparison {
         let point = rotation.inverse() * point_in_camera + centre;
         let scale = random.logarithmic(0.2..5.0);
         let pixel = formula(&camera, &rotation, &centre, &point, scale).unwrap_or(NOWHERE);
-        comparison.add(
-            pixel.as_slice(),
-            image_of(&camera, &point_in_camera).as_slice(),
-        );
+        comparison.add(pixel.as_slice(), image_of(&camera, &point_in_camera).as_slice());
     }
     comparison
 }
@@ -408,10 +330,7 @@ fn rotation_blind(formula: Turned) -> Comparison {
         let point = random.point(0.5..500.0);
         let pixel = image_of(&camera, &point);
         let turned = formula(&camera, &rotation, &pixel).unwrap_or(NOWHERE);
-        comparison.add(
-            turned.as_slice(),
-            image_of(&camera, &(rotation * point)).as_slice(),
-        );
+        comparison.add(turned.as_slice(), image_of(&camera, &(rotation * point)).as_slice());
     }
     comparison
 }
@@ -424,9 +343,7 @@ fn inverse_depth(chapter: &mut Chapter) {
     let formula: InverseDepthLine = |k, b, u, rho| u - k.fx * b * rho;
     let mutants: [(_, InverseDepthLine); 4] = [
         ("sign", |k, b, u, rho| u + k.fx * b * rho),
-        ("inverse depth squared", |k, b, u, rho| {
-            u - k.fx * b * rho * rho
-        }),
+        ("inverse depth squared", |k, b, u, rho| u - k.fx * b * rho * rho),
         ("focal length dropped", |_, b, u, rho| u - b * rho),
         ("first pixel dropped", |k, b, _, rho| -k.fx * b * rho),
     ];
@@ -438,12 +355,7 @@ fn inverse_depth(chapter: &mut Chapter) {
         ("focal length dropped", |_, b, sigma| sigma / b),
         ("fy for fx", |k, b, sigma| sigma / (k.fy * b)),
     ];
-    chapter.equation(
-        "inverse-depth-sigma",
-        inverse_depth_sigma,
-        formula,
-        &mutants,
-    );
+    chapter.equation("inverse-depth-sigma", inverse_depth_sigma, formula, &mutants);
 }
 
 /// Takes a camera, a baseline, the column of the first pixel and an inverse depth.
@@ -459,10 +371,7 @@ fn inverse_depth_line(formula: InverseDepthLine) -> Comparison {
         let (landmark, point) = landmark_and_point(&mut random, state);
         let first = image_of(&camera, &point).x;
         let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
-        comparison.add(
-            &[formula(&camera, baseline, first, landmark.inverse_depth)],
-            &[second],
-        );
+        comparison.add(&[formula(&camera, baseline, first, landmark.inverse_depth)], &[second]);
     }
     comparison
 }
@@ -503,16 +412,9 @@ fn projected_inverse_depth(chapter: &mut Chapter) {
         ("rotation transposed", |point, k, motion| {
             point.project_into(k, &with_rotation_transposed(motion))
         }),
-        ("motion inverted", |point, k, motion| {
-            point.project_into(k, &motion.inverse())
-        }),
+        ("motion inverted", |point, k, motion| point.project_into(k, &motion.inverse())),
     ];
-    chapter.equation(
-        "inverse-depth-projection",
-        inverse_depth_projection,
-        formula,
-        &mutants,
-    );
+    chapter.equation("inverse-depth-projection", inverse_depth_projection, formula, &mutants);
 
     let formula = InverseDepth::project_with_jacobian;
     let mutants: [(_, InverseDepthJacobian); 5] = [
@@ -531,12 +433,7 @@ fn projected_inverse_depth(chapter: &mut Chapter) {
         }),
         ("second depth held fixed", with_second_depth_held_fixed),
     ];
-    chapter.equation(
-        "inverse-depth-jacobian",
-        inverse_depth_jacobian,
-        formula,
-        &mutants,
-    );
+    chapter.equation("inverse-depth-jacobian", inverse_depth_jacobian, formula, &mutants);
 }
 
 type InverseDepthProjection = fn(&InverseDepth, &Pinhole, &Isometry3<f64>) -> Option<Vector2<f64>>;
@@ -588,19 +485,9 @@ fn inverse_depth_jacobian(formula: InverseDepthJacobian) -> Comparison {
 fn landmark_and_point(random: &mut Random, state: usize) -> (InverseDepth, Vector3<f64>) {
     let point = random.point(1.0..200.0);
     let ray = point / point.z;
-    let (inverse_depth, depth) = if state.is_multiple_of(10) {
-        (0.0, FAR_AWAY)
-    } else {
-        (1.0 / point.z, point.z)
-    };
-    (
-        InverseDepth {
-            x: ray.x,
-            y: ray.y,
-            inverse_depth,
-        },
-        depth * ray,
-    )
+    let (inverse_depth, depth) =
+        if state.is_multiple_of(10) { (0.0, FAR_AWAY) } else { (1.0 / point.z, point.z) };
+    (InverseDepth { x: ray.x, y: ray.y, inverse_depth }, depth * ray)
 }
 
 /// A motion after which every landmark is still in front of the camera.
@@ -611,26 +498,15 @@ fn small_motion(random: &mut Random) -> Isometry3<f64> {
 }
 
 fn with_focal_lengths_exchanged(camera: &Pinhole) -> Pinhole {
-    Pinhole {
-        fx: camera.fy,
-        fy: camera.fx,
-        ..*camera
-    }
+    Pinhole { fx: camera.fy, fy: camera.fx, ..*camera }
 }
 
 fn with_principal_point_dropped(camera: &Pinhole) -> Pinhole {
-    Pinhole {
-        cx: 0.0,
-        cy: 0.0,
-        ..*camera
-    }
+    Pinhole { cx: 0.0, cy: 0.0, ..*camera }
 }
 
 fn with_inverse_depth(inverse_depth: f64, point: &InverseDepth) -> InverseDepth {
-    InverseDepth {
-        inverse_depth,
-        ..*point
-    }
+    InverseDepth { inverse_depth, ..*point }
 }
 
 fn with_translation_negated(motion: &Isometry3<f64>) -> Isometry3<f64> {

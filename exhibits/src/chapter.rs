@@ -18,10 +18,7 @@ impl Place {
     #[track_caller]
     fn of_caller() -> Self {
         let location = Location::caller();
-        Self {
-            file: location.file().replace('\\', "/"),
-            line: location.line(),
-        }
+        Self { file: location.file().replace('\\', "/"), line: location.line() }
     }
 }
 
@@ -91,18 +88,11 @@ impl Chapter {
         };
         register(&mut chapter);
         if let Some(number) = chapter.numbers.iter().find(|n| !n.value.is_finite()) {
-            let Number {
-                name, value, place, ..
-            } = number;
+            let Number { name, value, place, .. } = number;
             let (file, line) = (&place.file, place.line);
-            return Err(format!(
-                "{file}:{line}: number `{name}` is {value}; mend its computation"
-            ));
+            return Err(format!("{file}:{line}: number `{name}` is {value}; mend its computation"));
         }
-        refuse_duplicates(
-            "equation",
-            chapter.equations.iter().map(|e| (e.label, &e.place)),
-        )?;
+        refuse_duplicates("equation", chapter.equations.iter().map(|e| (e.label, &e.place)))?;
         refuse_duplicates("number", chapter.numbers.iter().map(|n| (n.name, &n.place)))?;
         refuse_duplicates("figure", chapter.figures.iter().map(|f| (f.name, &f.place)))?;
         refuse_duplicates("record", chapter.records.iter().map(|r| (r.name, &r.place)))?;
@@ -133,23 +123,13 @@ impl Chapter {
     #[track_caller]
     pub fn number(&mut self, name: &'static str, value: f64, unit: &'static str, decimals: usize) {
         let text = text(value, decimals);
-        self.numbers.push(Number {
-            name,
-            value,
-            text,
-            unit,
-            place: Place::of_caller(),
-        });
+        self.numbers.push(Number { name, value, text, unit, place: Place::of_caller() });
     }
 
     /// Registers a figure.
     #[track_caller]
     pub fn figure(&mut self, name: &'static str, draw: fn() -> Figure) {
-        self.figures.push(NamedFigure {
-            name,
-            draw,
-            place: Place::of_caller(),
-        });
+        self.figures.push(NamedFigure { name, draw, place: Place::of_caller() });
     }
 
     /// Registers a record: a long run and the inputs that determine its outcome.
@@ -160,12 +140,7 @@ impl Chapter {
         inputs: Vec<(&'static str, String)>,
         run: fn() -> Vec<RecordValue>,
     ) {
-        self.records.push(Record {
-            name,
-            inputs,
-            run,
-            place: Place::of_caller(),
-        });
+        self.records.push(Record { name, inputs, run, place: Place::of_caller() });
     }
 }
 
@@ -190,11 +165,7 @@ pub fn text(value: f64, decimals: usize) -> String {
     let digits = format!("{:.decimals$}", value.abs());
     let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
     let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
-    let sign = if value < 0.0 && !is_zero {
-        "\u{2212}"
-    } else {
-        ""
-    };
+    let sign = if value < 0.0 && !is_zero { "\u{2212}" } else { "" };
     let mut grouped = String::new();
     for (index, digit) in whole.chars().enumerate() {
         let remaining = whole.len() - index;
@@ -227,10 +198,7 @@ mod tests {
                 let comparison = equation.check();
                 let label = format!("{}/{}", chapter.slug, equation.label);
                 assert_eq!(comparison.failure(), None, "{label}");
-                assert!(
-                    comparison.states >= 20,
-                    "{label} is compared at too few states"
-                );
+                assert!(comparison.states >= 20, "{label} is compared at too few states");
             }
         }
     }
@@ -275,14 +243,8 @@ mod tests {
             chapter.equation("double", doubles, |x| 2.0 * x, &[]);
         });
         let sentence = equations.err().unwrap();
-        assert!(
-            sentence.contains("equation `double` is registered already at"),
-            "{sentence}"
-        );
-        assert!(
-            sentence.starts_with("exhibits/src/chapter.rs:"),
-            "{sentence}"
-        );
+        assert!(sentence.contains("equation `double` is registered already at"), "{sentence}");
+        assert!(sentence.starts_with("exhibits/src/chapter.rs:"), "{sentence}");
 
         let numbers = Chapter::registered("test", |chapter| {
             chapter.number("depth", 1.0, "m", 0);

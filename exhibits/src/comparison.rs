@@ -34,25 +34,15 @@ impl Comparison {
 
     /// Errors are distances divided by the length of the oracle's value.
     pub fn relative(against: &'static str, tolerance: f64) -> Self {
-        Self {
-            is_relative: true,
-            ..Self::absolute(against, tolerance, "relative")
-        }
+        Self { is_relative: true, ..Self::absolute(against, tolerance, "relative") }
     }
 
     /// Compares one state. The values are all components of a scalar, vector or matrix.
     pub fn add(&mut self, formula: &[f64], oracle: &[f64]) {
-        assert_eq!(
-            formula.len(),
-            oracle.len(),
-            "a check compares values of the same shape"
-        );
+        assert_eq!(formula.len(), oracle.len(), "a check compares values of the same shape");
         let difference = length(formula.iter().zip(oracle).map(|(a, b)| a - b));
-        let error = if self.is_relative {
-            difference / length(oracle.iter().copied())
-        } else {
-            difference
-        };
+        let error =
+            if self.is_relative { difference / length(oracle.iter().copied()) } else { difference };
         let state = self.states;
         self.states += 1;
         if error.is_finite() {
@@ -118,20 +108,14 @@ mod tests {
 
     #[test]
     fn nothing_compared_is_a_failure() {
-        assert_eq!(
-            compared(0.1, &[]).failure().as_deref(),
-            Some("nothing was compared")
-        );
+        assert_eq!(compared(0.1, &[]).failure().as_deref(), Some("nothing was compared"));
     }
 
     #[test]
     fn nan_fails_on_either_side() {
         for pair in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::NAN)] {
             let comparison = compared(0.1, &[(1.0, 1.0), pair, (1.0, 1.0)]);
-            assert_eq!(
-                comparison.failure().as_deref(),
-                Some("the error at state 1 is NaN")
-            );
+            assert_eq!(comparison.failure().as_deref(), Some("the error at state 1 is NaN"));
             assert_eq!(comparison.worst, 0.0);
         }
     }

@@ -25,12 +25,8 @@ pub const INK: RGBColor = RGBColor(1, 0, 0);
 pub const GRID: RGBColor = RGBColor(2, 0, 0);
 pub const MEASURED: RGBColor = RGBColor(4, 0, 0);
 pub const ESTIMATED: RGBColor = RGBColor(5, 0, 0);
-pub const SERIES: [RGBColor; 4] = [
-    RGBColor(6, 0, 0),
-    RGBColor(7, 0, 0),
-    RGBColor(8, 0, 0),
-    RGBColor(9, 0, 0),
-];
+pub const SERIES: [RGBColor; 4] =
+    [RGBColor(6, 0, 0), RGBColor(7, 0, 0), RGBColor(8, 0, 0), RGBColor(9, 0, 0)];
 
 /// What the page puts in the place of each colour that a figure draws with.
 const MEANING: [(RGBColor, &str); 8] = [
@@ -59,9 +55,7 @@ pub fn draw(height: u32, paint: impl FnOnce(&Drawing) -> Drawn) -> String {
     {
         let drawing = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         paint(&drawing).expect("a drawing in memory fits its ranges");
-        drawing
-            .present()
-            .expect("a drawing in memory is always written");
+        drawing.present().expect("a drawing in memory is always written");
     }
     let size = format!("width=\"{WIDTH}\" height=\"{height}\" ");
     svg = svg.replacen(&size, "", 1).replace('\n', "");
@@ -151,10 +145,7 @@ pub fn marker(series: usize) -> Polygon<(i32, i32)> {
 fn disc(radius: f64) -> Vec<(i32, i32)> {
     let corner = |index: i32| {
         let (sine, cosine) = (TAU * f64::from(index) / 20.0).sin_cos();
-        (
-            (radius * cosine).round() as i32,
-            (radius * sine).round() as i32,
-        )
+        ((radius * cosine).round() as i32, (radius * sine).round() as i32)
     };
     (0..20).map(corner).collect()
 }
@@ -226,13 +217,7 @@ mod tests {
                 assert!(row.iter().all(|cell| !cell.contains([',', '"'])), "{name}");
                 assert!(row.iter().all(|cell| !cell.contains("NaN")), "{name}");
             }
-            assert!(
-                figure
-                    .columns
-                    .iter()
-                    .all(|column| !column.contains([',', '"'])),
-                "{name}"
-            );
+            assert!(figure.columns.iter().all(|column| !column.contains([',', '"'])), "{name}");
         }
     }
 }

@@ -48,10 +48,7 @@ fn main() -> ExitCode {
 
 /// The exhibits of every chapter, in the order of the book.
 fn chapters() -> Result<Vec<Chapter>, String> {
-    CHAPTERS
-        .iter()
-        .map(|(slug, register)| Chapter::registered(slug, *register))
-        .collect()
+    CHAPTERS.iter().map(|(slug, register)| Chapter::registered(slug, *register)).collect()
 }
 
 fn list() -> Result<(), String> {
@@ -63,10 +60,7 @@ fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
     let chapters = chapters()?;
     let Some(chapter) = chapters.iter().find(|chapter| chapter.slug == slug) else {
         let known: Vec<&str> = CHAPTERS.iter().map(|(slug, _)| *slug).collect();
-        return Err(format!(
-            "there is no chapter `{slug}`; there is {}",
-            known.join(", ")
-        ));
+        return Err(format!("there is no chapter `{slug}`; there is {}", known.join(", ")));
     };
     report::write_chapter(chapter, folder)
         .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
@@ -79,7 +73,5 @@ fn make_record(name: &str) -> Result<(), String> {
             return Ok(());
         }
     }
-    Err(format!(
-        "there is no record `{name}`; `exhibits list` names them"
-    ))
+    Err(format!("there is no record `{name}`; `exhibits list` names them"))
 }

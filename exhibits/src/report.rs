@@ -122,9 +122,7 @@ fn records(chapter: &Chapter) -> Vec<Value> {
 
 fn inputs(record: &Record) -> Map<String, Value> {
     let inputs = record.inputs.iter();
-    inputs
-        .map(|(name, value)| (name.to_string(), json!(value)))
-        .collect()
+    inputs.map(|(name, value)| (name.to_string(), json!(value))).collect()
 }
 
 fn csv(figure: &Figure) -> String {

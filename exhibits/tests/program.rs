@@ -7,10 +7,7 @@ use serde_json::Value;
 
 fn exhibits(arguments: &[&str]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_exhibits"));
-    program
-        .args(arguments)
-        .output()
-        .expect("the program starts")
+    program.args(arguments).output().expect("the program starts")
 }
 
 /// A folder that does not exist yet.
@@ -43,16 +40,10 @@ fn two_runs_write_the_same_bytes() {
     for entry in std::fs::read_dir(&folders[0]).unwrap() {
         let first = entry.unwrap().path();
         let second = folders[1].join(first.file_name().unwrap());
-        assert!(
-            std::fs::read(&first).unwrap() == std::fs::read(second).unwrap(),
-            "{first:?}"
-        );
+        assert!(std::fs::read(&first).unwrap() == std::fs::read(second).unwrap(), "{first:?}");
         compared += 1;
     }
-    assert!(
-        compared >= 3,
-        "exhibits.json, and at least one figure with its data"
-    );
+    assert!(compared >= 3, "exhibits.json, and at least one figure with its data");
 }
 
 #[test]
@@ -93,8 +84,5 @@ fn a_folder_that_cannot_be_made_is_named_in_a_sentence() {
     let output = exhibits(&["chapter", "bearing", file.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
     let sentence = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        sentence.contains("cannot write to") && sentence.contains("a_file"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("cannot write to") && sentence.contains("a_file"), "{sentence}");
 }

@@ -58,7 +58,9 @@ fn show_equations(slug: &str, old: &Accepted, new: &Accepted) -> usize {
         }
         changes += 1;
     }
-    for (label, tex) in old.equations.iter().filter(|(label, _)| !new.equations.contains_key(*label)) {
+    for (label, tex) in
+        old.equations.iter().filter(|(label, _)| !new.equations.contains_key(*label))
+    {
         println!("{slug} eq:{label} is gone:\n  {tex}");
         changes += 1;
     }
@@ -93,7 +95,9 @@ fn records(maker: &Maker, only_show: bool) -> Result<usize> {
 
 fn show_record(old: Option<&Record>, new: &Record) {
     match old.map(|old| old.differences(new)) {
-        None => new.values.iter().for_each(|(name, value)| println!("  {name} = {} {} ({})", value.text, value.unit, value.value)),
+        None => new.values.iter().for_each(|(name, value)| {
+            println!("  {name} = {} {} ({})", value.text, value.unit, value.value)
+        }),
         Some(differences) if differences.is_empty() => println!("  as before, within its margins"),
         Some(differences) => differences.iter().for_each(|difference| println!("  {difference}")),
     }
@@ -128,7 +132,9 @@ fn today() -> String {
 /// The machine, as far as it matters for a number.
 fn machine() -> String {
     let cpu = files::read_if_there("/proc/cpuinfo".as_ref()).ok().flatten().unwrap_or_default();
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ").map(|(_, name)| name.to_owned()));
+    let model = cpu.lines().find_map(|line| {
+        line.strip_prefix("model name")?.split_once(": ").map(|(_, name)| name.to_owned())
+    });
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let model = model.unwrap_or_else(|| "unknown processor".to_owned());
     format!("{} {}, {model}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH)

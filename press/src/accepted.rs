@@ -25,7 +25,9 @@ impl Accepted {
     /// Reads the accepted equations of a chapter; none when nothing was accepted yet.
     pub fn read(path: &Path) -> Result<Accepted> {
         let text = files::read_if_there(path)?.unwrap_or_default();
-        toml::from_str(&text).with_context(|| format!("{} is damaged: restore it from the repository", path.display()))
+        toml::from_str(&text).with_context(|| {
+            format!("{} is damaged: restore it from the repository", path.display())
+        })
     }
 
     /// Writes them, or removes the file when there are none.

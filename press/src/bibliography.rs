@@ -43,16 +43,29 @@ impl Bibliography {
             Ok(parsed) => parsed,
             Err(error) => {
                 let line = line_at(source, error.span.start);
-                faults.add((FILE, line), "", format!("not BibTeX: {}", error.kind), "mend the entry; see CONTRIBUTING.md for an example");
+                faults.add(
+                    (FILE, line),
+                    "",
+                    format!("not BibTeX: {}", error.kind),
+                    "mend the entry; see CONTRIBUTING.md for an example",
+                );
                 return Bibliography::default();
             }
         };
         let mut works = BTreeMap::new();
         for entry in parsed.iter() {
-            let line = source.find(&format!("{{{},", entry.key)).map_or(0, |at| line_at(source, at));
+            let line =
+                source.find(&format!("{{{},", entry.key)).map_or(0, |at| line_at(source, at));
             for field in ["author", "title", "year", "annotation"] {
-                if text(entry, field).is_empty() && !(field == "year" && !text(entry, "date").is_empty()) {
-                    faults.add((FILE, line), &entry.key, format!("the work has no {field}"), format!("add `{field} = {{…}}`"));
+                if text(entry, field).is_empty()
+                    && !(field == "year" && !text(entry, "date").is_empty())
+                {
+                    faults.add(
+                        (FILE, line),
+                        &entry.key,
+                        format!("the work has no {field}"),
+                        format!("add `{field} = {{…}}`"),
+                    );
                 }
             }
             works.insert(entry.key.clone(), Work::new(entry));
@@ -76,8 +89,10 @@ impl Bibliography {
 impl Work {
     fn new(entry: &Entry) -> Work {
         let people = entry.author().unwrap_or_default();
-        let family: Vec<String> =
-            people.iter().map(|person| format!("{} {}", person.prefix, person.name).trim().to_owned()).collect();
+        let family: Vec<String> = people
+            .iter()
+            .map(|person| format!("{} {}", person.prefix, person.name).trim().to_owned())
+            .collect();
         let names = match &family[..] {
             [] => text(entry, "title"),
             [one] => one.clone(),
@@ -85,7 +100,10 @@ impl Work {
             [first, ..] => format!("{first} et al."),
         };
         let year = first(entry, &["year", "date"]).chars().take(4).collect::<String>();
-        let authors = people.iter().zip(&family).map(|(person, family)| format!("{family}, {}", initials(&person.given_name)));
+        let authors = people
+            .iter()
+            .zip(&family)
+            .map(|(person, family)| format!("{family}, {}", initials(&person.given_name)));
         Work {
             short: format!("{names} {year}"),
             narrative: format!("{names} ({year})"),
@@ -114,7 +132,8 @@ fn initials(given: &str) -> String {
 
 fn place(entry: &Entry) -> String {
     let mut place = first(entry, &["journaltitle", "journal", "booktitle", "publisher"]);
-    for (field, before, after) in [("volume", " ", ""), ("number", " (", ")"), ("pages", ", ", "")] {
+    for (field, before, after) in [("volume", " ", ""), ("number", " (", ")"), ("pages", ", ", "")]
+    {
         let value = text(entry, field).replace("--", "–");
         if !value.is_empty() {
             place.push_str(&format!("{before}{value}{after}"));

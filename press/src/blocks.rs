@@ -44,7 +44,8 @@ pub enum Kind {
 
 /// Splits a chapter into blocks.
 pub fn blocks(chapter: &str) -> Vec<Block> {
-    let mut reader = Reader { lines: chapter.lines().collect(), at: 0, blocks: Vec::new(), text: None };
+    let mut reader =
+        Reader { lines: chapter.lines().collect(), at: 0, blocks: Vec::new(), text: None };
     while reader.at < reader.lines.len() {
         reader.next_block();
     }
@@ -113,7 +114,10 @@ impl Reader<'_> {
         let mut margin = above.filter(|line| !line.trim().is_empty() && !line.starts_with("  "));
         margin.next().is_some_and(|line| {
             let mark = line.trim_start_matches(|c: char| c.is_ascii_digit());
-            line.starts_with("- ") || line.starts_with("* ") || mark.starts_with(". ") || line.starts_with(": ")
+            line.starts_with("- ")
+                || line.starts_with("* ")
+                || mark.starts_with(". ")
+                || line.starts_with(": ")
         })
     }
 
@@ -126,7 +130,8 @@ impl Reader<'_> {
         let line = self.lines[self.at];
         let level = line.len() - line.trim_start_matches('#').len();
         let text = line[level..].trim();
-        let tail = text.rfind(" {").and_then(|at| Some((at, Attributes::parse(&text[at + 1..])?.0)));
+        let tail =
+            text.rfind(" {").and_then(|at| Some((at, Attributes::parse(&text[at + 1..])?.0)));
         let (title, attributes) = match tail {
             Some((at, attributes)) => (text[..at].trim().to_owned(), attributes),
             None => (text.to_owned(), Attributes::default()),
@@ -140,7 +145,9 @@ impl Reader<'_> {
         let open = self.lines[first].trim_start();
         let mark = &open[..open.len() - open.trim_start_matches(&open[..1]).len()];
         let indent = self.lines[first].len() - open.len();
-        let ends = |line: &&str| line.trim().starts_with(mark) && line.trim().trim_start_matches(&mark[..1]).is_empty();
+        let ends = |line: &&str| {
+            line.trim().starts_with(mark) && line.trim().trim_start_matches(&mark[..1]).is_empty()
+        };
         let Some(length) = self.lines[first + 1..].iter().position(ends) else {
             self.push(first, Kind::Unclosed("a code block"));
             self.at = self.lines.len();
@@ -151,7 +158,8 @@ impl Reader<'_> {
             .map(|line| line[(line.len() - line.trim_start().len()).min(indent)..].to_owned())
             .collect();
         let info = open[mark.len()..].trim();
-        let attributes = Attributes::parse(info).map(|(attributes, _)| attributes).unwrap_or_default();
+        let attributes =
+            Attributes::parse(info).map(|(attributes, _)| attributes).unwrap_or_default();
         let word = info.split([',', ' ', '{']).next().unwrap_or_default().to_owned();
         let language = attributes.classes.first().cloned().unwrap_or(word);
         self.push(first, Kind::Fence { language, attributes, body });
@@ -189,9 +197,17 @@ impl Reader<'_> {
             };
             let tex_line = first + 1 + usize::from(body.starts_with('\n'));
             let tex = body[..end].trim().to_owned();
-            after[length..].trim().is_empty().then_some(Kind::Equation { tex, attributes, tex_line })
+            after[length..].trim().is_empty().then_some(Kind::Equation {
+                tex,
+                attributes,
+                tex_line,
+            })
         });
-        self.push_or_unclosed(first, found, "a display equation ($$ … $$ with nothing but attributes behind it)");
+        self.push_or_unclosed(
+            first,
+            found,
+            "a display equation ($$ … $$ with nothing but attributes behind it)",
+        );
     }
 
     fn figure(&mut self) {
@@ -206,7 +222,11 @@ impl Reader<'_> {
                 attributes,
             })
         });
-        self.push_or_unclosed(first, found, "a figure (![caption](chapter/name.svg){#fig:label alt=\"…\"})");
+        self.push_or_unclosed(
+            first,
+            found,
+            "a figure (![caption](chapter/name.svg){#fig:label alt=\"…\"})",
+        );
     }
 
     fn push_or_unclosed(&mut self, first: usize, found: Option<Kind>, what: &'static str) {
@@ -221,7 +241,9 @@ impl Reader<'_> {
         let kind = match (rest, Attributes::parse(rest)) {
             ("", _) => Kind::Close,
             (_, Some((attributes, _))) => Kind::Open(attributes),
-            (class, None) => Kind::Open(Attributes { classes: vec![class.to_owned()], ..Attributes::default() }),
+            (class, None) => {
+                Kind::Open(Attributes { classes: vec![class.to_owned()], ..Attributes::default() })
+            }
         };
         self.push(self.at, kind);
         self.at += 1;
@@ -276,10 +298,14 @@ mod tests {
 
     #[test]
     fn blocks_keep_their_lines_and_indentation() {
-        let found = blocks("# Title {#sec:a}\n\ntext\n\n1. step\n\n   $$\n   a = b\n   $$ {#eq:ab}\n\nmore\n");
+        let found = blocks(
+            "# Title {#sec:a}\n\ntext\n\n1. step\n\n   $$\n   a = b\n   $$ {#eq:ab}\n\nmore\n",
+        );
         let kinds: Vec<_> = found.iter().map(|block| (block.line, block.indent.as_str())).collect();
         assert_eq!(kinds, [(1, ""), (2, ""), (7, "   "), (10, "")]);
-        let Kind::Equation { tex, attributes, tex_line: 8 } = &found[2].kind else { panic!("{:?}", found[2]) };
+        let Kind::Equation { tex, attributes, tex_line: 8 } = &found[2].kind else {
+            panic!("{:?}", found[2])
+        };
         assert_eq!((tex.as_str(), attributes.id.as_str()), ("a = b", "eq:ab"));
     }
 
@@ -291,8 +317,11 @@ mod tests {
 
     #[test]
     fn a_caption_may_hold_brackets_and_span_lines() {
-        let found = blocks("![Rays [of two\ncameras](x) meet](bearing/rays.svg){#fig:rays\nalt=\"a b\"}\n");
-        let Kind::Figure { caption, path, attributes } = &found[0].kind else { panic!("{:?}", found[0]) };
+        let found =
+            blocks("![Rays [of two\ncameras](x) meet](bearing/rays.svg){#fig:rays\nalt=\"a b\"}\n");
+        let Kind::Figure { caption, path, attributes } = &found[0].kind else {
+            panic!("{:?}", found[0])
+        };
         assert_eq!(caption, "Rays [of two\ncameras](x) meet");
         assert_eq!((path.as_str(), attributes.value("alt")), ("bearing/rays.svg", "a b"));
     }

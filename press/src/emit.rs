@@ -57,7 +57,16 @@ impl<'a, 'f> Emitter<'a, 'f> {
         accepted: &'a Accepted,
         found: &'a mut Found<'f>,
     ) -> Self {
-        Emitter { page, known, settings, layout, accepted, found, open: Vec::new(), out: String::new() }
+        Emitter {
+            page,
+            known,
+            settings,
+            layout,
+            accepted,
+            found,
+            open: Vec::new(),
+            out: String::new(),
+        }
     }
 
     /// The page as mdBook reads it.
@@ -68,7 +77,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
         for division in std::mem::take(&mut self.open) {
             let problem = "a division (:::) is never closed";
-            self.fault(division.line, &division.class, problem, "close it with ::: on a line of its own");
+            self.fault(
+                division.line,
+                &division.class,
+                problem,
+                "close it with ::: on a line of its own",
+            );
         }
         self.definitions();
         self.out
@@ -81,21 +95,42 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 let text = self.resolve(line, text);
                 self.out.push_str(&text);
             }
-            Kind::Heading { level, title, attributes } => self.heading(block, *level, title, attributes),
-            Kind::Equation { tex, attributes, tex_line } => self.equation(block, tex, *tex_line, attributes),
-            Kind::Figure { caption, path, attributes } => self.figure(block, caption, path, attributes),
-            Kind::Fence { language, attributes, body } => self.fence(block, language, attributes, body),
+            Kind::Heading { level, title, attributes } => {
+                self.heading(block, *level, title, attributes)
+            }
+            Kind::Equation { tex, attributes, tex_line } => {
+                self.equation(block, tex, *tex_line, attributes)
+            }
+            Kind::Figure { caption, path, attributes } => {
+                self.figure(block, caption, path, attributes)
+            }
+            Kind::Fence { language, attributes, body } => {
+                self.fence(block, language, attributes, body)
+            }
             Kind::Open(attributes) => self.open(block, attributes),
             Kind::Close => self.close(line),
             Kind::Choice { right, text } => self.choice(line, *right, text),
             Kind::IndentedCode(code) => {
-                self.fault(line, code.trim(), "four spaces make this a block of code", "indent less, or include code as a listing");
+                self.fault(
+                    line,
+                    code.trim(),
+                    "four spaces make this a block of code",
+                    "indent less, or include code as a listing",
+                );
             }
-            Kind::Unclosed(what) => self.fault(line, "", format!("{what} begins here and never ends"), "close it"),
+            Kind::Unclosed(what) => {
+                self.fault(line, "", format!("{what} begins here and never ends"), "close it")
+            }
         }
     }
 
-    fn fault(&mut self, line: usize, label: &str, problem: impl Into<String>, mend: impl Into<String>) {
+    fn fault(
+        &mut self,
+        line: usize,
+        label: &str,
+        problem: impl Into<String>,
+        mend: impl Into<String>,
+    ) {
         self.found.faults.add((&self.page.file, line), label, problem, mend);
     }
 
@@ -131,7 +166,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
     fn labelled(&mut self, line: usize, attributes: &Attributes, kind: &str, what: &str) -> bool {
         let fits = attributes.id.strip_prefix(kind).is_some_and(|name| !name.is_empty());
         if !fits {
-            self.fault(line, &attributes.id, format!("{what} needs a label of its kind"), format!("write {{#{kind}name}} behind it"));
+            self.fault(
+                line,
+                &attributes.id,
+                format!("{what} needs a label of its kind"),
+                format!("write {{#{kind}name}} behind it"),
+            );
         }
         fits
     }
@@ -162,12 +202,18 @@ impl<'a, 'f> Emitter<'a, 'f> {
             tex: filled.clone(),
             display: true,
         });
-        let numbered = !attributes.id.is_empty() && self.labelled(block.line, attributes, "eq:", "a numbered equation");
+        let numbered = !attributes.id.is_empty()
+            && self.labelled(block.line, attributes, "eq:", "a numbered equation");
         if !numbered {
             return self.lines(&block.indent, &format!("<div class=\"equation\">\n<div class=\"equation-body\">\n\n$${filled}$$\n\n</div>\n</div>\n"));
         }
         if block.number.is_empty() {
-            self.fault(block.line, &attributes.id, "a numbered equation stands in a chapter that has no number", "remove its label, or number the chapter in SUMMARY.md");
+            self.fault(
+                block.line,
+                &attributes.id,
+                "a numbered equation stands in a chapter that has no number",
+                "remove its label, or number the chapter in SUMMARY.md",
+            );
         }
         let (id, number) = (&attributes.id, &block.number);
         let mark = match attributes.has("definition") {
@@ -183,7 +229,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn definition(&mut self, line: usize, id: &str) -> String {
         if self.known.exhibits.check(&self.page.slug, &id[3..]).is_some() {
-            self.fault(line, id, "a definition has nothing to check, and this one has a check", "drop .definition, or the check");
+            self.fault(
+                line,
+                id,
+                "a definition has nothing to check, and this one has a check",
+                "drop .definition, or the check",
+            );
         }
         "<p class=\"definition-mark margin\">definition</p>".to_owned()
     }
@@ -195,13 +246,26 @@ impl<'a, 'f> Emitter<'a, 'f> {
             return String::new();
         };
         match self.accepted.equations.get(label) {
-            None => self.fault(line, id, "this equation was never held against its check", "read both, then run `cargo book accept`"),
+            None => self.fault(
+                line,
+                id,
+                "this equation was never held against its check",
+                "read both, then run `cargo book accept`",
+            ),
             Some(known) if *known != normal(tex) => {
-                self.fault(line, id, format!("the TeX is not the one that was held against its check, which was: {known}"), "see that the check still says the same, then run `cargo book accept`");
+                self.fault(
+                    line,
+                    id,
+                    format!(
+                        "the TeX is not the one that was held against its check, which was: {known}"
+                    ),
+                    "see that the check still says the same, then run `cargo book accept`",
+                );
             }
             Some(_) => {}
         }
-        let (file, line) = check_function(&self.layout.root, &slug, label).unwrap_or((check.file.clone(), check.line));
+        let (file, line) = check_function(&self.layout.root, &slug, label)
+            .unwrap_or((check.file.clone(), check.line));
         let href = self.source(&file, line);
         note(&check, &href)
     }
@@ -210,14 +274,25 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.labelled(block.line, attributes, "fig:", "a figure");
         let id = &attributes.id;
         if attributes.value("alt").trim().is_empty() {
-            self.fault(block.line, id, "the figure has no alternative text", "say in alt=\"…\" what a reader who cannot see it should know");
+            self.fault(
+                block.line,
+                id,
+                "the figure has no alternative text",
+                "say in alt=\"…\" what a reader who cannot see it should know",
+            );
         }
         let name = path.trim_end_matches(".svg");
-        let drawing = name.split_once('/').and_then(|(slug, name)| self.known.exhibits.drawing(slug, name));
+        let drawing =
+            name.split_once('/').and_then(|(slug, name)| self.known.exhibits.drawing(slug, name));
         let Some((drawing, folder)) = drawing else {
             let slug = name.split_once('/').map_or(self.page.slug.as_str(), |(slug, _)| slug);
             self.missing(id);
-            return self.fault(block.line, path, "no program draws this figure", format!("register it in exhibits/src/{slug}.rs; the path is chapter/name.svg"));
+            return self.fault(
+                block.line,
+                path,
+                "no program draws this figure",
+                format!("register it in exhibits/src/{slug}.rs; the path is chapter/name.svg"),
+            );
         };
         self.found.figures.insert(name.to_owned());
         let alt = escape(&self.plain(block.line, attributes.value("alt")));
@@ -225,10 +300,22 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let read = |end: &str| files::read(&folder.join(format!("{}.{end}", drawing.name)));
         let (svg, csv) = match (read("svg"), read("csv")) {
             (Ok(svg), Ok(csv)) => (svg, csv),
-            (Err(error), _) | (_, Err(error)) => return self.fault(block.line, id, format!("{error:#}"), "delete target/press and build again"),
+            (Err(error), _) | (_, Err(error)) => {
+                return self.fault(
+                    block.line,
+                    id,
+                    format!("{error:#}"),
+                    "delete target/press and build again",
+                );
+            }
         };
         let data = self.data(block, name, drawing, csv);
-        let svg: String = svg.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("<?xml")).collect::<Vec<_>>().join(" ");
+        let svg: String = svg
+            .lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty() && !line.starts_with("<?xml"))
+            .collect::<Vec<_>>()
+            .join(" ");
         let html = format!(
             "<figure class=\"exhibit\" id=\"{id}\">\n<div class=\"plot\" role=\"img\" aria-label=\"{alt}\">{svg}</div>\n<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
             block.number,
@@ -244,10 +331,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.found.generated.insert(path, csv.into_bytes());
         let program = self.source(&drawing.file, drawing.line);
         let row = |cell: &str, cells: &[String]| {
-            let cells: String = cells.iter().map(|text| format!("<{cell}>{}</{cell}>", escape(text))).collect();
+            let cells: String =
+                cells.iter().map(|text| format!("<{cell}>{}</{cell}>", escape(text))).collect();
             format!("<tr>{cells}</tr>")
         };
-        let rows: String = drawing.rows.iter().take(ROWS_SHOWN).map(|cells| row("td", cells)).collect();
+        let rows: String =
+            drawing.rows.iter().take(ROWS_SHOWN).map(|cells| row("td", cells)).collect();
         let more = match drawing.rows.len().saturating_sub(ROWS_SHOWN) {
             0 => String::new(),
             more => format!("{more} more rows in the "),
@@ -262,17 +351,28 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn fence(&mut self, block: &Block, language: &str, attributes: &Attributes, body: &[String]) {
         let include = match body {
-            [line] => line.trim().strip_prefix("{{#include ").and_then(|rest| rest.strip_suffix("}}")),
+            [line] => {
+                line.trim().strip_prefix("{{#include ").and_then(|rest| rest.strip_suffix("}}"))
+            }
             _ => None,
         };
         match (include, language) {
             (Some(target), _) => self.listing(block, language, attributes, target.trim()),
-            (None, "") => self.fault(block.line, "", "a code block does not say its language", "write it behind the back-ticks; `text` for what has none"),
+            (None, "") => self.fault(
+                block.line,
+                "",
+                "a code block does not say its language",
+                "write it behind the back-ticks; `text` for what has none",
+            ),
             (None, "rust") => {
                 self.fault(block.line, "", "Rust is typed into the chapter", "put the code into a crate, where it is compiled, and include it by its anchor: {{#include ../code/src/x.rs:anchor}}");
             }
             (None, _) => {
-                let longest = body.iter().map(|line| line.len() - line.trim_start_matches('`').len()).max().unwrap_or(0);
+                let longest = body
+                    .iter()
+                    .map(|line| line.len() - line.trim_start_matches('`').len())
+                    .max()
+                    .unwrap_or(0);
                 let mark = "`".repeat(longest.max(2) + 1);
                 let text = format!("{mark}{language}\n{}\n{mark}\n", body.join("\n"));
                 self.lines(&block.indent, &text);
@@ -288,21 +388,46 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
         let Some(file) = self.included(path) else {
             self.missing(id);
-            return self.fault(block.line, id, format!("{path} is not a file of the book"), "mend the path, which begins at the chapter's folder");
+            return self.fault(
+                block.line,
+                id,
+                format!("{path} is not a file of the book"),
+                "mend the path, which begins at the chapter's folder",
+            );
         };
-        let cut = files::read(&self.layout.root.join(&file)).ok().and_then(|text| listing::cut(&text, name));
+        let cut = files::read(&self.layout.root.join(&file))
+            .ok()
+            .and_then(|text| listing::cut(&text, name));
         let Some(cut) = cut else {
             self.missing(id);
-            return self.fault(block.line, id, format!("{file} has no anchor `{name}`"), format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"));
+            return self.fault(
+                block.line,
+                id,
+                format!("{file} has no anchor `{name}`"),
+                format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"),
+            );
         };
         let longest = self.settings.longest_listing;
         if cut.code.len() > longest {
-            self.fault(block.line, id, format!("the listing has {} lines, and {longest} is what a reader can hold", cut.code.len()), "cut it in two, or print only the part the text speaks of");
+            self.fault(
+                block.line,
+                id,
+                format!(
+                    "the listing has {} lines, and {longest} is what a reader can hold",
+                    cut.code.len()
+                ),
+                "cut it in two, or print only the part the text speaks of",
+            );
         }
         self.labels_in(block.line, id, &cut.code);
         let caption = attributes.value("caption").to_owned();
         if caption.is_empty() {
-            self.fault(block.line, id, "the listing has no caption", "say in caption=\"…\" what it does");
+            self.fault(
+                block.line,
+                id,
+                "the listing has no caption",
+                "say in caption=\"…\" what it does",
+            );
         }
         let caption = self.resolve(block.line, &caption);
         let href = self.source(&file, cut.first);
@@ -318,10 +443,20 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.
     fn labels_in(&mut self, line: usize, id: &str, code: &[String]) {
-        static LABEL: LazyLock<Regex> = LazyLock::new(|| Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern"));
+        static LABEL: LazyLock<Regex> = LazyLock::new(|| {
+            Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern")
+        });
         for found in code.iter().flat_map(|text| LABEL.captures_iter(text)) {
             if self.known.labels.get(&found[1]).is_none() {
-                self.fault(line, id, format!("the listing names {}, and nothing in the book has this label", &found[1]), "mend the comment in the source");
+                self.fault(
+                    line,
+                    id,
+                    format!(
+                        "the listing names {}, and nothing in the book has this label",
+                        &found[1]
+                    ),
+                    "mend the comment in the source",
+                );
             }
         }
     }
@@ -349,7 +484,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
             "predict" => {
                 self.labelled(block.line, attributes, "predict:", "a prediction");
                 let key = id.trim_start_matches("predict:");
-                format!("<div class=\"predict\" role=\"group\" aria-label=\"Prediction\" id=\"{id}\" data-key=\"{}/{key}\">\n<p class=\"predict-label\">Predict before you read on</p>\n", self.page.slug)
+                format!(
+                    "<div class=\"predict\" role=\"group\" aria-label=\"Prediction\" id=\"{id}\" data-key=\"{}/{key}\">\n<p class=\"predict-label\">Predict before you read on</p>\n",
+                    self.page.slug
+                )
             }
             "reveal" => {
                 self.open.last_mut().into_iter().for_each(|division| division.reveals += 1);
@@ -358,20 +496,35 @@ impl<'a, 'f> Emitter<'a, 'f> {
             "theorem" => {
                 self.labelled(block.line, attributes, "thm:", "a theorem");
                 let title = self.resolve(block.line, attributes.value("title"));
-                format!("<div class=\"theorem\" id=\"{id}\">\n<p class=\"theorem-title\">Theorem {} ({title}).</p>\n", block.number)
+                format!(
+                    "<div class=\"theorem\" id=\"{id}\">\n<p class=\"theorem-title\">Theorem {} ({title}).</p>\n",
+                    block.number
+                )
             }
             "proof" => "<div class=\"proof\">\n<p class=\"proof-title\">Proof.</p>\n".to_owned(),
             "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
             other => {
                 let known = "opening, predict, reveal, theorem, proof, note";
-                self.fault(block.line, other, "a division has no class that the book knows", format!("it knows {known}"));
+                self.fault(
+                    block.line,
+                    other,
+                    "a division has no class that the book knows",
+                    format!("it knows {known}"),
+                );
                 String::new()
             }
         };
         self.out.push('\n');
         self.out.push_str(&html);
         self.out.push('\n');
-        self.open.push(Division { line: block.line, class, id: id.clone(), right_choices: 0, in_choices: false, reveals: 0 });
+        self.open.push(Division {
+            line: block.line,
+            class,
+            id: id.clone(),
+            right_choices: 0,
+            in_choices: false,
+            reveals: 0,
+        });
     }
 
     fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
@@ -379,7 +532,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
         for key in ["difficulty", "needs"] {
             let value = self.resolve(line, attributes.value(key));
             if value.is_empty() {
-                self.fault(line, "opening", format!("the opening does not say {key}=\"…\""), "a reader wants to know before reading");
+                self.fault(
+                    line,
+                    "opening",
+                    format!("the opening does not say {key}=\"…\""),
+                    "a reader wants to know before reading",
+                );
             }
             let (name, value) = match key {
                 "difficulty" => ("Difficulty", format!("{value} of 3")),
@@ -387,7 +545,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
             };
             terms.push_str(&format!("<dt>{name}</dt><dd>{value}</dd>"));
             if key == "difficulty" {
-                terms.push_str(&format!("<dt>Reading time</dt><dd>{} minutes</dd>", minutes(self.page)));
+                terms.push_str(&format!(
+                    "<dt>Reading time</dt><dd>{} minutes</dd>",
+                    minutes(self.page)
+                ));
             }
         }
         format!("<div class=\"opening\">\n<dl>{terms}</dl>\n")
@@ -395,7 +556,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn close(&mut self, line: usize) {
         let Some(division) = self.open.pop() else {
-            return self.fault(line, ":::", "this closes a division that was never opened", "remove it");
+            return self.fault(
+                line,
+                ":::",
+                "this closes a division that was never opened",
+                "remove it",
+            );
         };
         let end = match division.class.as_str() {
             "reveal" => "</details>".to_owned(),
@@ -414,8 +580,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn choice(&mut self, line: usize, right: bool, text: &str) {
         let text = self.resolve(line, text);
-        let Some(division) = self.open.last_mut().filter(|division| division.class == "predict") else {
-            return self.fault(line, "- [ ]", "a choice stands outside of a prediction", "put it into ::: {.predict #predict:name}");
+        let Some(division) = self.open.last_mut().filter(|division| division.class == "predict")
+        else {
+            return self.fault(
+                line,
+                "- [ ]",
+                "a choice stands outside of a prediction",
+                "put it into ::: {.predict #predict:name}",
+            );
         };
         if !std::mem::replace(&mut division.in_choices, true) {
             self.out.push_str("\n<ol class=\"choices\">\n");
@@ -427,7 +599,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     /// Ends a list of choices when something else than white space follows.
     fn end_choices(&mut self, next: &Kind) {
-        let goes_on = matches!(next, Kind::Choice { .. }) || matches!(next, Kind::Text(text) if text.trim().is_empty());
+        let goes_on = matches!(next, Kind::Choice { .. })
+            || matches!(next, Kind::Text(text) if text.trim().is_empty());
         if let Some(division) = self.open.last_mut()
             && division.in_choices
             && !goes_on
@@ -450,8 +623,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
             .collect();
         let definitions = numbered.iter().filter(|attributes| attributes.has("definition")).count();
         if definitions as f64 > self.settings.definition_share * numbered.len() as f64 {
-            let problem = format!("{definitions} of {} numbered equations are definitions, which no check can reach", numbered.len());
-            let mend = format!("at most {} of them may be; give checks to some, or remove their labels", self.settings.definition_share);
+            let problem = format!(
+                "{definitions} of {} numbered equations are definitions, which no check can reach",
+                numbered.len()
+            );
+            let mend = format!(
+                "at most {} of them may be; give checks to some, or remove their labels",
+                self.settings.definition_share
+            );
             self.fault(0, "", problem, mend);
         }
     }
@@ -509,7 +688,9 @@ fn legend(page: &Page) -> String {
 /// Reading time: prose at 200 words a minute, half a minute for an equation or a figure, one for a listing.
 fn minutes(page: &Page) -> usize {
     let seconds = |kind: &Kind| match kind {
-        Kind::Text(text) | Kind::Choice { text, .. } => text.split_whitespace().count() as f64 * 0.3,
+        Kind::Text(text) | Kind::Choice { text, .. } => {
+            text.split_whitespace().count() as f64 * 0.3
+        }
         Kind::Equation { .. } | Kind::Figure { .. } => 30.0,
         Kind::Fence { .. } => 60.0,
         _ => 0.0,

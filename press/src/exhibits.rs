@@ -116,7 +116,9 @@ impl Exhibits {
         for slug in slugs {
             let path = folder.join(slug).join("exhibits.json");
             if let Some(text) = files::read_if_there(&path)? {
-                let shown: Shown = serde_json::from_str(&text).with_context(|| format!("{} is damaged: delete it and build again", path.display()))?;
+                let shown: Shown = serde_json::from_str(&text).with_context(|| {
+                    format!("{} is damaged: delete it and build again", path.display())
+                })?;
                 chapters.insert(slug.clone(), shown);
             }
         }
@@ -138,7 +140,11 @@ impl Exhibits {
     pub fn number(&self, name: &str) -> Option<(Option<f64>, &str)> {
         let (owner, name) = name.split_once('.')?;
         if let Some(shown) = self.chapters.get(owner) {
-            return shown.numbers.iter().find(|number| number.name == name).map(|number| (number.value, number.text.as_str()));
+            return shown
+                .numbers
+                .iter()
+                .find(|number| number.name == name)
+                .map(|number| (number.value, number.text.as_str()));
         }
         let value = self.records.get(owner)?.values.get(name)?;
         Some((Some(value.value), value.text.as_str()))
@@ -147,7 +153,9 @@ impl Exhibits {
     /// The names of all numbers, with where they are made.
     pub fn number_names(&self) -> Vec<(String, String, usize)> {
         let computed = self.chapters.values().flat_map(|shown| {
-            shown.numbers.iter().map(|number| (format!("{}.{}", shown.slug, number.name), number.file.clone(), number.line))
+            shown.numbers.iter().map(|number| {
+                (format!("{}.{}", shown.slug, number.name), number.file.clone(), number.line)
+            })
         });
         let recorded = self.records.values().flat_map(|record| {
             record.values.keys().map(|name| (format!("{}.{name}", record.name), record.file(), 0))
@@ -167,18 +175,31 @@ impl Exhibits {
             }
         }
         for name in self.records.keys().filter(|name| self.chapters.contains_key(*name)) {
-            faults.add((&self.records[name].file(), 0), name, "a record has the name of a chapter, so its values cannot be told apart", "rename the record");
+            faults.add(
+                (&self.records[name].file(), 0),
+                name,
+                "a record has the name of a chapter, so its values cannot be told apart",
+                "rename the record",
+            );
         }
         faults
     }
 
     fn record_faults(&self, made: &Inputs, faults: &mut Faults) {
         let place = (made.file.as_str(), made.line);
-        let mend = format!("run `cargo book record {0}`, read what it shows, then `cargo book accept`", made.name);
+        let mend = format!(
+            "run `cargo book record {0}`, read what it shows, then `cargo book accept`",
+            made.name
+        );
         match self.records.get(&made.name) {
             None => faults.add(place, &made.name, "this record was never made", mend),
             Some(record) if record.inputs != made.inputs => {
-                faults.add(place, &made.name, "the record was made from other inputs than the program has now", mend);
+                faults.add(
+                    place,
+                    &made.name,
+                    "the record was made from other inputs than the program has now",
+                    mend,
+                );
             }
             Some(_) => {}
         }
@@ -189,17 +210,37 @@ fn check_faults(root: &Path, slug: &str, check: &Check, faults: &mut Faults) {
     let place = (check.file.as_str(), check.line);
     let label = format!("eq:{}", check.label);
     if let Some(failure) = &check.failure {
-        faults.add(place, &label, format!("the check fails: {failure}"), "find out which is wrong, the equation, the library or the check, and mend that one");
+        faults.add(
+            place,
+            &label,
+            format!("the check fails: {failure}"),
+            "find out which is wrong, the equation, the library or the check, and mend that one",
+        );
     }
     for survivor in &check.survivors {
-        faults.add(place, &label, format!("the check does not notice the wrong formula “{survivor}”"), "compare with something that tells the two apart, or tighten the tolerance");
+        faults.add(
+            place,
+            &label,
+            format!("the check does not notice the wrong formula “{survivor}”"),
+            "compare with something that tells the two apart, or tighten the tolerance",
+        );
     }
     if check.mutants.is_empty() {
-        faults.add(place, &label, "the check was tried on no wrong formula", "give it mutants: a sign, a transpose, a wrong frame, a dropped term");
+        faults.add(
+            place,
+            &label,
+            "the check was tried on no wrong formula",
+            "give it mutants: a sign, a transpose, a wrong frame, a dropped term",
+        );
     }
     if check_function(root, slug, &check.label).is_none() {
         let name = check.label.replace('-', "_");
-        faults.add(place, &label, format!("exhibits/src/{slug}.rs has no function `{name}`"), "name the check's function after the label of its equation");
+        faults.add(
+            place,
+            &label,
+            format!("exhibits/src/{slug}.rs has no function `{name}`"),
+            "name the check's function after the label of its equation",
+        );
     }
 }
 
@@ -208,6 +249,8 @@ pub fn check_function(root: &Path, slug: &str, label: &str) -> Option<(String, u
     let head = format!("fn {}(", label.replace('-', "_"));
     let file = format!("exhibits/src/{slug}.rs");
     let source = files::read_if_there(&root.join(&file)).ok()??;
-    let line = source.lines().position(|line| line.trim_start().trim_start_matches("pub ").starts_with(&head))?;
+    let line = source
+        .lines()
+        .position(|line| line.trim_start().trim_start_matches("pub ").starts_with(&head))?;
     Some((file, line + 1))
 }

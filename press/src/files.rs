@@ -39,7 +39,9 @@ pub fn remove(path: &Path) -> Result<()> {
         false => fs::remove_file(path),
     };
     match removed {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(error).with_context(|| unwritable(path)),
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(error).with_context(|| unwritable(path))
+        }
         _ => Ok(()),
     }
 }
@@ -57,7 +59,9 @@ pub fn below(folder: &Path) -> Result<Vec<std::path::PathBuf>> {
     while let Some(next) = open.pop() {
         let entries = match fs::read_dir(&next) {
             Err(error) if error.kind() == ErrorKind::NotFound => continue,
-            entries => entries.with_context(|| format!("cannot read the folder {}", next.display()))?,
+            entries => {
+                entries.with_context(|| format!("cannot read the folder {}", next.display()))?
+            }
         };
         for entry in entries {
             let path = entry?.path();

@@ -39,7 +39,13 @@ pub struct Formula {
 }
 
 /// Finds the formulas that KaTeX rejects. Those known to be good from an earlier build are not tried again.
-pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], faults: &mut Faults) -> Result<()> {
+pub fn try_all(
+    root: &Path,
+    config: &Config,
+    work: &Path,
+    formulas: &[Formula],
+    faults: &mut Faults,
+) -> Result<()> {
     let settings = katex_settings(root, config, faults)?;
     let Some(settings) = settings else { return Ok(()) };
     let (inline, display) = settings.build_opts(root);
@@ -64,7 +70,12 @@ pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], 
             None => good.push(key),
             Some(reason) => {
                 let line = formula.line + line_of(&formula.tex, reason);
-                faults.add((&formula.file, line), &formula.label, format!("{REJECTED}: {reason}"), "mend the TeX; katex.org/docs/supported lists what KaTeX knows");
+                faults.add(
+                    (&formula.file, line),
+                    &formula.label,
+                    format!("{REJECTED}: {reason}"),
+                    "mend the TeX; katex.org/docs/supported lists what KaTeX knows",
+                );
             }
         }
     }
@@ -74,39 +85,66 @@ pub fn try_all(root: &Path, config: &Config, work: &Path, formulas: &[Formula], 
 }
 
 fn rejection(tex: &str, options: &Opts) -> Option<String> {
-    static REASON: LazyLock<Regex> =
-        LazyLock::new(|| Regex::new(r"(?s)KaTeX parse error: (.*? at (?:position \d+|end of input))").expect("a valid pattern"));
+    static REASON: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"(?s)KaTeX parse error: (.*? at (?:position \d+|end of input))")
+            .expect("a valid pattern")
+    });
     let error = katex::render_with_opts(tex, options).err()?.to_string();
-    let reason = REASON.captures(&error).map_or(error.as_str(), |found| found.get(1).map_or("", |reason| reason.as_str()));
+    let reason = REASON
+        .captures(&error)
+        .map_or(error.as_str(), |found| found.get(1).map_or("", |reason| reason.as_str()));
     Some(reason.replace(r"\\", r"\"))
 }
 
 /// How many lines below its first one a formula fails, from the position in KaTeX's message.
 fn line_of(tex: &str, reason: &str) -> usize {
-    static POSITION: LazyLock<Regex> = LazyLock::new(|| Regex::new(r"at position (\d+)").expect("a valid pattern"));
-    let position = POSITION.captures(reason).and_then(|found| found[1].parse::<usize>().ok()).unwrap_or(1);
+    static POSITION: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"at position (\d+)").expect("a valid pattern"));
+    let position =
+        POSITION.captures(reason).and_then(|found| found[1].parse::<usize>().ok()).unwrap_or(1);
     tex.chars().take(position.saturating_sub(1)).filter(|&c| c == '\n').count()
 }
 
 /// The settings of mdbook-katex, which itself turns what it cannot read into its defaults, and those ask
 /// another host for a stylesheet.
-fn katex_settings(root: &Path, config: &Config, faults: &mut Faults) -> Result<Option<KatexConfig>> {
+fn katex_settings(
+    root: &Path,
+    config: &Config,
+    faults: &mut Faults,
+) -> Result<Option<KatexConfig>> {
     let place = ("book.toml", 0);
     let table = config.get::<toml::Value>("preprocessor.katex")?;
     let Some(table) = table else {
-        faults.add(place, "", "there is no table [preprocessor.katex]", "add it, with no-css = true");
+        faults.add(
+            place,
+            "",
+            "there is no table [preprocessor.katex]",
+            "add it, with no-css = true",
+        );
         return Ok(None);
     };
     if let Err(error) = table.try_into::<KatexConfig>() {
-        faults.add(place, "", format!("[preprocessor.katex] cannot be read: {error}"), "mend that setting");
+        faults.add(
+            place,
+            "",
+            format!("[preprocessor.katex] cannot be read: {error}"),
+            "mend that setting",
+        );
         return Ok(None);
     }
     let settings = get_config(config)?;
     if !settings.no_css {
-        faults.add(place, "", "[preprocessor.katex] would ask another host for a stylesheet", "set no-css = true; the theme brings KaTeX's style and fonts");
+        faults.add(
+            place,
+            "",
+            "[preprocessor.katex] would ask another host for a stylesheet",
+            "set no-css = true; the theme brings KaTeX's style and fonts",
+        );
     }
     let lines = macros(root, &settings)?;
-    for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with('\\') && !line.contains(':')) {
+    for (at, line) in
+        lines.iter().enumerate().filter(|(_, line)| line.starts_with('\\') && !line.contains(':'))
+    {
         let file = settings.macros.clone().unwrap_or_default();
         faults.add((&file, at + 1), line, "a macro without a colon", r"write it as \name:{body}");
         return Ok(None);
@@ -132,13 +170,21 @@ impl RememberingKatex {
         RememberingKatex { folder: work.join("katex") }
     }
 
-    fn render(&self, context: &PreprocessorContext, salt: &str, chapter: &mut Chapter) -> Result<PathBuf> {
+    fn render(
+        &self,
+        context: &PreprocessorContext,
+        salt: &str,
+        chapter: &mut Chapter,
+    ) -> Result<PathBuf> {
         let key = hex(&Sha256::digest(format!("{salt}\n{}", chapter.content)));
         let path = self.folder.join(key);
         chapter.content = match files::read_if_there(&path)? {
             Some(content) => content,
             None => {
-                let alone = Book::new_with_items(vec![BookItem::Chapter(Chapter { sub_items: Vec::new(), ..chapter.clone() })]);
+                let alone = Book::new_with_items(vec![BookItem::Chapter(Chapter {
+                    sub_items: Vec::new(),
+                    ..chapter.clone()
+                })]);
                 let rendered = KatexProcessor.run(context, alone)?;
                 let Some(BookItem::Chapter(rendered)) = rendered.items.into_iter().next() else {
                     bail!("mdbook-katex lost the chapter {}", chapter.name);
@@ -170,7 +216,11 @@ impl Preprocessor for RememberingKatex {
             }
         });
         result?;
-        for stale in files::below(&self.folder)?.iter().map(|file| self.folder.join(file)).filter(|path| !fresh.contains(path)) {
+        for stale in files::below(&self.folder)?
+            .iter()
+            .map(|file| self.folder.join(file))
+            .filter(|path| !fresh.contains(path))
+        {
             files::remove(&stale)?;
         }
         Ok(book)
@@ -194,13 +244,16 @@ impl Preprocessor for Guard {
 /// Escapes, in the text of each formula, what Markdown would take for its own marks, and drops the TeX
 /// that KaTeX encloses, which would otherwise turn up in the search.
 fn guarded(content: &str) -> String {
-    static ANNOTATION: LazyLock<Regex> =
-        LazyLock::new(|| Regex::new(r"(?s)<annotation[^>]*>.*?</annotation>").expect("a valid pattern"));
-    static TEXT: LazyLock<Regex> = LazyLock::new(|| Regex::new(r">[^<]+<").expect("a valid pattern"));
+    static ANNOTATION: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"(?s)<annotation[^>]*>.*?</annotation>").expect("a valid pattern")
+    });
+    static TEXT: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r">[^<]+<").expect("a valid pattern"));
     let escape = |found: &Captures<'_>| {
         found[0].chars().fold(String::new(), |mut out, c| {
             match c {
-                '\\' | '`' | '*' | '_' | '[' | ']' | '~' | '|' | '!' | '$' | '{' | '}' | '^' | '\'' | '"' => {
+                '\\' | '`' | '*' | '_' | '[' | ']' | '~' | '|' | '!' | '$' | '{' | '}' | '^'
+                | '\'' | '"' => {
                     out.push_str(&format!("&#{};", u32::from(c)));
                 }
                 c => out.push(c),

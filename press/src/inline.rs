@@ -148,7 +148,9 @@ fn bracket(rest: &str) -> Option<(Mark<'_>, usize)> {
 fn at_sign(rest: &str) -> Option<(Mark<'_>, usize)> {
     let body = &rest[1..];
     let word = |text: &str| {
-        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')).unwrap_or(text.len());
+        let end = text
+            .find(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_'))
+            .unwrap_or(text.len());
         text[..end].trim_end_matches(['-', '_']).len()
     };
     for kind in LABEL_KINDS {
@@ -158,7 +160,8 @@ fn at_sign(rest: &str) -> Option<(Mark<'_>, usize)> {
         }
     }
     let length = word(body);
-    (length > 0).then(|| (Mark::Citation { keys: vec![&body[..length]], narrative: true }, length + 1))
+    (length > 0)
+        .then(|| (Mark::Citation { keys: vec![&body[..length]], narrative: true }, length + 1))
 }
 
 #[cfg(test)]
@@ -195,7 +198,10 @@ mod tests {
     #[test]
     fn a_span_may_hold_mathematics_with_brackets() {
         let found = marks("[the skew $[t]_\\times$]{.estimated}");
-        assert!(matches!(&found[..], [Mark::Span { text: "the skew $[t]_\\times$", .. }]), "{found:?}");
+        assert!(
+            matches!(&found[..], [Mark::Span { text: "the skew $[t]_\\times$", .. }]),
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -19,7 +19,12 @@ struct Table {
 
 impl Table {
     fn html(&self) -> String {
-        let row = |cell: &str, cells: &[String]| format!("<tr>{}</tr>", cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect::<String>());
+        let row = |cell: &str, cells: &[String]| {
+            format!(
+                "<tr>{}</tr>",
+                cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect::<String>()
+            )
+        };
         let columns: Vec<String> = self.columns.iter().map(|&column| column.to_owned()).collect();
         let rows: String = self.rows.iter().map(|cells| row("td", cells)).collect();
         format!(
@@ -32,7 +37,13 @@ impl Table {
 }
 
 /// The ledger: every equation, number, figure, listing and record with what stands behind it.
-pub fn ledger(here: &Page, pages: &[Page], root: &Path, known: &Known<'_>, found: &mut Found<'_>) -> String {
+pub fn ledger(
+    here: &Page,
+    pages: &[Page],
+    root: &Path,
+    known: &Known<'_>,
+    found: &mut Found<'_>,
+) -> String {
     let (equations, definitions) = equations(here, pages, root, known.exhibits, found);
     let tables = [
         equations,
@@ -42,7 +53,13 @@ pub fn ledger(here: &Page, pages: &[Page], root: &Path, known: &Known<'_>, found
         records(here, known.exhibits, found),
     ];
     let count = |at: usize| tables[at].rows.len();
-    let states: usize = known.exhibits.chapters.values().flat_map(|shown| &shown.equations).map(|check| check.states).sum();
+    let states: usize = known
+        .exhibits
+        .chapters
+        .values()
+        .flat_map(|shown| &shown.equations)
+        .map(|check| check.states)
+        .sum();
     let head = format!(
         "<p class=\"ledger-summary\">{} equations checked over {states} states, {} definitions, {} computed numbers, {} figures, {} records.</p>\n\n",
         count(0),
@@ -51,23 +68,41 @@ pub fn ledger(here: &Page, pages: &[Page], root: &Path, known: &Known<'_>, found
         count(3),
         count(4),
     );
-    head + &tables.iter().filter(|table| !table.rows.is_empty()).map(Table::html).collect::<String>()
+    head + &tables
+        .iter()
+        .filter(|table| !table.rows.is_empty())
+        .map(Table::html)
+        .collect::<String>()
 }
 
 /// The labelled blocks of all pages with a kind of label.
-fn labelled<'a>(pages: &'a [Page], kind: &'static str) -> impl Iterator<Item = (&'a Page, &'a str, &'a Attributes, &'a Kind)> {
+fn labelled<'a>(
+    pages: &'a [Page],
+    kind: &'static str,
+) -> impl Iterator<Item = (&'a Page, &'a str, &'a Attributes, &'a Kind)> {
     pages.iter().flat_map(move |page| {
         page.blocks.iter().filter_map(move |block| {
             let attributes = match &block.kind {
                 Kind::Equation { attributes, .. } | Kind::Figure { attributes, .. } => attributes,
                 _ => return None,
             };
-            attributes.id.starts_with(kind).then_some((page, block.number.as_str(), attributes, &block.kind))
+            attributes.id.starts_with(kind).then_some((
+                page,
+                block.number.as_str(),
+                attributes,
+                &block.kind,
+            ))
         })
     })
 }
 
-fn equations(here: &Page, pages: &[Page], root: &Path, exhibits: &Exhibits, found: &mut Found<'_>) -> (Table, Table) {
+fn equations(
+    here: &Page,
+    pages: &[Page],
+    root: &Path,
+    exhibits: &Exhibits,
+    found: &mut Found<'_>,
+) -> (Table, Table) {
     let mut checked = Vec::new();
     let mut definitions = Vec::new();
     for (page, number, attributes, kind) in labelled(pages, "eq:") {
@@ -79,7 +114,8 @@ fn equations(here: &Page, pages: &[Page], root: &Path, exhibits: &Exhibits, foun
         }
         let Some(check) = exhibits.check(&page.slug, label) else { continue };
         let Kind::Equation { tex, .. } = kind else { continue };
-        let (file, line) = check_function(root, &page.slug, label).unwrap_or((check.file.clone(), check.line));
+        let (file, line) =
+            check_function(root, &page.slug, label).unwrap_or((check.file.clone(), check.line));
         let href = source(here, &file, line, found);
         checked.push(vec![
             name,
@@ -92,10 +128,24 @@ fn equations(here: &Page, pages: &[Page], root: &Path, exhibits: &Exhibits, foun
             format!("<code>{}</code>", digest(tex)),
         ]);
     }
-    let columns = &["Equation", "Check", "Compared with", "Largest error", "Tolerance", "States", "Wrong formulas it rejects", "TeX"];
+    let columns = &[
+        "Equation",
+        "Check",
+        "Compared with",
+        "Largest error",
+        "Tolerance",
+        "States",
+        "Wrong formulas it rejects",
+        "TeX",
+    ];
     (
         Table { id: "equations", title: "Equations", columns, rows: checked },
-        Table { id: "definitions", title: "Definitions", columns: &["Equation", "Label"], rows: definitions },
+        Table {
+            id: "definitions",
+            title: "Definitions",
+            columns: &["Equation", "Label"],
+            rows: definitions,
+        },
     )
 }
 
@@ -106,7 +156,15 @@ fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
             let name = format!("{}.{}", shown.slug, number.name);
             let href = source(here, &number.file, number.line, found);
             let pages = found.values.get(&name).into_iter().flatten();
-            let users: Vec<String> = pages.map(|path| format!("<a href=\"{}\">{}</a>", here.way_to(path), path.with_extension("").display())).collect();
+            let users: Vec<String> = pages
+                .map(|path| {
+                    format!(
+                        "<a href=\"{}\">{}</a>",
+                        here.way_to(path),
+                        path.with_extension("").display()
+                    )
+                })
+                .collect();
             rows.push(vec![
                 format!("<a href=\"{href}\"><code>{name}</code></a>"),
                 format!("{} {}", number.text.replace('-', "−"), escape(&number.unit)),
@@ -115,7 +173,12 @@ fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
             ]);
         }
     }
-    Table { id: "numbers", title: "Numbers", columns: &["Number", "As printed", "In full", "Used in"], rows }
+    Table {
+        id: "numbers",
+        title: "Numbers",
+        columns: &["Number", "As printed", "In full", "Used in"],
+        rows,
+    }
 }
 
 fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
@@ -123,23 +186,39 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
     for (page, number, attributes, kind) in labelled(pages, "fig:") {
         let Kind::Figure { path, .. } = kind else { continue };
         let name = path.trim_end_matches(".svg");
-        let Some((drawing, _)) = name.split_once('/').and_then(|(slug, name)| exhibits.drawing(slug, name)) else { continue };
+        let Some((drawing, _)) =
+            name.split_once('/').and_then(|(slug, name)| exhibits.drawing(slug, name))
+        else {
+            continue;
+        };
         let href = source(here, &drawing.file, drawing.line, found);
         rows.push(vec![
             link(here, &page.path, &attributes.id, &format!("Figure {number}")),
             format!("<a href=\"{href}\"><code>{}</code></a>", attributes.id),
             drawing.rows.len().to_string(),
-            format!("<a href=\"{}\" download>CSV</a>", here.way_to(format!("generated/{name}.csv").as_ref())),
+            format!(
+                "<a href=\"{}\" download>CSV</a>",
+                here.way_to(format!("generated/{name}.csv").as_ref())
+            ),
         ]);
     }
-    Table { id: "figures", title: "Figures", columns: &["Figure", "Program", "Rows of data", "Data"], rows }
+    Table {
+        id: "figures",
+        title: "Figures",
+        columns: &["Figure", "Program", "Rows of data", "Data"],
+        rows,
+    }
 }
 
 fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
     let mut rows = Vec::new();
     for record in exhibits.records.values() {
         let href = source(here, &record.file(), 1, found);
-        let values: Vec<String> = record.values.iter().map(|(name, value)| format!("{name} = {} {}", value.text, escape(&value.unit))).collect();
+        let values: Vec<String> = record
+            .values
+            .iter()
+            .map(|(name, value)| format!("{name} = {} {}", value.text, escape(&value.unit)))
+            .collect();
         rows.push(vec![
             format!("<a href=\"{href}\"><code>{}</code></a>", record.name),
             values.join("<br>"),
@@ -148,15 +227,30 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
             format!("<code>{}</code>", record.input_digest),
         ]);
     }
-    Table { id: "records", title: "Records", columns: &["Record", "Values", "Made by", "When and on what", "Inputs"], rows }
+    Table {
+        id: "records",
+        title: "Records",
+        columns: &["Record", "Values", "Made by", "When and on what", "Inputs"],
+        rows,
+    }
 }
 
 /// The bibliography, each work with the places that cite it.
 pub fn bibliography(here: &Page, known: &Known<'_>, found: &Found<'_>) -> String {
     let mut html = String::from("<dl class=\"bibliography\">\n");
     for (key, work) in known.bibliography.sorted() {
-        let place = if work.place.is_empty() { String::new() } else { format!(" {}.", escape(&work.place)) };
-        let address = work.link.as_ref().map(|(text, href)| format!(" <a href=\"{}\" rel=\"external\">{}</a>", escape(href), escape(text))).unwrap_or_default();
+        let place = if work.place.is_empty() {
+            String::new()
+        } else {
+            format!(" {}.", escape(&work.place))
+        };
+        let address = work
+            .link
+            .as_ref()
+            .map(|(text, href)| {
+                format!(" <a href=\"{}\" rel=\"external\">{}</a>", escape(href), escape(text))
+            })
+            .unwrap_or_default();
         html.push_str(&format!(
             "<dt id=\"ref:{key}\">{} ({})</dt>\n<dd><cite>{}</cite>.{place}{address}<p>{}</p>{}</dd>\n",
             escape(&work.authors),
@@ -173,7 +267,9 @@ fn cited_in(here: &Page, key: &str, found: &Found<'_>) -> String {
     let Some(citations) = found.citations.get(key) else { return String::new() };
     let links: Vec<String> = citations
         .iter()
-        .map(|(path, anchor)| link(here, path, anchor, &path.with_extension("").display().to_string()))
+        .map(|(path, anchor)| {
+            link(here, path, anchor, &path.with_extension("").display().to_string())
+        })
         .collect();
     format!("<p class=\"cited-in\">Cited in: {}</p>", links.join(", "))
 }

@@ -23,12 +23,16 @@ struct Rendered {
 pub fn faults(site: &Path, src: &Path) -> Result<Faults> {
     let all = files::below(site)?;
     let there: BTreeSet<&PathBuf> = all.iter().collect();
-    let html: Vec<&PathBuf> = all.iter().filter(|path| path.extension().is_some_and(|end| end == "html")).collect();
-    let pages = html.par_iter().map(|path| Rendered::read(site, path)).collect::<Result<Vec<_>>>()?;
-    let anchors: BTreeMap<&PathBuf, &BTreeSet<String>> = pages.iter().map(|page| (&page.path, &page.anchors)).collect();
+    let html: Vec<&PathBuf> =
+        all.iter().filter(|path| path.extension().is_some_and(|end| end == "html")).collect();
+    let pages =
+        html.par_iter().map(|path| Rendered::read(site, path)).collect::<Result<Vec<_>>>()?;
+    let anchors: BTreeMap<&PathBuf, &BTreeSet<String>> =
+        pages.iter().map(|page| (&page.path, &page.anchors)).collect();
     let mut faults = Faults::default();
     let mut known = BTreeSet::new();
-    let (chapters, copies): (Vec<_>, Vec<_>) = pages.iter().partition(|page| page.chapter(src).is_some());
+    let (chapters, copies): (Vec<_>, Vec<_>) =
+        pages.iter().partition(|page| page.chapter(src).is_some());
     // What a chapter has wrong, its copies on the first page and on the page for printers have wrong as well.
     for page in chapters.into_iter().chain(copies) {
         for (address, loaded) in &page.links {
@@ -47,9 +51,18 @@ impl Rendered {
     fn read(site: &Path, path: &Path) -> Result<Rendered> {
         let document = Html::parse_document(&files::read(&site.join(path))?);
         let select = |pattern: &str| Selector::parse(pattern).expect("a valid selector");
-        let anchors = document.select(&select("[id]")).filter_map(|element| element.attr("id")).map(str::to_owned).collect();
+        let anchors = document
+            .select(&select("[id]"))
+            .filter_map(|element| element.attr("id"))
+            .map(str::to_owned)
+            .collect();
         let mut links = Vec::new();
-        for (pattern, attribute, loaded) in [("a[href]", "href", false), ("link[href]", "href", true), ("[src]", "src", true), ("object[data]", "data", true)] {
+        for (pattern, attribute, loaded) in [
+            ("a[href]", "href", false),
+            ("link[href]", "href", true),
+            ("[src]", "src", true),
+            ("object[data]", "data", true),
+        ] {
             let selector = select(pattern);
             let found = document.select(&selector).filter_map(|element| element.attr(attribute));
             links.extend(found.map(|address| (address.to_owned(), loaded)));
@@ -57,24 +70,42 @@ impl Rendered {
         Ok(Rendered { path: path.to_path_buf(), anchors, links })
     }
 
-    fn fault(&self, address: &str, loaded: bool, there: &BTreeSet<&PathBuf>, anchors: &BTreeMap<&PathBuf, &BTreeSet<String>>) -> Option<(String, &'static str)> {
+    fn fault(
+        &self,
+        address: &str,
+        loaded: bool,
+        there: &BTreeSet<&PathBuf>,
+        anchors: &BTreeMap<&PathBuf, &BTreeSet<String>>,
+    ) -> Option<(String, &'static str)> {
         if address.starts_with("data:") {
             return None;
         }
         if address.contains("://") || address.starts_with("//") || address.starts_with("mailto:") {
-            return loaded.then(|| ("the page asks another host".to_owned(), "bring the file into the book"));
+            return loaded.then(|| {
+                ("the page asks another host".to_owned(), "bring the file into the book")
+            });
         }
         let (way, anchor) = address.split_once('#').unwrap_or((address, ""));
         let path = match way {
             "" => Some(self.path.clone()),
             way => joined(&self.path, way.split('?').next().unwrap_or(way)),
         };
-        let place = |path: PathBuf| if there.contains(&path) { path } else { path.join("index.html") };
+        let place =
+            |path: PathBuf| if there.contains(&path) { path } else { path.join("index.html") };
         let Some(path) = path.map(place).filter(|path| there.contains(path)) else {
-            return Some(("the link leads nowhere: there is no such file".to_owned(), "mend the address, or make the file a chapter"));
+            return Some((
+                "the link leads nowhere: there is no such file".to_owned(),
+                "mend the address, or make the file a chapter",
+            ));
         };
-        let known = anchor.is_empty() || anchors.get(&path).is_none_or(|anchors| anchors.contains(anchor));
-        (!known).then(|| (format!("the link leads nowhere: {} has no `#{anchor}`", slashed(&path)), "mend the fragment; a label and @-reference would have been found earlier"))
+        let known =
+            anchor.is_empty() || anchors.get(&path).is_none_or(|anchors| anchors.contains(anchor));
+        (!known).then(|| {
+            (
+                format!("the link leads nowhere: {} has no `#{anchor}`", slashed(&path)),
+                "mend the fragment; a label and @-reference would have been found earlier",
+            )
+        })
     }
 
     /// The chapter that this page was made from.
@@ -90,7 +121,9 @@ impl Rendered {
         let (Some(chapter), Some(text)) = (chapter, text) else { return (slashed(&self.path), 0) };
         let file = format!("src/{}", slashed(&chapter));
         let written = [address.to_owned(), address.replacen(".html", ".md", 1)];
-        let line = text.lines().position(|line| written.iter().any(|address| line.contains(address.as_str())));
+        let line = text
+            .lines()
+            .position(|line| written.iter().any(|address| line.contains(address.as_str())));
         (file, line.map_or(0, |line| line + 1))
     }
 }

@@ -10,13 +10,17 @@ use crate::settings::Allowed;
 /// Units of measurement, as they follow a number.
 pub const UNITS: &str = r"px|pixels?|[kcmµn]?m|(?:kilo|centi|milli|micro)?met(?:re|er)s?|m?rad|(?:milli)?radians?|deg|degrees?|°|µs|[mn]?s|(?:milli|micro)?seconds?|min|minutes?|hours?|[kM]?Hz|k?g|%|percent|[kMG]?B|bytes?|m/s²?|fps|sigmas?";
 
-static PROSE: LazyLock<Regex> = LazyLock::new(|| pattern(&format!(r"[ \u{{a0}}\u{{202f}}-]?(?:{UNITS})")));
+static PROSE: LazyLock<Regex> =
+    LazyLock::new(|| pattern(&format!(r"[ \u{{a0}}\u{{202f}}-]?(?:{UNITS})")));
 static TEX: LazyLock<Regex> = LazyLock::new(|| {
-    pattern(&format!(r"(?:\\[,;:! ]|[~{{}} ])*(?:\\(?:text|mathrm)\{{[ ~]*(?:{UNITS})|\^\{{?\\circ)"))
+    pattern(&format!(
+        r"(?:\\[,;:! ]|[~{{}} ])*(?:\\(?:text|mathrm)\{{[ ~]*(?:{UNITS})|\^\{{?\\circ)"
+    ))
 });
 
 fn pattern(unit: &str) -> Regex {
-    Regex::new(&format!(r"(?:^|[^\w.#/&@-])([-−]?\d[\d.,]*(?:e-?\d+)?{unit})(?:$|[^\w])")).expect("a valid pattern")
+    Regex::new(&format!(r"(?:^|[^\w.#/&@-])([-−]?\d[\d.,]*(?:e-?\d+)?{unit})(?:$|[^\w])"))
+        .expect("a valid pattern")
 }
 
 /// Looks for typed numbers with units and remembers which permissions were used.
@@ -42,10 +46,20 @@ impl<'a> Lint<'a> {
         self.look(&TEX, place, slug, tex, faults);
     }
 
-    fn look(&mut self, pattern: &Regex, place: (&str, usize), slug: &str, text: &str, faults: &mut Faults) {
+    fn look(
+        &mut self,
+        pattern: &Regex,
+        place: (&str, usize),
+        slug: &str,
+        text: &str,
+        faults: &mut Faults,
+    ) {
         for found in pattern.captures_iter(text) {
             let Some(number) = found.get(1) else { continue };
-            let permission = self.allowed.iter().position(|allowed| allowed.chapter == slug && allowed.text == number.as_str());
+            let permission = self
+                .allowed
+                .iter()
+                .position(|allowed| allowed.chapter == slug && allowed.text == number.as_str());
             match permission {
                 Some(index) => self.used[index] = true,
                 None => {
@@ -66,10 +80,20 @@ impl<'a> Lint<'a> {
         for (allowed, used) in self.allowed.iter().zip(&self.used) {
             let label = format!("{}: {}", allowed.chapter, allowed.text);
             if !used {
-                faults.add(("book.toml", 0), &label, "a typed number is allowed that no chapter has", "remove the permission");
+                faults.add(
+                    ("book.toml", 0),
+                    &label,
+                    "a typed number is allowed that no chapter has",
+                    "remove the permission",
+                );
             }
             if allowed.reason.trim().is_empty() {
-                faults.add(("book.toml", 0), &label, "a typed number is allowed without a reason", "say why it is not computed");
+                faults.add(
+                    ("book.toml", 0),
+                    &label,
+                    "a typed number is allowed without a reason",
+                    "say why it is not computed",
+                );
             }
         }
     }
@@ -91,7 +115,18 @@ mod tests {
 
     #[test]
     fn numbers_with_units_are_found() {
-        for text in ["moves 3 px away", "0.5 m", "(12.5 cm)", "a 10-degree turn", "5 %", "200 Hz,", "3.5 mrad", "90°", "−2 m", "4\u{a0}s."] {
+        for text in [
+            "moves 3 px away",
+            "0.5 m",
+            "(12.5 cm)",
+            "a 10-degree turn",
+            "5 %",
+            "200 Hz,",
+            "3.5 mrad",
+            "90°",
+            "−2 m",
+            "4\u{a0}s.",
+        ] {
             assert_eq!(found(text, false).len(), 1, "{text}");
         }
         assert_eq!(found(r"b = 0.5\,\mathrm{m}", true).len(), 1);
@@ -100,7 +135,17 @@ mod tests {
 
     #[test]
     fn other_numbers_are_left_alone() {
-        for text in ["3 cameras", "in 2017", "SE(3)", "the 2x6 block", "40/11", "Mars 4", "1 of 3", "MH_05 s", "three metres"] {
+        for text in [
+            "3 cameras",
+            "in 2017",
+            "SE(3)",
+            "the 2x6 block",
+            "40/11",
+            "Mars 4",
+            "1 of 3",
+            "MH_05 s",
+            "three metres",
+        ] {
             assert!(found(text, false).is_empty(), "{text}: {:?}", found(text, false));
         }
         assert!(found(r"2 m_1 + 3 s", true).is_empty(), "a product is not a quantity");

@@ -14,13 +14,22 @@ pub struct Listing {
 /// Cuts the piece between `ANCHOR: name` and `ANCHOR_END: name` out of a source file.
 pub fn cut(source: &str, anchor: &str) -> Option<Listing> {
     let lines: Vec<&str> = source.lines().collect();
-    let find = |mark: &str| lines.iter().position(|line| mark_of(line).is_some_and(|found| found == (mark, anchor)));
+    let find = |mark: &str| {
+        lines.iter().position(|line| mark_of(line).is_some_and(|found| found == (mark, anchor)))
+    };
     let (begin, end) = (find("ANCHOR:")?, find("ANCHOR_END:")?);
-    let kept: Vec<(usize, &str)> =
-        (begin + 1..end).map(|at| (at + 1, lines[at])).filter(|(_, line)| mark_of(line).is_none()).collect();
+    let kept: Vec<(usize, &str)> = (begin + 1..end)
+        .map(|at| (at + 1, lines[at]))
+        .filter(|(_, line)| mark_of(line).is_none())
+        .collect();
     let (first, last) = (kept.first()?.0, kept.last()?.0);
-    let indent = kept.iter().filter(|(_, line)| !line.trim().is_empty()).map(|(_, line)| line.len() - line.trim_start().len()).min()?;
-    let code = kept.iter().map(|(_, line)| line.get(indent..).unwrap_or_default().to_owned()).collect();
+    let indent = kept
+        .iter()
+        .filter(|(_, line)| !line.trim().is_empty())
+        .map(|(_, line)| line.len() - line.trim_start().len())
+        .min()?;
+    let code =
+        kept.iter().map(|(_, line)| line.get(indent..).unwrap_or_default().to_owned()).collect();
     Some(Listing { code, first, last })
 }
 

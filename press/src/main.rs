@@ -91,15 +91,21 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
         Ok(Maker { layout: Layout { root }, steps, warnings: warnings.clone() })
     };
     match arguments.command {
-        Command::Serve { port, open } => serve::serve(&maker(Steps::new())?, port, open).map(|()| Faults::default()),
+        Command::Serve { port, open } => {
+            serve::serve(&maker(Steps::new())?, port, open).map(|()| Faults::default())
+        }
         Command::Build => maker(Steps::new())?.build_book(),
         Command::Check => {
             let maker = maker(Steps::new())?;
             maker.build(&maker.layout.work().join("checked"), None)
         }
-        Command::Accept { show } => accept::accept(&maker(Steps::new())?, show).map(|()| Faults::default()),
+        Command::Accept { show } => {
+            accept::accept(&maker(Steps::new())?, show).map(|()| Faults::default())
+        }
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
-        Command::Preprocess { question, .. } if question.first().is_some_and(|word| word == "supports") => {
+        Command::Preprocess { question, .. }
+            if question.first().is_some_and(|word| word == "supports") =>
+        {
             // Every renderer gets the same pages.
             Ok(Faults::default())
         }
@@ -112,17 +118,26 @@ fn root(given: Option<&Path>) -> Result<PathBuf> {
         Some(root) => root.to_path_buf(),
         None => std::env::current_dir().context("the current folder is gone")?,
     };
-    let start = start.canonicalize().with_context(|| format!("{} is not a folder", start.display()))?;
+    let start =
+        start.canonicalize().with_context(|| format!("{} is not a folder", start.display()))?;
     let mut folders = start.ancestors().take(if given.is_some() { 1 } else { usize::MAX });
     let found = folders.find(|folder| folder.join("book.toml").is_file());
-    found.map(Path::to_path_buf).with_context(|| format!("there is no book.toml in {}: run `cargo book` in the book's folder", start.display()))
+    found.map(Path::to_path_buf).with_context(|| {
+        format!(
+            "there is no book.toml in {}: run `cargo book` in the book's folder",
+            start.display()
+        )
+    })
 }
 
 fn record(maker: &Maker, name: Option<String>, compare: bool) -> Result<Faults> {
     let names = match (name, compare) {
         (Some(name), _) => vec![name],
         (None, true) => accept::record_names(maker)?,
-        (None, false) => bail!("which record? `cargo book record NAME`; the accepted ones are: {}", accept::record_names(maker)?.join(", ")),
+        (None, false) => bail!(
+            "which record? `cargo book record NAME`; the accepted ones are: {}",
+            accept::record_names(maker)?.join(", ")
+        ),
     };
     let mut faults = Faults::default();
     for name in names {

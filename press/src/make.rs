@@ -38,7 +38,8 @@ impl Maker {
         self.refresh_exhibits()?;
         let faults = Arc::new(Mutex::new(Faults::default()));
         self.steps.step("pages", || self.render(site, live_reload, &faults))?;
-        let mut faults = std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut faults =
+            std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
         faults.extend(self.warnings.take(&faults));
         faults.extend(self.steps.step("links", || links::faults(site, &self.layout.src()))?);
         Ok(faults)
@@ -83,7 +84,12 @@ impl Maker {
         read().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")
     }
 
-    fn render(&self, site: &Path, live_reload: Option<&str>, faults: &Arc<Mutex<Faults>>) -> Result<()> {
+    fn render(
+        &self,
+        site: &Path,
+        live_reload: Option<&str>,
+        faults: &Arc<Mutex<Faults>>,
+    ) -> Result<()> {
         let mut book = self.load()?;
         book.config.build.build_dir = absolute(site)?;
         if let Some(endpoint) = live_reload {

@@ -32,7 +32,10 @@ impl Page {
                 let mut page = Page {
                     file: format!("src/{}", slashed(&path)),
                     slug: path.file_stem()?.to_str()?.to_owned(),
-                    number: chapter.number.as_ref().map(|number| number.to_string().trim_end_matches('.').to_owned()),
+                    number: chapter
+                        .number
+                        .as_ref()
+                        .map(|number| number.to_string().trim_end_matches('.').to_owned()),
                     blocks: blocks(&chapter.content),
                     path,
                 };
@@ -79,7 +82,9 @@ fn counted(kind: &Kind) -> Option<&'static str> {
 fn label(kind: &Kind) -> Option<(&str, &str)> {
     let (attributes, title) = match kind {
         Kind::Heading { title, attributes, .. } => (attributes, title.as_str()),
-        Kind::Equation { attributes, .. } | Kind::Figure { attributes, .. } | Kind::Fence { attributes, .. } => (attributes, ""),
+        Kind::Equation { attributes, .. }
+        | Kind::Figure { attributes, .. }
+        | Kind::Fence { attributes, .. } => (attributes, ""),
         Kind::Open(attributes) => (attributes, attributes.value("title")),
         _ => return None,
     };
@@ -118,8 +123,18 @@ impl Labels {
             for block in &page.blocks {
                 if let Some((label, title)) = label(&block.kind) {
                     let chapter = matches!(block.kind, Kind::Heading { level: 1, .. });
-                    let number = if chapter { page.number.clone().unwrap_or_default() } else { block.number.clone() };
-                    let target = Target { path: page.path.clone(), line: block.line, number, title: title.to_owned(), chapter };
+                    let number = if chapter {
+                        page.number.clone().unwrap_or_default()
+                    } else {
+                        block.number.clone()
+                    };
+                    let target = Target {
+                        path: page.path.clone(),
+                        line: block.line,
+                        number,
+                        title: title.to_owned(),
+                        chapter,
+                    };
                     labels.insert(page, label, target, faults);
                 }
             }
@@ -136,13 +151,20 @@ impl Labels {
     pub fn like(&self, label: &str) -> Option<&str> {
         let likeness = |known: &str| similar::TextDiff::from_chars(known, label).ratio();
         let known = self.0.keys().map(|known| (known, likeness(known)));
-        known.filter(|(_, ratio)| *ratio > 0.7).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(known, _)| known.as_str())
+        known
+            .filter(|(_, ratio)| *ratio > 0.7)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(known, _)| known.as_str())
     }
 
     fn insert(&mut self, page: &Page, label: &str, target: Target, faults: &mut Faults) {
         match self.0.get(label) {
             Some(first) => {
-                let problem = format!("the label is taken: src/{}:{} has it", slashed(&first.path), first.line);
+                let problem = format!(
+                    "the label is taken: src/{}:{} has it",
+                    slashed(&first.path),
+                    first.line
+                );
                 faults.add((&page.file, target.line), label, problem, "choose another label");
             }
             None => drop(self.0.insert(label.to_owned(), target)),

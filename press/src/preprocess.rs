@@ -75,15 +75,22 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     let mut contents = BTreeMap::new();
     for page in &pages {
         let accepted = Accepted::read(&layout.accepted(&page.slug))?;
-        contents.insert(page.path.clone(), Emitter::new(page, &known, &settings, layout, &accepted, &mut found).emit());
+        contents.insert(
+            page.path.clone(),
+            Emitter::new(page, &known, &settings, layout, &accepted, &mut found).emit(),
+        );
     }
     for page in &pages {
         if let Some(content) = contents.get_mut(&page.path) {
             if content.contains("{{ledger}}") {
-                *content = content.replace("{{ledger}}", &ledger::ledger(page, &pages, &layout.root, &known, &mut found));
+                *content = content.replace(
+                    "{{ledger}}",
+                    &ledger::ledger(page, &pages, &layout.root, &known, &mut found),
+                );
             }
             if content.contains("{{bibliography}}") {
-                *content = content.replace("{{bibliography}}", &ledger::bibliography(page, &known, &found));
+                *content = content
+                    .replace("{{bibliography}}", &ledger::bibliography(page, &known, &found));
             }
         }
     }
@@ -103,14 +110,24 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
 fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
     for (name, file, line) in exhibits.number_names() {
         if !found.values.contains_key(&name) {
-            found.faults.add((&file, line), &name, "no chapter uses this number", format!("write {{{{value {name}}}}} where it belongs, or remove it"));
+            found.faults.add(
+                (&file, line),
+                &name,
+                "no chapter uses this number",
+                format!("write {{{{value {name}}}}} where it belongs, or remove it"),
+            );
         }
     }
     for shown in exhibits.chapters.values() {
         for figure in &shown.figures {
             let name = format!("{}/{}", shown.slug, figure.name);
             if !found.figures.contains(&name) {
-                found.faults.add((&figure.file, figure.line), &name, "no chapter shows this figure", "show it, or remove it");
+                found.faults.add(
+                    (&figure.file, figure.line),
+                    &name,
+                    "no chapter shows this figure",
+                    "show it, or remove it",
+                );
             }
         }
         let labels: BTreeSet<&str> = pages
@@ -124,7 +141,12 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
             .collect();
         for check in shown.equations.iter().filter(|check| !labels.contains(check.label.as_str())) {
             let problem = format!("src/{}.md has no equation that this checks", shown.slug);
-            found.faults.add((&check.file, check.line), format!("eq:{}", check.label), problem, "label the equation, or remove the check");
+            found.faults.add(
+                (&check.file, check.line),
+                format!("eq:{}", check.label),
+                problem,
+                "label the equation, or remove the check",
+            );
         }
     }
 }
@@ -134,7 +156,10 @@ fn write_generated(layout: &Layout, found: &mut Found<'_>) -> Result<()> {
     let mut made = std::mem::take(&mut found.generated);
     for file in &found.sources {
         let source = files::read(&layout.root.join(file))?;
-        made.insert(format!("source/{file}.html").into(), sources::page(file, &source).into_bytes());
+        made.insert(
+            format!("source/{file}.html").into(),
+            sources::page(file, &source).into_bytes(),
+        );
     }
     let folder = layout.generated();
     for (path, content) in &made {

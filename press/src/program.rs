@@ -67,7 +67,14 @@ impl<'a> Program<'a> {
     pub fn compile(&self) -> Result<PathBuf> {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
-            .args(["build", "--quiet", "--package", &self.package, "--message-format", "json-render-diagnostics"])
+            .args([
+                "build",
+                "--quiet",
+                "--package",
+                &self.package,
+                "--message-format",
+                "json-render-diagnostics",
+            ])
             .current_dir(&self.layout.root)
             .output()
             .context("cannot start cargo to compile the exhibits")?;
@@ -75,7 +82,10 @@ impl<'a> Program<'a> {
             bail!("the exhibits do not compile:\n{}", String::from_utf8_lossy(&output.stderr));
         }
         let messages = String::from_utf8_lossy(&output.stdout).into_owned();
-        let program = messages.lines().rev().find_map(|line| serde_json::from_str::<Artifact>(line).ok()?.executable);
+        let program = messages
+            .lines()
+            .rev()
+            .find_map(|line| serde_json::from_str::<Artifact>(line).ok()?.executable);
         program.with_context(|| format!("the package {} has no program", self.package))
     }
 
@@ -93,7 +103,8 @@ impl<'a> Program<'a> {
     /// Makes a record.
     pub fn record(&self, program: &Path, name: &str) -> Result<Made> {
         let output = self.call(program, &["record".as_ref(), name.as_ref()])?;
-        serde_json::from_slice(&output.stdout).with_context(|| format!("the program printed no record of {name}"))
+        serde_json::from_slice(&output.stdout)
+            .with_context(|| format!("the program printed no record of {name}"))
     }
 
     fn call(&self, program: &Path, arguments: &[&std::ffi::OsStr]) -> Result<Output> {
@@ -122,13 +133,19 @@ struct Artifact {
 fn inputs(root: &Path) -> Result<BTreeMap<String, String>> {
     let library = modules(&root.join(LIBRARY))?;
     let exhibits = modules(&root.join(EXHIBITS))?;
-    let chapters: Vec<&String> = exhibits.keys().filter(|slug| root.join(format!("src/{slug}.md")).is_file()).collect();
+    let chapters: Vec<&String> =
+        exhibits.keys().filter(|slug| root.join(format!("src/{slug}.md")).is_file()).collect();
     let mut common = String::new();
     for file in ["Cargo.lock", "Cargo.toml", "code/Cargo.toml", "exhibits/Cargo.toml"] {
         common.push_str(&files::read_if_there(&root.join(file))?.unwrap_or_default());
     }
     for (name, text) in exhibits.iter().filter(|(name, _)| !chapters.contains(name)) {
-        let others: String = text.lines().filter(|line| !chapters.iter().any(|slug| words(line).any(|word| word == slug.as_str()))).collect();
+        let others: String = text
+            .lines()
+            .filter(|line| {
+                !chapters.iter().any(|slug| words(line).any(|word| word == slug.as_str()))
+            })
+            .collect();
         common.push_str(name);
         common.push_str(&others);
     }
@@ -147,8 +164,11 @@ fn inputs(root: &Path) -> Result<BTreeMap<String, String>> {
 /// The modules of a crate by name, with the text of all their files.
 fn modules(folder: &Path) -> Result<BTreeMap<String, String>> {
     let mut modules: BTreeMap<String, String> = BTreeMap::new();
-    for path in files::below(folder)?.iter().filter(|path| path.extension().is_some_and(|end| end == "rs")) {
-        let first = path.components().next().map(|part| Path::new(part.as_os_str()).with_extension(""));
+    for path in
+        files::below(folder)?.iter().filter(|path| path.extension().is_some_and(|end| end == "rs"))
+    {
+        let first =
+            path.components().next().map(|part| Path::new(part.as_os_str()).with_extension(""));
         let name = first.unwrap_or_default().to_string_lossy().into_owned();
         modules.entry(name).or_default().push_str(&files::read(&folder.join(path))?);
     }

@@ -14,7 +14,8 @@ use crate::inline::{LABEL_KINDS, Mark, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
 
-static UNIT: LazyLock<Regex> = LazyLock::new(|| Regex::new(&format!(r"^\s(?:{UNITS})(?:$|[^\w])")).expect("a valid pattern"));
+static UNIT: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(&format!(r"^\s(?:{UNITS})(?:$|[^\w])")).expect("a valid pattern"));
 
 /// The page of the bibliography, relative to `src`.
 pub const REFERENCES: &str = "references.md";
@@ -69,7 +70,8 @@ impl Prose<'_> {
         let mut out = String::with_capacity(text.len());
         let tokens = tokens(text);
         for (at, token) in tokens.iter().enumerate() {
-            let place = (self.page.file.as_str(), self.line + text[..token.at].matches('\n').count());
+            let place =
+                (self.page.file.as_str(), self.line + text[..token.at].matches('\n').count());
             let one = One { prose: self, place, known };
             let mut written = String::new();
             one.mark(&token.mark, &mut written, found);
@@ -127,12 +129,15 @@ impl One<'_> {
     }
 
     fn value(&self, name: &str, found: &mut Found<'_>) -> String {
-        let Some((value, text)) = number(name, self.prose.page, self.place, self.known, found) else {
+        let Some((value, text)) = number(name, self.prose.page, self.place, self.known, found)
+        else {
             return format!("[{name}]");
         };
         let shown = text.replace('-', "−");
         match self.prose.html {
-            true => format!("<data class=\"value\" value=\"{value}\" title=\"{name}\">{shown}</data>"),
+            true => {
+                format!("<data class=\"value\" value=\"{value}\" title=\"{name}\">{shown}</data>")
+            }
             false => shown,
         }
     }
@@ -143,7 +148,12 @@ impl One<'_> {
                 Some(like) => format!("did you mean @{like}?"),
                 None => format!("write {{#{label}}} behind what it should lead to"),
             };
-            found.faults.add(self.place, format!("@{label}"), "nothing in the book has this label", mend);
+            found.faults.add(
+                self.place,
+                format!("@{label}"),
+                "nothing in the book has this label",
+                mend,
+            );
             return format!("[{label}]");
         };
         let name = name_of(label, target, bare);
@@ -166,7 +176,15 @@ impl One<'_> {
     fn work(&self, cited: &str, narrative: bool, found: &mut Found<'_>) -> String {
         let (key, locator) = cited.split_once(',').unwrap_or((cited, ""));
         let Some(work) = self.known.bibliography.get(key) else {
-            found.faults.add(self.place, format!("@{key}"), "the bibliography has no such work", format!("add it to {}, or write \\@ for the sign itself", crate::bibliography::FILE));
+            found.faults.add(
+                self.place,
+                format!("@{key}"),
+                "the bibliography has no such work",
+                format!(
+                    "add it to {}, or write \\@ for the sign itself",
+                    crate::bibliography::FILE
+                ),
+            );
             return format!("[{key}]");
         };
         let mut name = if narrative { work.narrative.clone() } else { work.short.clone() };
@@ -191,7 +209,12 @@ impl One<'_> {
                 false => inside,
             },
             _ => {
-                found.faults.add(self.place, classes.join(" "), "a span has no class that the book knows", format!("coloured terms are {}", TERMS.join(", ")));
+                found.faults.add(
+                    self.place,
+                    classes.join(" "),
+                    "a span has no class that the book knows",
+                    format!("coloured terms are {}", TERMS.join(", ")),
+                );
                 inside
             }
         }
@@ -219,7 +242,13 @@ fn name_of(label: &str, target: &Target, bare: bool) -> String {
 }
 
 /// TeX with its computed numbers filled in.
-pub fn fill(tex: &str, page: &Page, place: (&str, usize), known: &Known<'_>, found: &mut Found<'_>) -> String {
+pub fn fill(
+    tex: &str,
+    page: &Page,
+    place: (&str, usize),
+    known: &Known<'_>,
+    found: &mut Found<'_>,
+) -> String {
     let mut filled = String::new();
     let mut rest = tex;
     while let Some((before, after)) = rest.split_once("{{value ") {
@@ -234,12 +263,23 @@ pub fn fill(tex: &str, page: &Page, place: (&str, usize), known: &Known<'_>, fou
 }
 
 /// A number and its text; a fault when there is none.
-fn number<'a>(name: &str, page: &Page, place: (&str, usize), known: &Known<'a>, found: &mut Found<'_>) -> Option<(f64, &'a str)> {
+fn number<'a>(
+    name: &str,
+    page: &Page,
+    place: (&str, usize),
+    known: &Known<'a>,
+    found: &mut Found<'_>,
+) -> Option<(f64, &'a str)> {
     let mend = |slug: &str| format!("register it in exhibits/src/{slug}.rs, or mend the name");
     let slug = name.split_once('.').map_or(page.slug.as_str(), |(slug, _)| slug);
     match known.exhibits.number(name) {
         None => found.faults.add(place, name, "no program computes this number", mend(slug)),
-        Some((None, _)) => found.faults.add(place, name, "the computed number is not finite", "find out why the program computes no number"),
+        Some((None, _)) => found.faults.add(
+            place,
+            name,
+            "the computed number is not finite",
+            "find out why the program computes no number",
+        ),
         Some((Some(value), text)) => {
             found.values.entry(name.to_owned()).or_default().insert(page.path.clone());
             return Some((value, text));

@@ -75,10 +75,16 @@ impl Record {
     /// All records in a folder, by name.
     pub fn read_all(folder: &Path) -> Result<BTreeMap<String, Record>> {
         let mut records = BTreeMap::new();
-        for file in files::below(folder)?.iter().filter(|file| file.extension().is_some_and(|end| end == "toml")) {
+        for file in files::below(folder)?
+            .iter()
+            .filter(|file| file.extension().is_some_and(|end| end == "toml"))
+        {
             let path = folder.join(file);
             let record: Record = toml::from_str(&files::read(&path)?).with_context(|| {
-                format!("{} is not a record: make it again with `cargo book record NAME`", path.display())
+                format!(
+                    "{} is not a record: make it again with `cargo book record NAME`",
+                    path.display()
+                )
             })?;
             records.insert(record.name.clone(), record);
         }

@@ -47,17 +47,29 @@ enum News {
 
 /// Builds the book, serves it on `port` of this machine and goes on until it is stopped.
 pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
-    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().context("cannot start the server")?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(1)
+        .enable_all()
+        .build()
+        .context("cannot start the server")?;
     let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
     let listener = match runtime.block_on(TcpListener::bind(address)) {
         Ok(listener) => listener,
         Err(error) if error.kind() == ErrorKind::AddrInUse => {
-            bail!("port {port} is taken by another program: stop that, or choose another port with `cargo book serve --port {}`", port.wrapping_add(1).max(1024));
+            bail!(
+                "port {port} is taken by another program: stop that, or choose another port with `cargo book serve --port {}`",
+                port.wrapping_add(1).max(1024)
+            );
         }
-        Err(error) => return Err(error).with_context(|| format!("cannot listen on port {port}: choose another with --port")),
+        Err(error) => {
+            return Err(error).with_context(|| {
+                format!("cannot listen on port {port}: choose another with --port")
+            });
+        }
     };
     let address = listener.local_addr()?;
-    let served = Served { site: Arc::default(), trouble: Arc::default(), news: broadcast::channel(16).0 };
+    let served =
+        Served { site: Arc::default(), trouble: Arc::default(), news: broadcast::channel(16).0 };
     let (changed, changes) = channel();
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
         // The receiver goes away only when the program ends.
@@ -67,23 +79,34 @@ pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
     for folder in ["src", "code", "exhibits", "press/theme", "book.toml"] {
         let path = maker.layout.root.join(folder);
         if path.exists() {
-            watcher.watch(&path, RecursiveMode::Recursive).with_context(|| format!("cannot watch {}", path.display()))?;
+            watcher
+                .watch(&path, RecursiveMode::Recursive)
+                .with_context(|| format!("cannot watch {}", path.display()))?;
         }
     }
     build(maker, &served);
     maker.steps.say(&format!("\n  The book is at http://{address}/ — stop with Ctrl-C.\n"));
     if open {
-        opener::open_browser(format!("http://{address}/")).context("cannot open a browser: open the address above yourself")?;
+        opener::open_browser(format!("http://{address}/"))
+            .context("cannot open a browser: open the address above yourself")?;
     }
-    let router = Router::new().route(&format!("/{NEWS}"), get(news)).fallback(get(page)).with_state(served.clone());
+    let router = Router::new()
+        .route(&format!("/{NEWS}"), get(news))
+        .fallback(get(page))
+        .with_state(served.clone());
     runtime.spawn(async move { axum::serve(listener, router).await });
     watch(maker, &served, &changes)
 }
 
 /// Builds after every change, for ever.
-fn watch(maker: &Maker, served: &Served, changes: &Receiver<notify::Result<notify::Event>>) -> Result<()> {
+fn watch(
+    maker: &Maker,
+    served: &Served,
+    changes: &Receiver<notify::Result<notify::Event>>,
+) -> Result<()> {
     loop {
-        let mut changed = changed_file(maker, changes.recv().context("the files are watched no more")?);
+        let mut changed =
+            changed_file(maker, changes.recv().context("the files are watched no more")?);
         loop {
             match changes.recv_timeout(PAUSE) {
                 Ok(event) => changed = changed_file(maker, event).or(changed),
@@ -100,9 +123,12 @@ fn watch(maker: &Maker, served: &Served, changes: &Receiver<notify::Result<notif
 
 /// The file an event is about, unless the build itself wrote it.
 fn changed_file(maker: &Maker, event: notify::Result<notify::Event>) -> Option<PathBuf> {
-    let event = event.ok().filter(|event| event.kind.is_create() || event.kind.is_modify() || event.kind.is_remove())?;
+    let event = event.ok().filter(|event| {
+        event.kind.is_create() || event.kind.is_modify() || event.kind.is_remove()
+    })?;
     let generated = maker.layout.generated();
-    let path = event.paths.into_iter().find(|path| !path.starts_with(&generated) && !is_scratch(path))?;
+    let path =
+        event.paths.into_iter().find(|path| !path.starts_with(&generated) && !is_scratch(path))?;
     Some(path.strip_prefix(&maker.layout.root).map(Path::to_path_buf).unwrap_or(path))
 }
 
@@ -116,7 +142,11 @@ fn is_scratch(path: &Path) -> bool {
 fn build(maker: &Maker, served: &Served) {
     let start = Instant::now();
     let current = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
-    let name = if current.as_ref().is_some_and(|site| site.ends_with("serve-a")) { "serve-b" } else { "serve-a" };
+    let name = if current.as_ref().is_some_and(|site| site.ends_with("serve-a")) {
+        "serve-b"
+    } else {
+        "serve-a"
+    };
     let site = maker.layout.work().join(name);
     let trouble = match maker.build(&site, Some(NEWS)) {
         Ok(faults) => {
@@ -154,13 +184,17 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
     let site = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
     let Some(site) = site else {
         let trouble = served.trouble.read().unwrap_or_else(PoisonError::into_inner).clone();
-        let page = format!("<!DOCTYPE html><title>The book cannot be built</title><pre>{}</pre><script>new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())</script>", escape(&trouble));
+        let page = format!(
+            "<!DOCTYPE html><title>The book cannot be built</title><pre>{}</pre><script>new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())</script>",
+            escape(&trouble)
+        );
         return (StatusCode::INTERNAL_SERVER_ERROR, Html(page)).into_response();
     };
     let missing = site.join("404.html");
     match ServeDir::new(&site).try_call(request).await {
         Ok(found) if found.status() == StatusCode::NOT_FOUND => {
-            let text = std::fs::read_to_string(missing).unwrap_or_else(|_| "There is no such page.".to_owned());
+            let text = std::fs::read_to_string(missing)
+                .unwrap_or_else(|_| "There is no such page.".to_owned());
             (StatusCode::NOT_FOUND, Html(text)).into_response()
         }
         Ok(found) => found.into_response(),

@@ -67,7 +67,8 @@ impl Settings {
     pub fn read(root: &Path) -> Result<Settings> {
         let path = root.join("book.toml");
         let text = files::read(&path).context("run `cargo book` in the folder of the book")?;
-        let book: BookToml = toml::from_str(&text).with_context(|| format!("{} is not as the press expects it", path.display()))?;
+        let book: BookToml = toml::from_str(&text)
+            .with_context(|| format!("{} is not as the press expects it", path.display()))?;
         Ok(book.preprocessor.press)
     }
 }

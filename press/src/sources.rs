@@ -16,7 +16,11 @@ li:target{background:Mark;color:MarkText}\
 
 /// The page of a source file.
 pub fn page(file: &str, source: &str) -> String {
-    let lines: String = source.lines().enumerate().map(|(at, line)| format!("<li id=\"L{}\">{}</li>\n", at + 1, shown(line))).collect();
+    let lines: String = source
+        .lines()
+        .enumerate()
+        .map(|(at, line)| format!("<li id=\"L{}\">{}</li>\n", at + 1, shown(line)))
+        .collect();
     let name = escape(file);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\" class=\"source-page\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\

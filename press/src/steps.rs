@@ -31,7 +31,12 @@ impl Steps {
     }
 
     /// Runs a step that has `length` parts and calls the given bar after each of them.
-    pub fn counted<T>(&self, name: &str, length: u64, work: impl FnOnce(&ProgressBar) -> Result<T>) -> Result<T> {
+    pub fn counted<T>(
+        &self,
+        name: &str,
+        length: u64,
+        work: impl FnOnce(&ProgressBar) -> Result<T>,
+    ) -> Result<T> {
         let bar = self.bar(name, length);
         let start = Instant::now();
         let result = work(&bar);
@@ -53,12 +58,16 @@ impl Steps {
     fn bar(&self, name: &str, length: u64) -> ProgressBar {
         let (bar, template) = match length {
             0 => (ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}"),
-            length => (ProgressBar::new(length), "{spinner} {msg} [{bar:24}] {pos}/{len} {elapsed}"),
+            length => {
+                (ProgressBar::new(length), "{spinner} {msg} [{bar:24}] {pos}/{len} {elapsed}")
+            }
         };
         if !self.live {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_style(
+            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
         bar.set_message(name.to_owned());
         bar.enable_steady_tick(Duration::from_millis(100));
         bar

@@ -24,8 +24,15 @@ impl Warnings {
         let mut faults = Faults::default();
         let rejected = known.sorted().iter().any(|fault| fault.problem.starts_with(REJECTED));
         let taken = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
-        for message in taken.into_iter().filter(|message| !(rejected && message.starts_with(UNRENDERED))) {
-            faults.add((&file_in(&message), 0), "mdBook", message, "mend what it warns of; the build counts a warning as a fault");
+        for message in
+            taken.into_iter().filter(|message| !(rejected && message.starts_with(UNRENDERED)))
+        {
+            faults.add(
+                (&file_in(&message), 0),
+                "mdBook",
+                message,
+                "mend what it warns of; the build counts a warning as a fault",
+            );
         }
         faults
     }
@@ -33,7 +40,8 @@ impl Warnings {
 
 /// The chapter a message speaks of.
 fn file_in(message: &str) -> String {
-    static CHAPTER: LazyLock<Regex> = LazyLock::new(|| Regex::new(r"`([\w./-]+\.md)`").expect("a valid pattern"));
+    static CHAPTER: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"`([\w./-]+\.md)`").expect("a valid pattern"));
     CHAPTER.captures(message).map_or("book.toml".to_owned(), |found| format!("src/{}", &found[1]))
 }
 

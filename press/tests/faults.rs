@@ -21,7 +21,11 @@ fn a_sound_book_passes() {
 
 #[test]
 fn all_faults_are_reported_at_once() {
-    let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:nothing of").with("src/one.md", " alt=\"A rising line.\"", "");
+    let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:nothing of").with(
+        "src/one.md",
+        " alt=\"A rising line.\"",
+        "",
+    );
     let report = book.faults();
     assert!(report.contains("@eq:nothing") && report.contains("alternative text"), "{report}");
     assert!(report.contains("breaks 2 promises"), "{report}");
@@ -30,7 +34,10 @@ fn all_faults_are_reported_at_once() {
 #[test]
 fn an_unknown_label_is_named_with_the_nearest_one() {
     let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:summ of");
-    says(&book.faults(), &["src/one.md:3: @eq:summ: nothing in the book has this label", "did you mean @eq:sum?"]);
+    says(
+        &book.faults(),
+        &["src/one.md:3: @eq:summ: nothing in the book has this label", "did you mean @eq:sum?"],
+    );
 }
 
 #[test]
@@ -41,15 +48,28 @@ fn an_unknown_label_in_printed_code_is_named() {
 
 #[test]
 fn a_label_that_stands_twice_is_named_with_its_first_place() {
-    let book = SmallBook::sound().with("src/one.md", "{#sec:more}", "{#eq:sum}").with("src/one.md", "(#sec:more)", "(#eq:sum)");
-    says(&book.faults(), &["src/one.md:23: eq:sum: the label is taken: src/one.md:5 has it", "choose another label"]);
+    let book = SmallBook::sound().with("src/one.md", "{#sec:more}", "{#eq:sum}").with(
+        "src/one.md",
+        "(#sec:more)",
+        "(#eq:sum)",
+    );
+    says(
+        &book.faults(),
+        &["src/one.md:23: eq:sum: the label is taken: src/one.md:5 has it", "choose another label"],
+    );
 }
 
 #[test]
 fn an_equation_without_a_check_is_named_with_the_function_to_write() {
-    let book = SmallBook::sound().with("src/one.md", "{#eq:sum}", "{#eq:big-sum}").with("src/one.md", "@eq:sum", "@eq:big-sum").with("code/src/one.rs", "{eq:sum}", "{eq:big-sum}");
+    let book = SmallBook::sound()
+        .with("src/one.md", "{#eq:sum}", "{#eq:big-sum}")
+        .with("src/one.md", "@eq:sum", "@eq:big-sum")
+        .with("code/src/one.rs", "{eq:sum}", "{eq:big-sum}");
     let report = book.faults();
-    assert!(report.contains("src/one.md:5: eq:big-sum: no check computes this equation"), "{report}");
+    assert!(
+        report.contains("src/one.md:5: eq:big-sum: no check computes this equation"),
+        "{report}"
+    );
     assert!(report.contains("write `fn big_sum` in exhibits/src/one.rs"), "{report}");
 }
 
@@ -57,24 +77,50 @@ fn an_equation_without_a_check_is_named_with_the_function_to_write() {
 fn a_check_without_an_equation_is_named() {
     let book = SmallBook::sound().with("src/one.md", "$$ d = a - b $$ {#eq:difference}", "");
     let report = book.faults();
-    assert!(report.contains("exhibits/src/one.rs:2: eq:difference: src/one.md has no equation that this checks"), "{report}");
+    assert!(
+        report.contains(
+            "exhibits/src/one.rs:2: eq:difference: src/one.md has no equation that this checks"
+        ),
+        "{report}"
+    );
 }
 
 #[test]
 fn a_check_that_fails_says_why() {
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"failure\":null", "\"failure\":\"NaN at state 4\"");
-    says(&book.faults(), &["exhibits/src/one.rs:1: eq:sum: the check fails: NaN at state 4", "the equation, the library or the check"]);
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"failure\":null",
+        "\"failure\":\"NaN at state 4\"",
+    );
+    says(
+        &book.faults(),
+        &[
+            "exhibits/src/one.rs:1: eq:sum: the check fails: NaN at state 4",
+            "the equation, the library or the check",
+        ],
+    );
 }
 
 #[test]
 fn a_check_that_accepts_a_wrong_formula_is_named() {
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"survivors\":[]", "\"survivors\":[\"sign\"]");
-    says(&book.faults(), &["eq:sum: the check does not notice the wrong formula “sign”", "tighten the tolerance"]);
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"survivors\":[]",
+        "\"survivors\":[\"sign\"]",
+    );
+    says(
+        &book.faults(),
+        &["eq:sum: the check does not notice the wrong formula “sign”", "tighten the tolerance"],
+    );
 }
 
 #[test]
 fn a_check_that_was_tried_on_no_wrong_formula_is_named() {
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"mutants\":[\"sign\"]", "\"mutants\":[]");
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"mutants\":[\"sign\"]",
+        "\"mutants\":[]",
+    );
     says(&book.faults(), &["eq:sum: the check was tried on no wrong formula", "give it mutants"]);
 }
 
@@ -87,7 +133,13 @@ fn a_check_needs_a_function_of_its_name() {
 #[test]
 fn tex_that_was_never_held_against_its_check_is_named() {
     let book = SmallBook::sound().with("exhibits/accepted/one.toml", "sum = 'c = a + b'\n", "");
-    says(&book.faults(), &["src/one.md:5: eq:sum: this equation was never held against its check", "cargo book accept"]);
+    says(
+        &book.faults(),
+        &[
+            "src/one.md:5: eq:sum: this equation was never held against its check",
+            "cargo book accept",
+        ],
+    );
 }
 
 #[test]
@@ -96,7 +148,10 @@ fn changed_tex_fails_until_it_is_accepted() {
     says(&book.faults(), &["src/one.md:5: eq:sum", "was: c = a + b", "cargo book accept"]);
     let accepted = book.run(&["accept"]);
     let shown = String::from_utf8_lossy(&accepted.stdout).into_owned();
-    assert!(accepted.status.success() && shown.contains("[-+-]") && shown.contains("{+-+}"), "{shown}");
+    assert!(
+        accepted.status.success() && shown.contains("[-+-]") && shown.contains("{+-+}"),
+        "{shown}"
+    );
     assert!(book.run(&["check"]).status.success());
 }
 
@@ -108,29 +163,62 @@ fn a_moved_line_break_does_not_change_an_equation() {
 
 #[test]
 fn too_many_definitions_are_counted() {
-    let book = SmallBook::sound().with("src/one.md", "$$ e = a b $$ {#eq:product}", "$$ e = 2 $$ {#eq:two .definition}");
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "$$ e = a b $$ {#eq:product}",
+        "$$ e = 2 $$ {#eq:two .definition}",
+    );
     let report = book.faults();
     assert!(report.contains("src/one.md: 2 of 4 numbered equations are definitions"), "{report}");
 }
 
 #[test]
 fn a_definition_with_a_check_is_named() {
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"label\":\"product\"", "\"label\":\"unit\"").with("exhibits/src/one.rs", "product", "unit").with("src/one.md", "$$ e = a b $$ {#eq:product}", "");
+    let book = SmallBook::sound()
+        .with(
+            "target/press/exhibits/one/exhibits.json",
+            "\"label\":\"product\"",
+            "\"label\":\"unit\"",
+        )
+        .with("exhibits/src/one.rs", "product", "unit")
+        .with("src/one.md", "$$ e = a b $$ {#eq:product}", "");
     let report = book.faults();
-    assert!(report.contains("src/one.md:13: eq:unit: a definition has nothing to check"), "{report}");
+    assert!(
+        report.contains("src/one.md:13: eq:unit: a definition has nothing to check"),
+        "{report}"
+    );
 }
 
 #[test]
 fn a_numbered_equation_needs_a_numbered_chapter() {
-    let book = SmallBook::sound().with("src/references.md", "{{bibliography}}", "$$ x = 1 $$ {#eq:x}\n\n{{bibliography}}");
+    let book = SmallBook::sound().with(
+        "src/references.md",
+        "{{bibliography}}",
+        "$$ x = 1 $$ {#eq:x}\n\n{{bibliography}}",
+    );
     let report = book.faults();
-    assert!(report.contains("src/references.md:3: eq:x: a numbered equation stands in a chapter that has no number"), "{report}");
+    assert!(
+        report.contains(
+            "src/references.md:3: eq:x: a numbered equation stands in a chapter that has no number"
+        ),
+        "{report}"
+    );
 }
 
 #[test]
 fn an_unknown_number_is_named() {
-    let book = SmallBook::sound().with("src/one.md", "is {{value one.sum}}", "is {{value one.sum}} or {{value one.product}}");
-    says(&book.faults(), &["src/one.md:15: one.product: no program computes this number", "register it in exhibits/src/one.rs"]);
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "is {{value one.sum}}",
+        "is {{value one.sum}} or {{value one.product}}",
+    );
+    says(
+        &book.faults(),
+        &[
+            "src/one.md:15: one.product: no program computes this number",
+            "register it in exhibits/src/one.rs",
+        ],
+    );
 }
 
 #[test]
@@ -141,26 +229,45 @@ fn an_unknown_number_in_a_formula_is_named() {
 
 #[test]
 fn a_number_that_is_not_finite_is_named() {
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"value\":3.0", "\"value\":null");
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"value\":3.0",
+        "\"value\":null",
+    );
     let report = book.faults();
-    assert!(report.contains("src/one.md:15: one.sum: the computed number is not finite"), "{report}");
+    assert!(
+        report.contains("src/one.md:15: one.sum: the computed number is not finite"),
+        "{report}"
+    );
 }
 
 #[test]
 fn a_number_that_no_chapter_uses_is_named() {
     let book = SmallBook::sound().with("src/one.md", "is {{value one.sum}}", "is three");
-    says(&book.faults(), &["exhibits/src/one.rs:1: one.sum: no chapter uses this number", "or remove it"]);
+    says(
+        &book.faults(),
+        &["exhibits/src/one.rs:1: one.sum: no chapter uses this number", "or remove it"],
+    );
 }
 
 #[test]
 fn an_unknown_figure_is_named() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "![More.](one/more.svg){#fig:more alt=\"More.\"}\n\n## More");
-    says(&book.faults(), &["src/one.md:23: one/more.svg: no program draws this figure", "exhibits/src/one.rs"]);
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "## More",
+        "![More.](one/more.svg){#fig:more alt=\"More.\"}\n\n## More",
+    );
+    says(
+        &book.faults(),
+        &["src/one.md:23: one/more.svg: no program draws this figure", "exhibits/src/one.rs"],
+    );
 }
 
 #[test]
 fn a_figure_that_no_chapter_shows_is_named() {
-    let book = SmallBook::sound().with("src/one.md", "![Sums.](one/sums.svg){#fig:sums alt=\"A rising line.\"}", "").with("src/one.md", "see @fig:sums and", "see");
+    let book = SmallBook::sound()
+        .with("src/one.md", "![Sums.](one/sums.svg){#fig:sums alt=\"A rising line.\"}", "")
+        .with("src/one.md", "see @fig:sums and", "see");
     says(&book.faults(), &["exhibits/src/one.rs:1: one/sums: no chapter shows this figure"]);
 }
 
@@ -173,7 +280,14 @@ fn a_figure_without_alternative_text_is_named() {
 #[test]
 fn a_typed_number_with_a_unit_is_named() {
     let book = SmallBook::sound().with("src/one.md", "A sum,", "A sum of\n12.5 cm,");
-    says(&book.faults(), &["src/one.md:4: 12.5 cm: a number with a unit is typed into the prose", "{{value one.NAME}}", "book.toml"]);
+    says(
+        &book.faults(),
+        &[
+            "src/one.md:4: 12.5 cm: a number with a unit is typed into the prose",
+            "{{value one.NAME}}",
+            "book.toml",
+        ],
+    );
 }
 
 #[test]
@@ -185,7 +299,13 @@ fn a_typed_number_with_a_unit_in_a_formula_is_named() {
 #[test]
 fn a_permission_that_nothing_needs_is_named() {
     let book = SmallBook::sound().with("src/one.md", "60 s", "sixty seconds");
-    says(&book.faults(), &["book.toml: one: 60 s: a typed number is allowed that no chapter has", "remove the permission"]);
+    says(
+        &book.faults(),
+        &[
+            "book.toml: one: 60 s: a typed number is allowed that no chapter has",
+            "remove the permission",
+        ],
+    );
 }
 
 #[test]
@@ -197,7 +317,10 @@ fn a_permission_without_a_reason_is_named() {
 #[test]
 fn a_listing_whose_anchor_is_gone_is_named() {
     let book = SmallBook::sound().with("code/src/one.rs", "ANCHOR: add", "ANCHOR: sub");
-    says(&book.faults(), &["src/one.md:19: lst:add: code/src/one.rs has no anchor `add`", "// ANCHOR: add"]);
+    says(
+        &book.faults(),
+        &["src/one.md:19: lst:add: code/src/one.rs has no anchor `add`", "// ANCHOR: add"],
+    );
 }
 
 #[test]
@@ -214,27 +337,37 @@ fn a_listing_from_outside_the_book_is_refused() {
 
 #[test]
 fn a_listing_that_is_too_long_is_named() {
-    let book = SmallBook::sound().with("code/src/one.rs", "    a + b\n", &"    a + b;\n".repeat(30));
-    says(&book.faults(), &["src/one.md:19: lst:add: the listing has 33 lines, and 25", "cut it in two"]);
+    let book =
+        SmallBook::sound().with("code/src/one.rs", "    a + b\n", &"    a + b;\n".repeat(30));
+    says(
+        &book.faults(),
+        &["src/one.md:19: lst:add: the listing has 33 lines, and 25", "cut it in two"],
+    );
 }
 
 #[test]
 fn a_listing_without_a_label_or_a_caption_is_named() {
     let book = SmallBook::sound().with("src/one.md", " caption=\"A sum.\"", "");
     says(&book.faults(), &["src/one.md:19: lst:add: the listing has no caption"]);
-    let book = SmallBook::sound().with("src/one.md", "#lst:add ", "").with("src/one.md", " and @lst:add", "");
+    let book = SmallBook::sound().with("src/one.md", "#lst:add ", "").with(
+        "src/one.md",
+        " and @lst:add",
+        "",
+    );
     says(&book.faults(), &["src/one.md:19: a listing needs a label of its kind", "{#lst:name}"]);
 }
 
 #[test]
 fn inline_rust_is_refused() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "```rust\nfn main() {}\n```\n\n## More");
+    let book =
+        SmallBook::sound().with("src/one.md", "## More", "```rust\nfn main() {}\n```\n\n## More");
     says(&book.faults(), &["src/one.md:23: Rust is typed into the chapter", "{{#include"]);
 }
 
 #[test]
 fn code_of_no_language_is_refused() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "```\nfn main() {}\n```\n\n## More");
+    let book =
+        SmallBook::sound().with("src/one.md", "## More", "```\nfn main() {}\n```\n\n## More");
     says(&book.faults(), &["src/one.md:23: a code block does not say its language"]);
     let book = SmallBook::sound().with("src/one.md", "## More", "    fn main() {}\n\n## More");
     says(&book.faults(), &["src/one.md:23: fn main() {}: four spaces make this a block of code"]);
@@ -242,15 +375,26 @@ fn code_of_no_language_is_refused() {
 
 #[test]
 fn an_include_in_the_prose_is_refused() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "{{#include ../code/src/one.rs}}\n\n## More");
-    says(&book.faults(), &["src/one.md:23", "the press knows no such directive", "code is included by a listing"]);
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "## More",
+        "{{#include ../code/src/one.rs}}\n\n## More",
+    );
+    says(
+        &book.faults(),
+        &["src/one.md:23", "the press knows no such directive", "code is included by a listing"],
+    );
 }
 
 #[test]
 fn a_dead_link_is_found_in_the_rendered_pages() {
     let book = SmallBook::sound().with("src/one.md", "(ledger.md)", "(legend.md)");
     let report = book.faults();
-    assert!(report.contains("src/one.md:25: legend.html: the link leads nowhere: there is no such file"), "{report}");
+    assert!(
+        report
+            .contains("src/one.md:25: legend.html: the link leads nowhere: there is no such file"),
+        "{report}"
+    );
 }
 
 #[test]
@@ -262,14 +406,25 @@ fn a_dead_fragment_is_found_in_the_rendered_pages() {
 
 #[test]
 fn a_request_to_another_host_is_found_in_the_rendered_pages() {
-    let book = SmallBook::sound().with("src/one.md", "An [inner", "<img alt=\"\" src=\"https://example.org/a.png\"> An [inner");
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "An [inner",
+        "<img alt=\"\" src=\"https://example.org/a.png\"> An [inner",
+    );
     let report = book.faults();
-    assert!(report.contains("src/one.md:25: https://example.org/a.png: the page asks another host"), "{report}");
+    assert!(
+        report.contains("src/one.md:25: https://example.org/a.png: the page asks another host"),
+        "{report}"
+    );
 }
 
 #[test]
 fn tex_that_katex_rejects_is_found_with_its_line() {
-    let book = SmallBook::sound().with("src/one.md", "c = a + b", "c = a\n + \\nothing b").with("exhibits/accepted/one.toml", "c = a + b", "c = a + \\nothing b");
+    let book = SmallBook::sound().with("src/one.md", "c = a + b", "c = a\n + \\nothing b").with(
+        "exhibits/accepted/one.toml",
+        "c = a + b",
+        "c = a + \\nothing b",
+    );
     let report = book.faults();
     assert!(report.contains("src/one.md:7: eq:sum: KaTeX rejects the formula"), "{report}");
     assert!(report.contains("nothing"), "{report}");
@@ -318,20 +473,36 @@ fn blocks_that_never_end_are_named() {
 
 #[test]
 fn a_division_of_an_unknown_class_is_named() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "::: aside\nA note.\n:::\n\n## More");
-    says(&book.faults(), &["src/one.md:23: aside: a division has no class that the book knows", "opening, predict"]);
+    let book =
+        SmallBook::sound().with("src/one.md", "## More", "::: aside\nA note.\n:::\n\n## More");
+    says(
+        &book.faults(),
+        &["src/one.md:23: aside: a division has no class that the book knows", "opening, predict"],
+    );
 }
 
 #[test]
 fn a_prediction_needs_one_right_choice_and_a_reveal() {
-    let book = SmallBook::sound().with("src/one.md", "## More", "::: {.predict #predict:x}\nWhat?\n\n- [ ] This.\n- [ ] That.\n:::\n\n## More");
-    says(&book.faults(), &["src/one.md:23: predict:x: a prediction has one right choice and one reveal, and this one has 0 and 0"]);
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "## More",
+        "::: {.predict #predict:x}\nWhat?\n\n- [ ] This.\n- [ ] That.\n:::\n\n## More",
+    );
+    says(
+        &book.faults(),
+        &[
+            "src/one.md:23: predict:x: a prediction has one right choice and one reveal, and this one has 0 and 0",
+        ],
+    );
 }
 
 #[test]
 fn an_unknown_work_is_named() {
     let book = SmallBook::sound().with("src/one.md", "[@author2001]", "[@author2001; @other1999]");
-    says(&book.faults(), &["src/one.md:3: @other1999: the bibliography has no such work", "src/references.bib"]);
+    says(
+        &book.faults(),
+        &["src/one.md:3: @other1999: the bibliography has no such work", "src/references.bib"],
+    );
 }
 
 #[test]
@@ -343,8 +514,15 @@ fn a_work_without_an_annotation_is_named() {
 #[test]
 fn a_record_that_was_never_made_or_from_other_inputs_is_named() {
     let records = "\"records\":[{\"name\":\"long\",\"inputs\":{\"draws\":\"9\"},\"file\":\"exhibits/src/one.rs\",\"line\":3}]";
-    let book = SmallBook::sound().with("target/press/exhibits/one/exhibits.json", "\"records\":[]", records);
-    says(&book.faults(), &["exhibits/src/one.rs:3: long: this record was never made", "cargo book record long"]);
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"records\":[]",
+        records,
+    );
+    says(
+        &book.faults(),
+        &["exhibits/src/one.rs:3: long: this record was never made", "cargo book record long"],
+    );
     let record = "name = \"long\"\nchapter = \"one\"\ncommand = \"\"\ninput-digest = \"\"\nmachine = \"\"\ndate = \"\"\n[inputs]\ndraws = \"8\"\n[values]\n";
     book.write("exhibits/records/long.toml", record);
     says(&book.faults(), &["long: the record was made from other inputs"]);
@@ -354,13 +532,20 @@ fn a_record_that_was_never_made_or_from_other_inputs_is_named() {
 fn a_chapter_that_summary_names_and_nobody_wrote_is_an_error() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "(one.md)", "(two.md)");
     let report = book.faults();
-    assert!(report.contains("mdBook cannot read the book") && report.contains("two.md"), "{report}");
+    assert!(
+        report.contains("mdBook cannot read the book") && report.contains("two.md"),
+        "{report}"
+    );
 }
 
 #[test]
 fn a_folder_without_a_book_says_where_to_go() {
     let folder = tempfile::tempdir().unwrap();
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_press")).args(["check", "--root"]).arg(folder.path()).output().unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_press"))
+        .args(["check", "--root"])
+        .arg(folder.path())
+        .output()
+        .unwrap();
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success() && text.contains("there is no book.toml"), "{text}");
 }

@@ -12,10 +12,7 @@ use crate::chapter::Chapter;
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("rays", rays::rays);
     chapter.figure("second_camera", second_camera::second_camera);
-    chapter.figure(
-        "rotation_translation",
-        rotation_translation::rotation_translation,
-    );
+    chapter.figure("rotation_translation", rotation_translation::rotation_translation);
     chapter.figure("inverse_depth", inverse_depth::inverse_depth);
     chapter.figure("depth_error", depth_error::depth_error);
 }

@@ -35,10 +35,7 @@ impl Pair {
 
     /// The worked cameras, looking at a point straight ahead of the first.
     pub fn at_depth(depth: f64) -> Self {
-        Self {
-            point: depth * Vector3::z(),
-            ..Self::worked()
-        }
+        Self { point: depth * Vector3::z(), ..Self::worked() }
     }
 
     /// Disparities measured again and again, without end.
@@ -55,8 +52,7 @@ impl Pair {
     /// Inverse depths computed from such disparities, in 1/metre.
     pub fn inverse_depths(&self, seed: u64) -> impl Iterator<Item = f64> + use<> {
         let pixel_metres = self.camera.fx * self.baseline;
-        self.disparities(seed)
-            .map(move |disparity| disparity / pixel_metres)
+        self.disparities(seed).map(move |disparity| disparity / pixel_metres)
     }
 
     /// Depths computed from such disparities; a point at infinity or beyond is infinitely far.
@@ -74,12 +70,7 @@ impl Pair {
 
     /// Standard deviation of depth in metres, to first order.
     pub fn depth_sigma(&self) -> f64 {
-        depth_sigma(
-            &self.camera,
-            self.baseline,
-            self.point.z,
-            self.disparity_sigma(),
-        )
+        depth_sigma(&self.camera, self.baseline, self.point.z, self.disparity_sigma())
     }
 }
 
@@ -129,29 +120,17 @@ pub fn record(chapter: &mut Chapter) {
 
 fn disparity_noise() -> Vec<RecordValue> {
     let both = Pair::worked();
-    let first_only = Pair {
-        second_sigma: 0.0,
-        ..Pair::worked()
-    };
+    let first_only = Pair { second_sigma: 0.0, ..Pair::worked() };
     let moments_of_depth = |pair: &Pair| Moments::of(pair.depths(RECORD_SEED).take(RECORD_DRAWS));
     let disparity = Moments::of(both.disparities(RECORD_SEED).take(RECORD_DRAWS));
     let depth = moments_of_depth(&both);
     let depth_of_first_only = moments_of_depth(&first_only);
-    let value = |name, value, unit, decimals| RecordValue {
-        name,
-        value,
-        unit,
-        decimals,
-        within: 1e-9,
-    };
+    let value =
+        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-9 };
     vec![
+        value("draws", RECORD_DRAWS as f64, "", 0),
         value("ratio", disparity.deviation() / both.first_sigma, "", 3),
-        value(
-            "depth_sigma_first_only",
-            depth_of_first_only.deviation(),
-            "m",
-            3,
-        ),
+        value("depth_sigma_first_only", depth_of_first_only.deviation(), "m", 3),
         value("depth_sigma_both", depth.deviation(), "m", 3),
         value("depth_bias_mm", 1e3 * (depth.mean - both.point.z), "mm", 1),
     ]

@@ -48,18 +48,8 @@ fn stretched(chapter: &mut Chapter) {
     chapter.number("stretched_x", stretched.x, "m", 2);
     chapter.number("stretched_z", stretched.z, "m", 1);
     chapter.number("stretched_second_x", stretched.x - BASELINE, "m", 2);
-    chapter.number(
-        "stretched_u0",
-        seen(&Isometry3::identity(), &stretched).x,
-        "px",
-        0,
-    );
-    chapter.number(
-        "stretched_u1",
-        seen(&second_from_first(BASELINE), &stretched).x,
-        "px",
-        3,
-    );
+    chapter.number("stretched_u0", seen(&Isometry3::identity(), &stretched).x, "px", 0);
+    chapter.number("stretched_u1", seen(&second_from_first(BASELINE), &stretched).x, "px", 3);
     let move_px = stretch_shift(&CAMERA, BASELINE, POINT.z, stretch);
     chapter.number("stretch_move_px", move_px, "px", 2);
 
@@ -79,12 +69,7 @@ fn depth_sigmas(chapter: &mut Chapter) {
     chapter.number("sigma_z_50", sigma(BASELINE, 50.0), "m", 1);
     chapter.number("sigma_z_short", sigma(SHORT_BASELINE, 5.0), "m", 3);
     chapter.number("sqrt2", Pair::worked().disparity_sigma(), "px", 2);
-    chapter.number(
-        "sigma_z_both_cm",
-        100.0 * Pair::worked().depth_sigma(),
-        "cm",
-        1,
-    );
+    chapter.number("sigma_z_both_cm", 100.0 * Pair::worked().depth_sigma(), "cm", 1);
 }
 
 fn angles(chapter: &mut Chapter) {
@@ -96,25 +81,10 @@ fn angles(chapter: &mut Chapter) {
     };
     chapter.number("parallax_deg", angle(&POINT, BASELINE), "°", 1);
     chapter.number("parallax_short_deg", angle(&POINT, SHORT_BASELINE), "°", 1);
-    chapter.number(
-        "parallax_50_deg",
-        angle(&(50.0 * Vector3::z()), BASELINE),
-        "°",
-        2,
-    );
+    chapter.number("parallax_50_deg", angle(&(50.0 * Vector3::z()), BASELINE), "°", 2);
     // Relative depth error is pixel angle over parallax, so a tenth asks for ten pixel angles.
-    chapter.number(
-        "parallax_for_tenth_deg",
-        (10.0 * pixel_angle).to_degrees(),
-        "°",
-        1,
-    );
-    chapter.number(
-        "parallax_for_hundredth_deg",
-        (100.0 * pixel_angle).to_degrees(),
-        "°",
-        0,
-    );
+    chapter.number("parallax_for_tenth_deg", (10.0 * pixel_angle).to_degrees(), "°", 1);
+    chapter.number("parallax_for_hundredth_deg", (100.0 * pixel_angle).to_degrees(), "°", 0);
     chapter.number("baseline_for_tenth_50", 50.0 * 10.0 * pixel_angle, "m", 2);
 }
 
@@ -129,12 +99,7 @@ fn motions(chapter: &mut Chapter) {
     let sideways = 0.1;
     chapter.number("sideways_cm", 100.0 * sideways, "cm", 0);
     chapter.number("sideways_5_px", disparity(&CAMERA, sideways, 5.0), "px", 0);
-    chapter.number(
-        "sideways_50_px",
-        disparity(&CAMERA, sideways, 50.0),
-        "px",
-        1,
-    );
+    chapter.number("sideways_50_px", disparity(&CAMERA, sideways, 50.0), "px", 1);
 }
 
 const FAR: f64 = 40.0;
@@ -147,12 +112,7 @@ fn far_away(chapter: &mut Chapter) {
     let sigma = pair.depth_sigma();
     chapter.number("far_depth", FAR, "m", 0);
     chapter.number("far_draws", FAR_DRAWS as f64, "", 0);
-    chapter.number(
-        "far_disparity_px",
-        disparity(&CAMERA, BASELINE, FAR),
-        "px",
-        0,
-    );
+    chapter.number("far_disparity_px", disparity(&CAMERA, BASELINE, FAR), "px", 0);
     chapter.number("far_sigma_z", sigma, "m", 1);
 
     let mut depths: Vec<f64> = pair.depths(FAR_SEED).take(FAR_DRAWS).collect();
@@ -171,17 +131,9 @@ fn far_away(chapter: &mut Chapter) {
     chapter.number("far_rho_above_two_sigma_percent", above, "%", 1);
     chapter.number("far_rho_below_two_sigma_percent", below, "%", 1);
 
-    let very_far: Vec<f64> = Pair::at_depth(VERY_FAR)
-        .depths(FAR_SEED)
-        .take(FAR_DRAWS)
-        .collect();
+    let very_far: Vec<f64> = Pair::at_depth(VERY_FAR).depths(FAR_SEED).take(FAR_DRAWS).collect();
     chapter.number("very_far_depth", VERY_FAR, "m", 0);
-    chapter.number(
-        "very_far_disparity_px",
-        disparity(&CAMERA, BASELINE, VERY_FAR),
-        "px",
-        0,
-    );
+    chapter.number("very_far_disparity_px", disparity(&CAMERA, BASELINE, VERY_FAR), "px", 0);
     chapter.number(
         "very_far_beyond_percent",
         percentage(&very_far, |z| z == f64::INFINITY),

@@ -5,9 +5,7 @@ use vislam::reprojection::Pinhole;
 
 /// The matrix K that takes a point of the plane z = 1 to its homogeneous pixel.
 pub fn calibration(camera: &Pinhole) -> Matrix3<f64> {
-    Matrix3::new(
-        camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0,
-    )
+    Matrix3::new(camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0)
 }
 
 /// Pixel of a point in camera coordinates: where the line from the optical centre to the point

@@ -4,12 +4,7 @@
 use nalgebra::{Isometry3, Vector3};
 use vislam::reprojection::Pinhole;
 
-pub const CAMERA: Pinhole = Pinhole {
-    fx: 400.0,
-    fy: 400.0,
-    cx: 320.0,
-    cy: 240.0,
-};
+pub const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
 
 /// Metres from the first camera to the second, along x.
 pub const BASELINE: f64 = 0.5;

@@ -31,7 +31,8 @@ trust = true
 after = ["katex"]
 "##;
 
-const SUMMARY: &str = "# Summary\n\n- [One](one.md)\n\n---\n\n[References](references.md)\n[Ledger](ledger.md)\n";
+const SUMMARY: &str =
+    "# Summary\n\n- [One](one.md)\n\n---\n\n[References](references.md)\n[Ledger](ledger.md)\n";
 
 const ONE: &str = r##"# One {#sec:one}
 
@@ -66,7 +67,8 @@ const CHECKS: &str = "fn sum() {}\nfn difference() {}\nfn product() {}\n";
 
 const WORKS: &str = "@article{author2001,\n  author = {Author, Ann},\n  title = {Sums},\n  year = {2001},\n  annotation = {Adds.}\n}\n";
 
-const ACCEPTED: &str = "[equations]\nsum = 'c = a + b'\ndifference = 'd = a - b'\nproduct = 'e = a b'\n";
+const ACCEPTED: &str =
+    "[equations]\nsum = 'c = a + b'\ndifference = 'd = a - b'\nproduct = 'e = a b'\n";
 
 const EXHIBITS: &str = r##"{"slug":"one",
 "equations":[
@@ -135,7 +137,12 @@ impl SmallBook {
 
     /// Runs `cargo book …` on the book.
     pub fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_press")).args(arguments).arg("--root").arg(self.root()).output().expect("the press starts")
+        Command::new(env!("CARGO_BIN_EXE_press"))
+            .args(arguments)
+            .arg("--root")
+            .arg(self.root())
+            .output()
+            .expect("the press starts")
     }
 
     /// What `cargo book check` says; the book must fail.

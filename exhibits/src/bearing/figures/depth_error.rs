@@ -19,10 +19,7 @@ pub fn depth_error() -> Figure {
     let mut rows = Vec::new();
     for baseline in BASELINES {
         for range in RANGES {
-            let pair = Pair {
-                baseline,
-                ..Pair::at_depth(range)
-            };
+            let pair = Pair { baseline, ..Pair::at_depth(range) };
             rows.push(vec![
                 format!("{baseline}"),
                 format!("{range}"),
@@ -57,16 +54,12 @@ fn draw() -> String {
         let y_axis = ("depth error (m)", (0.002..200.0).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for (index, baseline) in BASELINES.into_iter().enumerate() {
-            let pair = |range| Pair {
-                baseline,
-                ..Pair::at_depth(range)
-            };
+            let pair = |range| Pair { baseline, ..Pair::at_depth(range) };
             let line = RANGES.map(|range| (range, pair(range).depth_sigma()));
             let end = line[RANGES.len() - 1];
             chart.draw_series(LineSeries::new(line, SERIES[index].stroke_width(4)))?;
-            let draws = RANGES
-                .iter()
-                .filter_map(|range| Some((*range, half_spread(&pair(*range))?)));
+            let draws =
+                RANGES.iter().filter_map(|range| Some((*range, half_spread(&pair(*range))?)));
             chart.draw_series(draws.map(|place| EmptyElement::at(place) + marker(index)))?;
             let name = format!("{baseline} m");
             let beside = (1.12 * end.0, end.1);

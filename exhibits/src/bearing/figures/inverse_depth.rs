@@ -32,13 +32,7 @@ impl Histogram {
                 percent[bin as usize] += 100.0 / DRAWS as f64;
             }
         }
-        Self {
-            first_edge: edges.0,
-            width,
-            percent,
-            mean,
-            sigma,
-        }
+        Self { first_edge: edges.0, width, percent, mean, sigma }
     }
 
     fn centre(&self, bin: usize) -> f64 {
@@ -97,18 +91,12 @@ fn panel(
     (title, ticks): (&str, usize),
     (share_title, share_ticks): (&str, usize),
 ) -> Drawn {
-    let (start, end) = (
-        histogram.first_edge,
-        histogram.first_edge + BINS as f64 * histogram.width,
-    );
+    let (start, end) = (histogram.first_edge, histogram.first_edge + BINS as f64 * histogram.width);
     let shares = (share_title, 0.0..20.0, share_ticks);
     let mut chart = figure::axes(drawing, (title, start..end, ticks), shares)?;
     chart.draw_series((0..BINS).map(|bin| {
         let left = histogram.centre(bin) - 0.5 * histogram.width;
-        let corners = [
-            (left, 0.0),
-            (left + histogram.width, histogram.percent[bin]),
-        ];
+        let corners = [(left, 0.0), (left + histogram.width, histogram.percent[bin])];
         Rectangle::new(corners, ESTIMATED.mix(0.6).filled())
     }))?;
     let curve = (0..=120).map(|step| {

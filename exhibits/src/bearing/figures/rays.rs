@@ -22,12 +22,7 @@ pub fn rays() -> Figure {
         ]
     });
     Figure {
-        columns: vec![
-            "depth z (m)",
-            "x (m)",
-            "u in image 0 (px)",
-            "u in image 1 (px)",
-        ],
+        columns: vec!["depth z (m)", "x (m)", "u in image 0 (px)", "u in image 1 (px)"],
         rows: rows.collect(),
         svg: figure::draw(1040, |drawing| {
             let (above, below) = drawing.split_vertically(680);

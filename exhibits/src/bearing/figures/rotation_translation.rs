@@ -85,12 +85,7 @@ fn draw(points: &[Seen]) -> String {
         let (left, right) = panels.split_horizontally(680);
         let turned = points.iter().map(|point| (point, point.after_turn));
         let moved = points.iter().map(|point| (point, point.after_step));
-        image(
-            &left,
-            &format!("turned by {TURN_DEG}°"),
-            ("v (px)", 4),
-            turned,
-        )?;
+        image(&left, &format!("turned by {TURN_DEG}°"), ("v (px)", 4), turned)?;
         image(&right, &format!("moved by {SIDEWAYS} m"), ("", 0), moved)?;
         for (index, (depth, radius)) in DEPTHS.into_iter().enumerate() {
             let x = 300 + 230 * index as i32;
@@ -111,27 +106,14 @@ fn image<'p>(
     let (heading, area) = drawing.split_vertically(70);
     let middle = (if v_ticks == 0 { 325 } else { 405 }, 45);
     heading.draw(&Text::new(title.to_owned(), middle, letters_around(INK)))?;
-    let mut chart = figure::axes(
-        &area,
-        ("u (px)", 0.0..640.0, 4),
-        (v_title, 480.0..0.0, v_ticks),
-    )?;
-    let border = [
-        (0.0, 0.0),
-        (640.0, 0.0),
-        (640.0, 480.0),
-        (0.0, 480.0),
-        (0.0, 0.0),
-    ];
+    let mut chart = figure::axes(&area, ("u (px)", 0.0..640.0, 4), (v_title, 480.0..0.0, v_ticks))?;
+    let border = [(0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0), (0.0, 0.0)];
     chart.draw_series([PathElement::new(border, GRID.stroke_width(3))])?;
     for (point, after) in flow {
         let before = (point.before.x, point.before.y);
         let shaft = vec![before, (after.x, after.y)];
         chart.draw_series([PathElement::new(shaft, MEASURED.stroke_width(5))])?;
-        chart.draw_series([Polygon::new(
-            arrow_head(&point.before, &after),
-            MEASURED.filled(),
-        )])?;
+        chart.draw_series([Polygon::new(arrow_head(&point.before, &after), MEASURED.filled())])?;
         chart.draw_series([Circle::new(before, point.radius, MEASURED.filled())])?;
     }
     Ok(())

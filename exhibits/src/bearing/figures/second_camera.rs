@@ -34,12 +34,7 @@ pub fn second_camera() -> Figure {
 
 /// Pixels by which the second camera's pixel lies too far to the right.
 fn pixel_error(baseline: f64, depth_error: f64) -> f64 {
-    stretch_shift(
-        &CAMERA,
-        baseline,
-        POINT.z,
-        (POINT.z + depth_error) / POINT.z,
-    )
+    stretch_shift(&CAMERA, baseline, POINT.z, (POINT.z + depth_error) / POINT.z)
 }
 
 fn draw() -> String {
@@ -51,10 +46,7 @@ fn draw() -> String {
         chart.draw_series([one_pixel])?;
         let band_name = Text::new("one pixel", (3.35, -3.2), letters_around(INK));
         chart.draw_series([band_name])?;
-        for zero in [
-            vec![(-1.15, 0.0), (3.85, 0.0)],
-            vec![(0.0, -24.0), (0.0, 33.0)],
-        ] {
+        for zero in [vec![(-1.15, 0.0), (3.85, 0.0)], vec![(0.0, -24.0), (0.0, 33.0)]] {
             chart.draw_series([PathElement::new(zero, INK.stroke_width(2))])?;
         }
         for (index, baseline) in BASELINES.into_iter().enumerate() {
