@@ -56,16 +56,15 @@ impl Bibliography {
         for entry in parsed.iter() {
             let line =
                 source.find(&format!("{{{},", entry.key)).map_or(0, |at| line_at(source, at));
-            for field in ["author", "title", "year", "annotation"] {
-                if text(entry, field).is_empty()
-                    && !(field == "year" && !text(entry, "date").is_empty())
-                {
-                    faults.add(
-                        (FILE, line),
-                        &entry.key,
-                        format!("the work has no {field}"),
-                        format!("add `{field} = {{…}}`"),
-                    );
+            for (field, names) in [
+                ("author", &["author"] as &[_]),
+                ("title", &["title"]),
+                ("year", &["year", "date"]),
+                ("annotation", &["annotation"]),
+            ] {
+                if first(entry, names).is_empty() {
+                    let mend = format!("add `{field} = {{…}}`");
+                    faults.add((FILE, line), &entry.key, format!("the work has no {field}"), mend);
                 }
             }
             works.insert(entry.key.clone(), Work::new(entry));

@@ -142,12 +142,11 @@ fn katex_settings(
         );
     }
     let lines = macros(root, &settings)?;
-    for (at, line) in
-        lines.iter().enumerate().filter(|(_, line)| line.starts_with('\\') && !line.contains(':'))
-    {
-        let file = settings.macros.clone().unwrap_or_default();
-        faults.add((&file, at + 1), line, "a macro without a colon", r"write it as \name:{body}");
-        return Ok(None);
+    let file = settings.macros.clone().unwrap_or_default();
+    // mdbook-katex panics at a macro without a colon, so this cannot wait for the end of the list.
+    let broken = |line: &String| line.starts_with('\\') && !line.contains(':');
+    if let Some((at, line)) = lines.iter().enumerate().find(|(_, line)| broken(line)) {
+        bail!("{file}:{}: {line}: a macro without a colon: write it as \\name:{{body}}", at + 1);
     }
     Ok(Some(settings))
 }

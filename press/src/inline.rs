@@ -112,7 +112,7 @@ fn math(rest: &str) -> (Mark<'_>, usize) {
     while let Some(found) = body[from..paragraph].find('$') {
         let end = from + found;
         let slashes = body[..end].len() - body[..end].trim_end_matches('\\').len();
-        if slashes % 2 == 0 {
+        if slashes.is_multiple_of(2) {
             return (Mark::Math(&body[..end]), end + 2);
         }
         from = end + 1;

@@ -190,14 +190,15 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
         );
         return (StatusCode::INTERNAL_SERVER_ERROR, Html(page)).into_response();
     };
-    let missing = site.join("404.html");
     match ServeDir::new(&site).try_call(request).await {
-        Ok(found) if found.status() == StatusCode::NOT_FOUND => {
-            let text = std::fs::read_to_string(missing)
-                .unwrap_or_else(|_| "There is no such page.".to_owned());
-            (StatusCode::NOT_FOUND, Html(text)).into_response()
+        Ok(found) if found.status() != StatusCode::NOT_FOUND => found.into_response(),
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response()
         }
-        Ok(found) => found.into_response(),
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+        _ => {
+            let page = std::fs::read_to_string(site.join("404.html"));
+            let page = page.unwrap_or_else(|_| "There is no such page.".to_owned());
+            (StatusCode::NOT_FOUND, Html(page)).into_response()
+        }
     }
 }

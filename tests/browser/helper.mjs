@@ -85,6 +85,7 @@ export async function launch() {
             context.setDefaultTimeout(10_000);
             const page = await context.newPage();
             page.complaints = [];
+            page.scripted = options.javaScriptEnabled !== false;
             const complain = text => page.complaints.push(text);
             page.on("console", message => complain(`${message.type()}: ${message.text()}`));
             page.on("pageerror", error => complain(`error: ${error.message}`));
@@ -108,7 +109,7 @@ export async function launch() {
 /** Goes to a page and waits until its letters and scripts are there. */
 export async function open(page, url) {
     await page.goto(url, { waitUntil: "load" });
-    await page.evaluate(() => document.fonts.ready.then(() => new Promise(requestAnimationFrame)));
+    if (page.scripted) await page.evaluate(() => document.fonts.ready.then(() => new Promise(requestAnimationFrame)));
 }
 
 /** How far the page can be scrolled sideways, and what sticks out. */

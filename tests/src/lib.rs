@@ -1,1 +1,1 @@
-//! Tests of the rendered book; they stand in `tests/tests`.
+//! Tests of the book as its readers get it: `tests/rendered.rs` reads the pages, `browser/` opens them in a browser.

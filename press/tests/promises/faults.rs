@@ -1,8 +1,6 @@
 //! Every way to break a promise, planted in a small book that keeps all others.
 
-mod small;
-
-use small::SmallBook;
+use crate::small::SmallBook;
 
 /// Asserts that the report holds each of the texts and speaks of one broken promise.
 #[track_caller]

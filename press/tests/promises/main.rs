@@ -1,0 +1,5 @@
+//! The press at work on a small book: every promise broken once, and the book served.
+
+mod faults;
+mod serve;
+mod small;

@@ -1,0 +1,129 @@
+//! Serving the book: pages follow edits, and what stands in the way is said.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::small::SmallBook;
+
+/// A running server, stopped when the test ends.
+struct Server {
+    child: Child,
+    address: String,
+}
+
+impl Server {
+    fn start(book: &SmallBook) -> Server {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_press"))
+            .args(["serve", "--port", "0", "--root"])
+            .arg(book.root())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the press starts");
+        let mut lines = BufReader::new(child.stderr.take().expect("its messages")).lines();
+        let address = lines
+            .find_map(|line| {
+                let line = line.expect("a line");
+                let (_, rest) = line.split_once("http://")?;
+                Some(rest.split('/').next()?.to_owned())
+            })
+            .expect("an address");
+        // Keep reading, so that the server never waits for its messages to be taken.
+        std::thread::spawn(move || lines.for_each(drop));
+        Server { child, address }
+    }
+
+    fn get(&self, path: &str) -> String {
+        let mut stream = TcpStream::connect(&self.address).expect("a connection");
+        write!(
+            stream,
+            "GET {path} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n",
+            self.address
+        )
+        .expect("a request");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("an answer");
+        answer
+    }
+
+    /// Asks for a page until it holds a text; a generous limit keeps a broken server from hanging the tests.
+    fn wait_for(&self, path: &str, text: &str) {
+        let start = Instant::now();
+        while !self.get(path).contains(text) {
+            assert!(start.elapsed() < Duration::from_secs(60), "{path} never held {text:?}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended already.
+        drop(self.child.kill());
+        drop(self.child.wait());
+    }
+}
+
+#[test]
+fn a_saved_chapter_is_served_again() {
+    let book = SmallBook::sound();
+    let server = Server::start(&book);
+    assert!(server.get("/one.html").contains("A sum"));
+    let book = book.with("src/one.md", "A sum", "A total");
+    server.wait_for("/one.html", "A total");
+    assert!(server.get("/nothing.html").starts_with("HTTP/1.1 404"));
+    drop(book);
+}
+
+#[test]
+fn a_page_that_is_open_hears_of_faults_and_of_their_mending() {
+    let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:nothing of");
+    let server = Server::start(&book);
+    let mut stream = TcpStream::connect(&server.address).unwrap();
+    write!(stream, "GET /__book-news HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+    let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.contains("event: faults")));
+    assert!(lines.any(|line| line.contains("@eq:nothing")));
+    let _book = book.with("src/one.md", "@eq:nothing of", "@eq:sum of");
+    assert!(lines.any(|line| line.contains("event: reload")));
+}
+
+#[test]
+fn a_book_that_cannot_be_read_is_served_as_the_reason() {
+    let book = SmallBook::sound().with("src/SUMMARY.md", "(one.md)", "(two.md)");
+    let server = Server::start(&book);
+    assert!(server.get("/").contains("two.md"));
+    let _book = book.with("src/SUMMARY.md", "(two.md)", "(one.md)");
+    server.wait_for("/one.html", "A sum");
+}
+
+#[test]
+fn a_taken_port_is_said_with_what_to_do() {
+    let book = SmallBook::sound();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let output = book.run(&["serve", "--port", &port]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && text.contains(&format!("port {port} is taken")), "{text}");
+    assert!(text.contains("cargo book serve --port"), "{text}");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_said_with_what_to_do() {
+    let book = SmallBook::sound();
+    book.write("src/generated", "a file where a folder should be");
+    let output = book.run(&["build"]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && text.contains("cannot write"), "{text}");
+    assert!(text.contains("make the folder writable"), "{text}");
+}
+
+#[test]
+fn a_failed_build_leaves_the_last_good_book_alone() {
+    let book = SmallBook::sound();
+    assert!(book.run(&["build"]).status.success());
+    let book = book.with("src/one.md", "@eq:sum of", "@eq:nothing of");
+    assert!(!book.run(&["build"]).status.success());
+    assert!(book.read("book/one.html").contains("A sum"));
+}

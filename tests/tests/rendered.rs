@@ -1,0 +1,195 @@
+//! The pages of the book, built once and read as files.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use press::files;
+use press::make::Maker;
+use press::settings::Layout;
+use press::steps::Steps;
+use press::warnings::Warnings;
+use regex::Regex;
+use scraper::{ElementRef, Html, Selector};
+
+/// The book and what the press found wrong with it.
+struct Built {
+    folder: tempfile::TempDir,
+    report: String,
+}
+
+static BUILT: LazyLock<Built> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let maker = Maker {
+        layout: Layout { root: root() },
+        steps: Steps::quiet(),
+        warnings: Warnings::default(),
+    };
+    let faults = maker.build(&folder.path().join("site"), None).expect("a book");
+    Built { folder, report: faults.report() }
+});
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace").to_path_buf()
+}
+
+fn site() -> PathBuf {
+    BUILT.folder.path().join("site")
+}
+
+/// The chapters' pages: name and document.
+fn pages() -> Vec<(String, Html)> {
+    let names = files::below(&site()).expect("the site");
+    let is_page = |path: &PathBuf| {
+        let name = path.to_string_lossy();
+        name.ends_with(".html")
+            && !name.starts_with("generated")
+            && !["toc.html", "print.html"].contains(&&*name)
+    };
+    let read = |path: PathBuf| {
+        let text = files::read(&site().join(&path)).expect("a page");
+        (path.to_string_lossy().into_owned(), Html::parse_document(&text))
+    };
+    let pages: Vec<_> = names.into_iter().filter(is_page).map(read).collect();
+    assert!(pages.len() >= 6, "the book has lost its pages");
+    pages
+}
+
+fn all<'a>(page: &'a Html, pattern: &str) -> Vec<ElementRef<'a>> {
+    page.select(&Selector::parse(pattern).expect("a selector")).collect()
+}
+
+#[test]
+fn the_book_keeps_its_promises() {
+    assert!(BUILT.report.is_empty(), "{}", BUILT.report);
+}
+
+#[test]
+fn every_page_has_a_language_a_title_and_one_heading_of_the_first_rank() {
+    for (name, page) in pages() {
+        assert_eq!(all(&page, "html[lang=en]").len(), 1, "{name}");
+        assert!(all(&page, "title")[0].text().any(|text| !text.trim().is_empty()), "{name}");
+        assert_eq!(all(&page, "main h1").len(), 1, "{name}");
+    }
+}
+
+#[test]
+fn every_numbered_equation_shows_its_check_or_that_it_is_a_definition() {
+    let mut numbered = 0;
+    for (name, page) in pages() {
+        for equation in all(&page, ".equation[id]") {
+            let marks = Selector::parse("details.check, .definition-mark").expect("a selector");
+            assert_eq!(equation.select(&marks).count(), 1, "{name}: {:?}", equation.attr("id"));
+            numbered += 1;
+        }
+    }
+    assert!(numbered > 0, "the book has lost its equations");
+}
+
+#[test]
+fn no_formula_is_left_as_tex() {
+    for (name, page) in pages() {
+        assert!(all(&page, ".katex-error").is_empty(), "{name}");
+        for paragraph in all(&page, "main p, main li, main figcaption, main td") {
+            let text: String = paragraph.text().collect();
+            assert!(!text.contains('$') && !text.contains("\\vv"), "{name}: {text}");
+        }
+    }
+}
+
+#[test]
+fn every_figure_has_a_text_a_caption_data_and_a_program() {
+    let mut figures = 0;
+    for (name, page) in pages() {
+        for figure in all(&page, "figure.exhibit") {
+            for part in
+                [".plot[role=img][aria-label] svg", "figcaption", "details table", "a[download]"]
+            {
+                let part = Selector::parse(part).expect("a selector");
+                assert!(figure.select(&part).next().is_some(), "{name}: {:?}", figure.attr("id"));
+            }
+            figures += 1;
+        }
+    }
+    assert!(figures > 0, "the book has lost its figures");
+}
+
+#[test]
+fn the_search_finds_words_and_holds_no_tex() {
+    let names = files::below(&site()).expect("the site");
+    let index = names
+        .iter()
+        .find(|path| path.to_string_lossy().starts_with("searchindex"))
+        .expect("a search index");
+    let index = files::read(&site().join(index)).expect("the index");
+    assert!(index.contains("disparity"));
+    for tex in ["\\\\\\\\frac", "\\\\\\\\mat", "\\\\\\\\vv", "htmlClass"] {
+        assert!(!index.contains(tex), "the search index holds {tex}");
+    }
+}
+
+#[test]
+fn links_work_below_any_address() {
+    for (name, page) in pages().iter().filter(|(name, _)| name != "404.html") {
+        for (pattern, attribute) in [("[href]", "href"), ("[src]", "src")] {
+            for element in all(page, pattern) {
+                let address = element.attr(attribute).unwrap_or_default();
+                assert!(
+                    !address.starts_with('/'),
+                    "{name}: {address} works only at the root of a host"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn citations_lead_to_the_bibliography_and_back() {
+    let pages = pages();
+    let references =
+        &pages.iter().find(|(name, _)| name == "references.html").expect("references").1;
+    let works: BTreeSet<&str> = all(references, "dl.bibliography dt[id]")
+        .iter()
+        .filter_map(|work| work.attr("id"))
+        .collect();
+    assert!(works.len() >= 9, "{works:?}");
+    let back: BTreeSet<&str> =
+        all(references, ".cited-in a").iter().filter_map(|link| link.attr("href")).collect();
+    let mut citations = 0;
+    for (name, page) in pages.iter().filter(|(name, _)| name != "index.html") {
+        for citation in all(page, "a.citation") {
+            let id = citation.attr("id").expect("an anchor");
+            assert!(
+                back.contains(format!("{name}#{id}").as_str()),
+                "{name}#{id} is not linked back"
+            );
+            citations += 1;
+        }
+    }
+    assert!(citations > 0, "the book cites nothing");
+}
+
+#[test]
+fn every_label_that_the_library_names_stands_in_the_book() {
+    let label = Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a pattern");
+    let anchors: BTreeSet<String> = pages()
+        .iter()
+        .flat_map(|(_, page)| {
+            all(page, "[id]")
+                .iter()
+                .filter_map(|element| element.attr("id"))
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let folder = root().join("code/src");
+    let mut named = 0;
+    for file in files::below(&folder).expect("the library") {
+        let source = files::read(&folder.join(&file)).expect("a source");
+        for found in label.captures_iter(&source).filter(|found| &found[1] != "eq:label") {
+            assert!(anchors.contains(&found[1]), "{} names {}", file.display(), &found[1]);
+            named += 1;
+        }
+    }
+    assert!(named > 0, "the library names no equation");
+}
