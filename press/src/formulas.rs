@@ -1,21 +1,18 @@
-//! Mathematics: every formula is tried before the pages are made, rendered by mdbook-katex, and then
-//! guarded against the Markdown parser that reads it next.
+//! Mathematics: every formula is tried before the pages are made, and rendered once.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use anyhow::{Result, bail};
-use katex::Opts;
 use mdbook_katex::cfg::{KatexConfig, get_config};
-use mdbook_katex::preprocess::KatexProcessor;
-use mdbook_preprocessor::book::{Book, BookItem, Chapter};
+use mdbook_preprocessor::book::{Book, Chapter};
 use mdbook_preprocessor::config::Config;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
-use rayon::prelude::*;
-use regex::{Captures, Regex};
+use regex::Regex;
 use sha2::{Digest, Sha256};
 
+use crate::engine::Engine;
 use crate::fault::Faults;
 use crate::files;
 use crate::records::hex;
@@ -48,20 +45,19 @@ pub fn try_all(
 ) -> Result<()> {
     let settings = katex_settings(root, config, faults)?;
     let Some(settings) = settings else { return Ok(()) };
-    let (inline, display) = settings.build_opts(root);
-    let salt = format!("{}\n{:?}", katex::KATEX_VERSION, macros(root, &settings)?);
+    let engine = Engine::new(root, &settings)?;
+    let salt = salt(root, &settings)?;
     let known_path = work.join("formulas");
     let known_text = files::read_if_there(&known_path)?.unwrap_or_default();
     let known: HashSet<&str> = known_text.lines().collect();
     let tried: Vec<(String, Option<String>)> = formulas
-        .par_iter()
+        .iter()
         .map(|formula| {
             let key = hex(&Sha256::digest(format!("{salt}\n{}\n{}", formula.display, formula.tex)));
             if known.contains(key.as_str()) {
                 return (key, None);
             }
-            let options = if formula.display { &display } else { &inline };
-            (key, rejection(&formula.tex, options))
+            (key, engine.rejection(&formula.tex, formula.display))
         })
         .collect();
     let mut good: Vec<&str> = Vec::new();
@@ -82,18 +78,6 @@ pub fn try_all(
     good.sort();
     good.dedup();
     files::write(&known_path, good.join("\n").as_bytes())
-}
-
-fn rejection(tex: &str, options: &Opts) -> Option<String> {
-    static REASON: LazyLock<Regex> = LazyLock::new(|| {
-        Regex::new(r"(?s)KaTeX parse error: (.*? at (?:position \d+|end of input))")
-            .expect("a valid pattern")
-    });
-    let error = katex::render_with_opts(tex, options).err()?.to_string();
-    let reason = REASON
-        .captures(&error)
-        .map_or(error.as_str(), |found| found.get(1).map_or("", |reason| reason.as_str()));
-    Some(reason.replace(r"\\", r"\"))
 }
 
 /// How many lines below its first one a formula fails, from the position in KaTeX's message.
@@ -151,6 +135,11 @@ fn katex_settings(
     Ok(Some(settings))
 }
 
+/// What a rendered formula depends on besides its TeX.
+fn salt(root: &Path, settings: &KatexConfig) -> Result<String> {
+    Ok(format!("{} {settings:?} {:?}", env!("CARGO_PKG_VERSION"), macros(root, settings)?))
+}
+
 fn macros(root: &Path, settings: &KatexConfig) -> Result<Vec<String>> {
     let Some(path) = &settings.macros else { return Ok(Vec::new()) };
     Ok(files::read(&root.join(path))?.lines().map(str::to_owned).collect())
@@ -169,27 +158,15 @@ impl RememberingKatex {
         RememberingKatex { folder: work.join("katex") }
     }
 
-    fn render(
-        &self,
-        context: &PreprocessorContext,
-        salt: &str,
-        chapter: &mut Chapter,
-    ) -> Result<PathBuf> {
+    fn render(&self, engine: &Engine, salt: &str, chapter: &mut Chapter) -> Result<PathBuf> {
         let key = hex(&Sha256::digest(format!("{salt}\n{}", chapter.content)));
         let path = self.folder.join(key);
         chapter.content = match files::read_if_there(&path)? {
             Some(content) => content,
             None => {
-                let alone = Book::new_with_items(vec![BookItem::Chapter(Chapter {
-                    sub_items: Vec::new(),
-                    ..chapter.clone()
-                })]);
-                let rendered = KatexProcessor.run(context, alone)?;
-                let Some(BookItem::Chapter(rendered)) = rendered.items.into_iter().next() else {
-                    bail!("mdbook-katex lost the chapter {}", chapter.name);
-                };
-                files::write(&path, rendered.content.as_bytes())?;
-                rendered.content
+                let content = engine.chapter(&chapter.content);
+                files::write(&path, content.as_bytes())?;
+                content
             }
         };
         Ok(path)
@@ -203,12 +180,13 @@ impl Preprocessor for RememberingKatex {
 
     fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
         let settings = get_config(&context.config)?;
-        let salt = format!("{settings:?}\n{:?}", macros(&context.root, &settings)?);
+        let engine = Engine::new(&context.root, &settings)?;
+        let salt = salt(&context.root, &settings)?;
         let mut result = Ok(());
         let mut fresh = HashSet::new();
         book.for_each_chapter_mut(|chapter| {
             if result.is_ok() && chapter.content.contains('$') {
-                match self.render(context, &salt, chapter) {
+                match self.render(&engine, &salt, chapter) {
                     Ok(path) => drop(fresh.insert(path)),
                     Err(error) => result = Err(error),
                 }
@@ -226,84 +204,9 @@ impl Preprocessor for RememberingKatex {
     }
 }
 
-/// Runs after KaTeX and keeps the Markdown parser away from what it made.
-pub struct Guard;
-
-impl Preprocessor for Guard {
-    fn name(&self) -> &str {
-        "guard"
-    }
-
-    fn run(&self, _: &PreprocessorContext, mut book: Book) -> Result<Book> {
-        book.for_each_chapter_mut(|chapter| chapter.content = guarded(&chapter.content));
-        Ok(book)
-    }
-}
-
-/// Escapes, in the text of each formula, what Markdown would take for its own marks, and drops the TeX
-/// that KaTeX encloses, which would otherwise turn up in the search.
-fn guarded(content: &str) -> String {
-    static ANNOTATION: LazyLock<Regex> = LazyLock::new(|| {
-        Regex::new(r"(?s)<annotation[^>]*>.*?</annotation>").expect("a valid pattern")
-    });
-    static TEXT: LazyLock<Regex> =
-        LazyLock::new(|| Regex::new(r">[^<]+<").expect("a valid pattern"));
-    let escape = |found: &Captures<'_>| {
-        found[0].chars().fold(String::new(), |mut out, c| {
-            match c {
-                '\\' | '`' | '*' | '_' | '[' | ']' | '~' | '|' | '!' | '$' | '{' | '}' | '^'
-                | '\'' | '"' => {
-                    out.push_str(&format!("&#{};", u32::from(c)));
-                }
-                c => out.push(c),
-            }
-            out
-        })
-    };
-    let mut out = String::with_capacity(content.len());
-    let mut rest = content;
-    while let Some(start) = rest.find("<span class=\"katex") {
-        let end = start + span_length(&rest[start..]);
-        out.push_str(&rest[..start]);
-        let formula = ANNOTATION.replace_all(&rest[start..end], "");
-        out.push_str(&TEXT.replace_all(&formula, escape));
-        rest = &rest[end..];
-    }
-    out.push_str(rest);
-    out
-}
-
-/// The length of the element `span` at the start of `html`.
-fn span_length(html: &str) -> usize {
-    let mut depth = 0_usize;
-    let mut at = 0;
-    while let Some(found) = html[at..].find('<') {
-        at += found;
-        if html[at..].starts_with("<span") {
-            depth += 1;
-        } else if html[at..].starts_with("</span>") {
-            depth -= 1;
-            if depth == 0 {
-                return at + "</span>".len();
-            }
-        }
-        at += 1;
-    }
-    html.len()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_text_of_a_formula_is_escaped_and_its_tex_is_dropped() {
-        let formula = r#"a* <span class="katex"><span class="m">~x_1|</span><annotation encoding="application/x-tex">\tilde</annotation></span> b*"#;
-        assert_eq!(
-            guarded(formula),
-            r#"a* <span class="katex"><span class="m">&#126;x&#95;1&#124;</span></span> b*"#
-        );
-    }
 
     #[test]
     fn the_line_of_an_error_is_counted_in_the_formula() {

@@ -10,7 +10,7 @@ use clap::{Parser, Subcommand};
 use mdbook_preprocessor::{Preprocessor, parse_input};
 use press::accept;
 use press::fault::Faults;
-use press::formulas::Guard;
+use press::guard::Guard;
 use press::make::Maker;
 use press::preprocess::Press;
 use press::serve;

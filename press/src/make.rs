@@ -9,7 +9,8 @@ use mdbook_driver::config::Config;
 
 use crate::fault::Faults;
 use crate::files;
-use crate::formulas::{Guard, RememberingKatex};
+use crate::formulas::RememberingKatex;
+use crate::guard::Guard;
 use crate::links;
 use crate::preprocess::Press;
 use crate::program::Program;

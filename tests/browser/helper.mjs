@@ -89,7 +89,10 @@ export async function launch() {
             const complain = text => page.complaints.push(text);
             page.on("console", message => complain(`${message.type()}: ${message.text()}`));
             page.on("pageerror", error => complain(`error: ${error.message}`));
-            page.on("requestfailed", request => complain(`failed: ${request.url()} ${request.failure()?.errorText}`));
+            page.on("requestfailed", request => {
+                const why = request.failure()?.errorText;
+                if (why !== "net::ERR_ABORTED") complain(`failed: ${request.url()} ${why}`); // aborted: the test went on
+            });
             page.on("response", response => {
                 if (response.status() >= 400) complain(`${response.status()}: ${response.url()}`);
             });
