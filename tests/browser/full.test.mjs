@@ -70,7 +70,10 @@ test("on a wide screen, checks and notes stand in the margin, level with what th
                     const box = margin.getBoundingClientRect();
                     return box.left < right || box.top > margin.parentElement.getBoundingClientRect().bottom + 200;
                 })
-                .map(margin => margin.parentElement.id);
+                .map(margin => margin.parentElement.id)
+                .concat([...document.querySelectorAll("main > .note")]
+                    .filter(note => note.getBoundingClientRect().top < note.previousElementSibling.getBoundingClientRect().top)
+                    .map(note => note.textContent.slice(0, 40)));
         });
         assert.deepEqual(strays, [], file);
     }, [pageWith(/class="check margin"/)]);
@@ -103,6 +106,9 @@ test("in forced colours the text, the focus and the cues of the terms are there"
         const cues = await page.locator("main .term").evaluateAll(terms => terms.map(term =>
             [term, ...term.children].some(node => getComputedStyle(node).borderBottomStyle !== "none")));
         assert.ok(cues.length > 0 && cues.every(Boolean), "a term without its line");
+        const plates = await page.evaluate(() => [...document.querySelectorAll(".katex-html span")]
+            .filter(span => getComputedStyle(span).forcedColorAdjust !== "none").length);
+        assert.equal(plates, 0, "letters of formulas lie under plates");
         await page.keyboard.press("Tab");
         assert.notEqual(await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle), "none");
     }, [pageWith(/class="term /)]);

@@ -135,6 +135,31 @@ for (const width of [1280, 360]) {
     }
 }
 
+test("the colours of code, of terms and of figures are legible on their grounds", async () => {
+    for (const dark of [false, true]) {
+        await at("index.html", { dark }, async page => {
+            const faint = await page.evaluate(() => {
+                const names = [...document.styleSheets].filter(sheet => /css\/variables/.test(sheet.href))
+                    .flatMap(sheet => [...sheet.cssRules]).filter(rule => rule.selectorText === ":root")
+                    .flatMap(rule => [...rule.style]).filter(name => /^--(code|series|measured|estimated|prior|muted|links)(-\w+)?$/.test(name));
+                const probe = document.body.appendChild(document.createElement("i"));
+                const light = color => {
+                    probe.style.color = color;
+                    const parts = getComputedStyle(probe).color.match(/[\d.]+/g).slice(0, 3).map(part => part / 255);
+                    const [r, g, b] = parts.map(part => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+                    return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
+                };
+                const contrast = (a, b) => Math.max(a, b) / Math.min(a, b);
+                const found = names.flatMap(name => ["--bg", "--panel"]
+                    .map(ground => ({ name, ground, ratio: contrast(light(`var(${name})`), light(`var(${ground})`)) })))
+                    .filter(({ name, ratio }) => ratio < (name.startsWith("--series") ? 3 : 4.5) && name !== "--links-line");
+                return names.length < 15 ? [`only ${names}`] : found;
+            });
+            assert.deepEqual(faint, []);
+        });
+    }
+});
+
 test("search results, contents and theme menu give axe no reason to complain either", async () => {
     for (const width of [1280, 360]) {
         for (const dark of [false, true]) {
@@ -210,7 +235,9 @@ test("without script everything is there to read, a prediction is a fold, and th
             assert.ok(await answer.isHidden());
             await reveal.locator("summary").click();
             assert.ok(await answer.isVisible());
-            assert.ok(await page.locator("#mdbook-search-toggle, #mdbook-theme-toggle, #mdbook-sidebar").first().isHidden());
+            for (const id of ["search-toggle", "theme-toggle", "sidebar-toggle", "sidebar", "search-wrapper", "help-container"]) {
+                assert.ok(await page.locator(`#mdbook-${id}`).isHidden(), `${id} is of no use without a script`);
+            }
             await page.getByRole("link", { name: "Contents" }).click();
             assert.match(page.url(), /toc\.html$/);
             await page.locator(".chapter a").nth(1).click();
