@@ -10,6 +10,7 @@
 //! implements.
 
 #![forbid(unsafe_code)]
+#![deny(missing_docs)]
 
 pub mod bearing;
 pub mod reprojection;
