@@ -1,7 +1,7 @@
 //! `cargo book accept` and `cargo book record`: what a person has looked at becomes what the build expects.
 
 use anyhow::Result;
-use similar::{ChangeTag, TextDiff};
+use dissimilar::Chunk;
 
 use crate::accepted::{Accepted, normal};
 use crate::blocks::Kind;
@@ -69,13 +69,12 @@ fn show_equations(slug: &str, old: &Accepted, new: &Accepted) -> usize {
 
 /// Two texts as one, with what went in [-…-] and what came in {+…+}.
 fn difference(old: &str, new: &str) -> String {
-    let changes = TextDiff::from_words(old, new);
-    let mark = |change: similar::Change<&str>| match change.tag() {
-        ChangeTag::Equal => change.value().to_owned(),
-        ChangeTag::Delete => format!("[-{}-]", change.value()),
-        ChangeTag::Insert => format!("{{+{}+}}", change.value()),
+    let mark = |chunk: &Chunk<'_>| match chunk {
+        Chunk::Equal(text) => (*text).to_owned(),
+        Chunk::Delete(text) => format!("[-{text}-]"),
+        Chunk::Insert(text) => format!("{{+{text}+}}"),
     };
-    changes.iter_all_changes().map(mark).collect()
+    dissimilar::diff(old, new).iter().map(mark).collect()
 }
 
 fn records(maker: &Maker, only_show: bool) -> Result<usize> {

@@ -640,7 +640,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
 fn note(check: &Check, href: &str) -> String {
     let worst = check.worst.map_or("not a number".to_owned(), |worst| format!("{worst:.0e}"));
     format!(
-        "<details class=\"check margin\"><summary>checked: {worst} over {states} states</summary><p>Largest error {worst}{unit}, tolerance {:.0e}{unit}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
+        "<details class=\"check margin\"><summary>checked: <span class=\"quantity\">{worst}</span> over {states} states</summary><p>Largest error {worst}{unit}, tolerance {:.0e}{unit}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
         check.tolerance,
         escape(&check.against),
         check.mutants.len(),

@@ -149,10 +149,10 @@ impl Labels {
 
     /// The labels that resemble one that is not there.
     pub fn like(&self, label: &str) -> Option<&str> {
-        let likeness = |known: &str| similar::TextDiff::from_chars(known, label).ratio();
+        let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, label);
         let known = self.0.keys().map(|known| (known, likeness(known)));
         known
-            .filter(|(_, ratio)| *ratio > 0.7)
+            .filter(|(_, ratio)| *ratio > 0.6)
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(known, _)| known.as_str())
     }
