@@ -677,11 +677,11 @@ fn legend(page: &Page) -> String {
         .iter()
         .zip(meaning)
         .filter(|(term, _)| uses(term))
-        .map(|(term, meaning)| format!("<span class=\"term {term}\">{term}</span> {meaning}"))
+        .map(|(term, meaning)| format!("<span class=\"term {term}\">{term}</span>: {meaning}"))
         .collect();
     match terms.is_empty() {
         true => String::new(),
-        false => format!("<p class=\"legend\">{}</p>", terms.join(" · ")),
+        false => format!("<p class=\"legend\">{}</p>", terms.join("; ")),
     }
 }
 

@@ -52,7 +52,6 @@ pub fn ledger(
         figures(here, pages, known.exhibits, found),
         records(here, known.exhibits, found),
     ];
-    let count = |at: usize| tables[at].rows.len();
     let states: usize = known
         .exhibits
         .chapters
@@ -61,18 +60,31 @@ pub fn ledger(
         .map(|check| check.states)
         .sum();
     let head = format!(
-        "<p class=\"ledger-summary\">{} equations checked over {states} states, {} definitions, {} computed numbers, {} figures, {} records.</p>\n\n",
-        count(0),
-        count(1),
-        count(2),
-        count(3),
-        count(4),
+        "<p class=\"ledger-summary\">{} checked over {}, {}, {}, {}, {}.</p>\n\n",
+        counted(tables[0].rows.len(), "equation"),
+        counted(states, "state"),
+        counted(tables[1].rows.len(), "definition"),
+        counted(tables[2].rows.len(), "computed number"),
+        counted(tables[3].rows.len(), "figure"),
+        counted(tables[4].rows.len(), "record"),
     );
     head + &tables
         .iter()
         .filter(|table| !table.rows.is_empty())
         .map(Table::html)
         .collect::<String>()
+}
+
+fn counted(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        n => format!("{n} {thing}s"),
+    }
+}
+
+/// The title of the chapter in a file.
+fn title<'a>(pages: &'a [Page], path: &Path) -> &'a str {
+    pages.iter().find(|page| page.path == path).map_or("", Page::title)
 }
 
 /// The labelled blocks of all pages with a kind of label.
@@ -236,7 +248,7 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
 }
 
 /// The bibliography, each work with the places that cite it.
-pub fn bibliography(here: &Page, known: &Known<'_>, found: &Found<'_>) -> String {
+pub fn bibliography(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) -> String {
     let mut html = String::from("<dl class=\"bibliography\">\n");
     for (key, work) in known.bibliography.sorted() {
         let place = if work.place.is_empty() {
@@ -257,19 +269,17 @@ pub fn bibliography(here: &Page, known: &Known<'_>, found: &Found<'_>) -> String
             escape(&work.year),
             escape(&work.title),
             escape(&work.annotation),
-            cited_in(here, key, found),
+            cited_in(here, pages, key, found),
         ));
     }
     html + "</dl>\n"
 }
 
-fn cited_in(here: &Page, key: &str, found: &Found<'_>) -> String {
+fn cited_in(here: &Page, pages: &[Page], key: &str, found: &Found<'_>) -> String {
     let Some(citations) = found.citations.get(key) else { return String::new() };
     let links: Vec<String> = citations
         .iter()
-        .map(|(path, anchor)| {
-            link(here, path, anchor, &path.with_extension("").display().to_string())
-        })
+        .map(|(path, anchor)| link(here, path, anchor, title(pages, path)))
         .collect();
     format!("<p class=\"cited-in\">Cited in: {}</p>", links.join(", "))
 }

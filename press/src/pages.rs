@@ -58,6 +58,15 @@ impl Page {
         }
     }
 
+    /// The title of the chapter, as it begins.
+    pub fn title(&self) -> &str {
+        let title = self.blocks.iter().find_map(|block| match &block.kind {
+            Kind::Heading { level: 1, title, .. } => Some(title.as_str()),
+            _ => None,
+        });
+        title.unwrap_or(&self.slug)
+    }
+
     /// The way from this page to a file in `src`.
     pub fn way_to(&self, path: &Path) -> String {
         let depth = self.path.components().count() - 1;

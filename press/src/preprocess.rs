@@ -89,8 +89,10 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
                 );
             }
             if content.contains("{{bibliography}}") {
-                *content = content
-                    .replace("{{bibliography}}", &ledger::bibliography(page, &known, &found));
+                *content = content.replace(
+                    "{{bibliography}}",
+                    &ledger::bibliography(page, &pages, &known, &found),
+                );
             }
         }
     }
