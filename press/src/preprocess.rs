@@ -104,7 +104,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     unused(&pages, &exhibits, &mut found);
     found.lint.finish(&mut found.faults);
     formulas::try_all(&layout.root, config, &layout.work(), &found.formulas, &mut found.faults)?;
-    write_generated(layout, &mut found)?;
+    write_generated(layout, &labels, &mut found)?;
     Ok(found.faults)
 }
 
@@ -154,13 +154,13 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
 }
 
 /// Writes data and source pages for mdBook to copy, and removes those of earlier builds.
-fn write_generated(layout: &Layout, found: &mut Found<'_>) -> Result<()> {
+fn write_generated(layout: &Layout, labels: &Labels, found: &mut Found<'_>) -> Result<()> {
     let mut made = std::mem::take(&mut found.generated);
     for file in &found.sources {
         let source = files::read(&layout.root.join(file))?;
         made.insert(
             format!("source/{file}.html").into(),
-            sources::page(file, &source).into_bytes(),
+            sources::page(file, &source, labels).into_bytes(),
         );
     }
     let folder = layout.generated();

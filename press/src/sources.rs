@@ -1,38 +1,58 @@
 //! Source files as pages of their own, so that every listing and check can be followed without a network.
 
+use std::sync::LazyLock;
+
+use regex::{Captures, Regex};
+
+use crate::pages::{Labels, slashed};
 use crate::prose::escape;
 
 const STYLE: &str = "\
-:root{color-scheme:light dark}\
-body{margin:0;font:15px/1.5 ui-monospace,'Source Code Pro',Menlo,Consolas,monospace;background:Canvas;color:CanvasText}\
-header{padding:.75rem 1rem;border-bottom:1px solid GrayText}\
+:root{color-scheme:light dark;--ground:light-dark(#fdfcf9,#17181c);--ink:light-dark(#1f1e1b,#dcdad4);\
+--muted:light-dark(#66645e,#9a988f);--mark:light-dark(#f6ecc4,#3a3520);--link:light-dark(#1f5490,#8ab8ee)}\
+body{margin:0;font:14px/1.55 'Source Code Pro',ui-monospace,Menlo,Consolas,monospace;background:var(--ground);color:var(--ink)}\
+header{position:sticky;top:0;padding:.7rem 1rem;background:var(--ground);border-bottom:1px solid var(--muted);display:flex;gap:2rem}\
 h1{font-size:1rem;margin:0}\
+a{color:var(--link)}\
 main{overflow-x:auto;padding:1rem 0}\
 ol{margin:0;padding:0;list-style:none;counter-reset:line;min-width:max-content}\
-li{counter-increment:line;white-space:pre;tab-size:4;padding-right:1rem;min-height:1.5em}\
-li::before{content:counter(line);display:inline-block;width:4ch;margin:0 1.5ch 0 1ch;text-align:right;color:GrayText;user-select:none}\
-li:target{background:Mark;color:MarkText}\
-.comment{font-style:italic}";
+li{counter-increment:line;white-space:pre;tab-size:4;padding-right:1rem;min-height:1.55em;scroll-margin-top:5rem}\
+li::before{content:counter(line);display:inline-block;width:4ch;margin:0 1.5ch 0 1ch;text-align:right;color:var(--muted);user-select:none}\
+li:target{background:var(--mark)}\
+.comment{color:var(--muted)}";
 
-/// The page of a source file.
-pub fn page(file: &str, source: &str) -> String {
+/// The page of a source file. Labels in its comments, `{eq:projection}`, lead back into the book.
+pub fn page(file: &str, source: &str, labels: &Labels) -> String {
+    let up = "../".repeat(file.matches('/').count() + 2);
     let lines: String = source
         .lines()
         .enumerate()
-        .map(|(at, line)| format!("<li id=\"L{}\">{}</li>\n", at + 1, shown(line)))
+        .map(|(at, line)| format!("<li id=\"L{}\">{}</li>\n", at + 1, shown(line, &up, labels)))
         .collect();
     let name = escape(file);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\" class=\"source-page\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"robots\" content=\"noindex\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body>\n<header><h1>{name}</h1></header>\n\
-         <main tabindex=\"0\" aria-label=\"Source\"><ol>\n{lines}</ol></main>\n</body>\n</html>\n"
+         <link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body>\n\
+         <header><h1>{name}</h1><a href=\"{up}index.html\">The book</a></header>\n\
+         <main tabindex=\"0\"><ol>\n{lines}</ol></main>\n</body>\n</html>\n"
     )
 }
 
-fn shown(line: &str) -> String {
-    match line.trim_start().starts_with("//") {
-        true => format!("<span class=\"comment\">{}</span>", escape(line)),
-        false => escape(line),
+fn shown(line: &str, up: &str, labels: &Labels) -> String {
+    static LABEL: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern")
+    });
+    let text = escape(line);
+    if !line.trim_start().starts_with("//") {
+        return text;
     }
+    let linked = LABEL.replace_all(&text, |found: &Captures<'_>| match labels.get(&found[1]) {
+        Some(target) => {
+            let page = slashed(&target.path.with_extension("html"));
+            format!("<a href=\"{up}{page}#{0}\">{{{0}}}</a>", &found[1])
+        }
+        None => found[0].to_owned(),
+    });
+    format!("<span class=\"comment\">{linked}</span>")
 }
