@@ -1,5 +1,9 @@
 //! The marks inside a paragraph: references, citations, computed values, mathematics, code.
 
+use std::sync::LazyLock;
+
+use regex::Regex;
+
 use crate::attributes::Attributes;
 use crate::blocks::matching;
 
@@ -36,6 +40,10 @@ pub enum Mark<'a> {
     /// `$$` in the middle of a paragraph.
     MisplacedDisplay,
 }
+
+/// A label that a comment in code names, as in `Implements {eq:projection}`.
+pub static NAMED_LABEL: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern"));
 
 /// The kinds of labels that can be referred to.
 pub const LABEL_KINDS: [&str; 5] = ["eq:", "fig:", "lst:", "sec:", "thm:"];

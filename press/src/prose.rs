@@ -301,7 +301,8 @@ pub fn link(from: &Page, to: &std::path::Path, anchor: &str, text: &str) -> Stri
 
 /// The way from a page to a line of a source file, which is thereby added to the source pages.
 pub fn source(page: &Page, file: &str, line: usize, found: &mut Found<'_>) -> String {
-    found.sources.insert(file.to_owned());
-    let path = PathBuf::from(format!("generated/source/{}.html", slashed(file.as_ref())));
+    let file = slashed(file.as_ref());
+    let path = PathBuf::from(format!("generated/source/{file}.html"));
+    found.sources.insert(file);
     format!("{}#L{line}", page.way_to(&path))
 }

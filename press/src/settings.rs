@@ -15,6 +15,8 @@ pub struct Settings {
     pub command: String,
     /// mdBook's: which preprocessors come later.
     pub before: Vec<String>,
+    /// mdBook's: which preprocessors come earlier.
+    pub after: Vec<String>,
     /// The cargo package that computes what the chapters show; empty: what lies in `target/press/exhibits` is taken as it is.
     pub exhibits_package: String,
     /// A longer listing is not read by anybody.
@@ -42,6 +44,7 @@ impl Default for Settings {
         Settings {
             command: String::new(),
             before: Vec::new(),
+            after: Vec::new(),
             exhibits_package: "exhibits".to_owned(),
             longest_listing: 25,
             definition_share: 0.25,

@@ -1,9 +1,8 @@
 //! Source files as pages of their own, so that every listing and check can be followed without a network.
 
-use std::sync::LazyLock;
+use regex::Captures;
 
-use regex::{Captures, Regex};
-
+use crate::inline::NAMED_LABEL;
 use crate::pages::{Labels, slashed};
 use crate::prose::escape;
 
@@ -40,19 +39,17 @@ pub fn page(file: &str, source: &str, labels: &Labels) -> String {
 }
 
 fn shown(line: &str, up: &str, labels: &Labels) -> String {
-    static LABEL: LazyLock<Regex> = LazyLock::new(|| {
-        Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern")
-    });
     let text = escape(line);
     if !line.trim_start().starts_with("//") {
         return text;
     }
-    let linked = LABEL.replace_all(&text, |found: &Captures<'_>| match labels.get(&found[1]) {
-        Some(target) => {
-            let page = slashed(&target.path.with_extension("html"));
-            format!("<a href=\"{up}{page}#{0}\">{{{0}}}</a>", &found[1])
-        }
-        None => found[0].to_owned(),
-    });
+    let linked =
+        NAMED_LABEL.replace_all(&text, |found: &Captures<'_>| match labels.get(&found[1]) {
+            Some(target) => {
+                let page = slashed(&target.path.with_extension("html"));
+                format!("<a href=\"{up}{page}#{0}\">{{{0}}}</a>", &found[1])
+            }
+            None => found[0].to_owned(),
+        });
     format!("<span class=\"comment\">{linked}</span>")
 }

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use press::files;
+use press::inline::NAMED_LABEL;
 use press::make::Maker;
 use press::settings::Layout;
 use press::steps::Steps;
 use press::warnings::Warnings;
-use regex::Regex;
 use scraper::{ElementRef, Html, Selector};
 
 /// The book and what the press found wrong with it.
@@ -171,7 +171,6 @@ fn citations_lead_to_the_bibliography_and_back() {
 
 #[test]
 fn every_label_that_the_library_names_stands_in_the_book() {
-    let label = Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a pattern");
     let anchors: BTreeSet<String> = pages()
         .iter()
         .flat_map(|(_, page)| {
@@ -186,7 +185,7 @@ fn every_label_that_the_library_names_stands_in_the_book() {
     let mut named = 0;
     for file in files::below(&folder).expect("the library") {
         let source = files::read(&folder.join(&file)).expect("a source");
-        for found in label.captures_iter(&source).filter(|found| &found[1] != "eq:label") {
+        for found in NAMED_LABEL.captures_iter(&source).filter(|found| &found[1] != "eq:label") {
             assert!(anchors.contains(&found[1]), "{} names {}", file.display(), &found[1]);
             named += 1;
         }

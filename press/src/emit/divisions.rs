@@ -1,0 +1,194 @@
+//! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
+
+use super::Emitter;
+use crate::attributes::Attributes;
+use crate::blocks::{Block, Kind};
+use crate::pages::Page;
+use crate::prose::TERMS;
+
+/// An open `:::` and what was seen in it.
+pub(super) struct Division {
+    pub(super) line: usize,
+    pub(super) class: String,
+    id: String,
+    right_choices: usize,
+    in_choices: bool,
+    reveals: usize,
+}
+
+impl Emitter<'_, '_> {
+    pub(super) fn open(&mut self, block: &Block, attributes: &Attributes) {
+        let class = attributes.classes.first().cloned().unwrap_or_default();
+        let id = &attributes.id;
+        let html = match class.as_str() {
+            "opening" => self.opening(block.line, attributes),
+            "predict" => {
+                self.labelled(block.line, attributes, "predict:", "a prediction");
+                let key = id.trim_start_matches("predict:");
+                format!(
+                    "<div class=\"predict\" role=\"group\" aria-label=\"Prediction\" id=\"{id}\" data-key=\"{}/{key}\">\n<p class=\"predict-label\">Predict before you read on</p>\n",
+                    self.page.slug
+                )
+            }
+            "reveal" => {
+                self.open.last_mut().into_iter().for_each(|division| division.reveals += 1);
+                "<details class=\"reveal\"><summary>Reveal the answer</summary>\n".to_owned()
+            }
+            "theorem" => {
+                self.labelled(block.line, attributes, "thm:", "a theorem");
+                let title = self.resolve(block.line, attributes.value("title"));
+                format!(
+                    "<div class=\"theorem\" id=\"{id}\">\n<p class=\"theorem-title\">Theorem {} ({title}).</p>\n",
+                    block.number
+                )
+            }
+            "proof" => "<div class=\"proof\">\n<p class=\"proof-title\">Proof.</p>\n".to_owned(),
+            "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
+            other => {
+                let known = "opening, predict, reveal, theorem, proof, note";
+                self.fault(
+                    block.line,
+                    other,
+                    "a division has no class that the book knows",
+                    format!("it knows {known}"),
+                );
+                String::new()
+            }
+        };
+        self.out.push('\n');
+        self.out.push_str(&html);
+        self.out.push('\n');
+        self.open.push(Division {
+            line: block.line,
+            class,
+            id: id.clone(),
+            right_choices: 0,
+            in_choices: false,
+            reveals: 0,
+        });
+    }
+
+    fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
+        let mut terms = String::new();
+        for key in ["difficulty", "needs"] {
+            let value = self.resolve(line, attributes.value(key));
+            if value.is_empty() {
+                self.fault(
+                    line,
+                    "opening",
+                    format!("the opening does not say {key}=\"…\""),
+                    "a reader wants to know before reading",
+                );
+            }
+            let (name, value) = match key {
+                "difficulty" => ("Difficulty", format!("{value} of 3")),
+                _ => ("Needs", value),
+            };
+            terms.push_str(&format!("<dt>{name}</dt><dd>{value}</dd>"));
+            if key == "difficulty" {
+                terms.push_str(&format!(
+                    "<dt>Reading time</dt><dd>{} minutes</dd>",
+                    minutes(self.page)
+                ));
+            }
+        }
+        format!("<div class=\"opening\">\n<dl>{terms}</dl>\n")
+    }
+
+    pub(super) fn close(&mut self, line: usize) {
+        let Some(division) = self.open.pop() else {
+            return self.fault(
+                line,
+                ":::",
+                "this closes a division that was never opened",
+                "remove it",
+            );
+        };
+        let end = match division.class.as_str() {
+            "reveal" => "</details>".to_owned(),
+            "opening" => format!("</div>\n{}", legend(self.page)),
+            "predict" => {
+                if division.right_choices != 1 || division.reveals != 1 {
+                    self.fault(division.line, &division.id, format!("a prediction has one right choice and one reveal, and this one has {} and {}", division.right_choices, division.reveals), "write the choices as `- [ ] …`, the right one as `- [x] …`, and the answer in ::: reveal");
+                }
+                "</div>".to_owned()
+            }
+            "theorem" | "proof" | "note" => "</div>".to_owned(),
+            _ => String::new(),
+        };
+        self.out.push_str(&format!("\n{end}\n\n"));
+    }
+
+    pub(super) fn choice(&mut self, line: usize, right: bool, text: &str) {
+        let text = self.resolve(line, text);
+        let Some(division) = self.open.last_mut().filter(|division| division.class == "predict")
+        else {
+            return self.fault(
+                line,
+                "- [ ]",
+                "a choice stands outside of a prediction",
+                "put it into ::: {.predict #predict:name}",
+            );
+        };
+        if !std::mem::replace(&mut division.in_choices, true) {
+            self.out.push_str("\n<ol class=\"choices\">\n");
+        }
+        division.right_choices += usize::from(right);
+        let mark = if right { " data-right" } else { "" };
+        self.out.push_str(&format!("<li{mark}>\n\n{text}\n\n</li>\n"));
+    }
+
+    /// Ends a list of choices when something else than white space follows.
+    pub(super) fn end_choices(&mut self, next: &Kind) {
+        let goes_on = matches!(next, Kind::Choice { .. })
+            || matches!(next, Kind::Text(text) if text.trim().is_empty());
+        if let Some(division) = self.open.last_mut()
+            && division.in_choices
+            && !goes_on
+        {
+            division.in_choices = false;
+            self.out.push_str("</ol>\n\n");
+        }
+    }
+}
+
+/// The colours a page uses, explained.
+fn legend(page: &Page) -> String {
+    let meaning = [
+        "what a sensor reported",
+        "what is computed from it, and may be wrong",
+        "what was believed before",
+    ];
+    let uses = |term: &str| {
+        let (macro_, class) = (format!("\\{term}{{"), format!("{{.{term}}}"));
+        page.blocks.iter().any(|block| match &block.kind {
+            Kind::Text(text) => text.contains(&macro_) || text.contains(&class),
+            Kind::Equation { tex, .. } => tex.contains(&macro_),
+            _ => false,
+        })
+    };
+    let terms: Vec<String> = TERMS
+        .iter()
+        .zip(meaning)
+        .filter(|(term, _)| uses(term))
+        .map(|(term, meaning)| format!("<span class=\"term {term}\">{term}</span>: {meaning}"))
+        .collect();
+    match terms.is_empty() {
+        true => String::new(),
+        false => format!("<p class=\"legend\">{}</p>", terms.join("; ")),
+    }
+}
+
+/// Reading time: prose at 200 words a minute, half a minute for an equation or a figure, one for a listing.
+fn minutes(page: &Page) -> usize {
+    let seconds = |kind: &Kind| match kind {
+        Kind::Text(text) | Kind::Choice { text, .. } => {
+            text.split_whitespace().count() as f64 * 0.3
+        }
+        Kind::Equation { .. } | Kind::Figure { .. } => 30.0,
+        Kind::Fence { .. } => 60.0,
+        _ => 0.0,
+    };
+    let total: f64 = page.blocks.iter().map(|block| seconds(&block.kind)).sum();
+    (total / 300.0).ceil().max(1.0) as usize * 5
+}

@@ -1,0 +1,143 @@
+//! Equations, their numbers, and the quiet note beside them.
+
+use super::Emitter;
+use crate::accepted::normal;
+use crate::attributes::Attributes;
+use crate::blocks::{Block, Kind};
+use crate::exhibits::{Check, check_function};
+use crate::formulas::Formula;
+use crate::prose::{escape, fill};
+
+impl Emitter<'_, '_> {
+    pub(super) fn equation(
+        &mut self,
+        block: &Block,
+        tex: &str,
+        tex_line: usize,
+        attributes: &Attributes,
+    ) {
+        let place = (self.page.file.as_str(), tex_line);
+        self.found.lint.tex(place, &self.page.slug, tex, &mut self.found.faults);
+        let filled = fill(tex, self.page, place, self.known, self.found);
+        self.found.formulas.push(Formula {
+            file: self.page.file.clone(),
+            line: tex_line,
+            label: attributes.id.clone(),
+            tex: filled.clone(),
+            display: true,
+        });
+        let numbered = !attributes.id.is_empty()
+            && self.labelled(block.line, attributes, "eq:", "a numbered equation");
+        if !numbered {
+            return self.lines(&block.indent, &format!("<div class=\"equation\">\n<div class=\"equation-body\">\n\n$${filled}$$\n\n</div>\n</div>\n"));
+        }
+        if block.number.is_empty() {
+            self.fault(
+                block.line,
+                &attributes.id,
+                "a numbered equation stands in a chapter that has no number",
+                "remove its label, or number the chapter in SUMMARY.md",
+            );
+        }
+        let (id, number) = (&attributes.id, &block.number);
+        let mark = match attributes.has("definition") {
+            true => self.definition(block.line, id),
+            false => self.check(block.line, id, tex),
+        };
+        let html = format!(
+            "<div class=\"equation\" id=\"{id}\">\n<div class=\"equation-body\">\n\n$${filled}$$\n\n</div>\n\
+             <a class=\"equation-number\" href=\"#{id}\" aria-label=\"Equation {number}\">({number})</a>\n{mark}\n</div>\n"
+        );
+        self.lines(&block.indent, &html);
+    }
+
+    fn definition(&mut self, line: usize, id: &str) -> String {
+        if self.known.exhibits.check(&self.page.slug, &id[3..]).is_some() {
+            self.fault(
+                line,
+                id,
+                "a definition has nothing to check, and this one has a check",
+                "drop .definition, or the check",
+            );
+        }
+        "<p class=\"definition-mark margin\">definition</p>".to_owned()
+    }
+
+    fn check(&mut self, line: usize, id: &str, tex: &str) -> String {
+        let (slug, label) = (self.page.slug.clone(), &id[3..]);
+        let Some(check) = self.known.exhibits.check(&slug, label).cloned() else {
+            self.fault(line, id, "no check computes this equation", format!("write `fn {}` in exhibits/src/{slug}.rs and register it, or mark the equation {{#{id} .definition}}", label.replace('-', "_")));
+            return String::new();
+        };
+        match self.accepted.equations.get(label) {
+            None => self.fault(
+                line,
+                id,
+                "this equation was never held against its check",
+                "read both, then run `cargo book accept`",
+            ),
+            Some(known) if *known != normal(tex) => {
+                self.fault(
+                    line,
+                    id,
+                    format!(
+                        "the TeX is not the one that was held against its check, which was: {known}"
+                    ),
+                    "see that the check still says the same, then run `cargo book accept`",
+                );
+            }
+            Some(_) => {}
+        }
+        let (file, line) = check_function(&self.layout.root, &slug, label)
+            .unwrap_or((check.file.clone(), check.line));
+        let href = self.source(&file, line);
+        note(&check, &href)
+    }
+
+    /// Definitions are what a chapter asks its reader to take; too many, and little is left that a check can reach.
+    pub(super) fn definitions(&mut self) {
+        let numbered: Vec<&Attributes> = self
+            .page
+            .blocks
+            .iter()
+            .filter_map(|block| match &block.kind {
+                Kind::Equation { attributes, .. } if !attributes.id.is_empty() => Some(attributes),
+                _ => None,
+            })
+            .collect();
+        let definitions = numbered.iter().filter(|attributes| attributes.has("definition")).count();
+        if definitions as f64 > self.settings.definition_share * numbered.len() as f64 {
+            let problem = format!(
+                "{definitions} of {} numbered equations are definitions, which no check can reach",
+                numbered.len()
+            );
+            let mend = format!(
+                "at most {} of them may be; give checks to some, or remove their labels",
+                self.settings.definition_share
+            );
+            self.fault(0, "", problem, mend);
+        }
+    }
+}
+
+/// The quiet note beside a checked equation.
+fn note(check: &Check, href: &str) -> String {
+    let worst = check.worst.map_or("not a number".to_owned(), |worst| format!("{worst:.0e}"));
+    format!(
+        "<details class=\"check margin\"><summary>checked: <span class=\"quantity\">{worst}</span> over {states} states</summary><p>Largest error {worst}{unit}, tolerance {:.0e}{unit}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
+        check.tolerance,
+        escape(&check.against),
+        check.mutants.len(),
+        escape(&check.mutants.join(", ")),
+        states = check.states,
+        unit = unit(check),
+    )
+}
+
+/// The unit of an error as it follows the number; nothing for a relative one.
+fn unit(check: &Check) -> String {
+    match check.unit.as_str() {
+        "" | "relative" => String::new(),
+        unit => format!("\u{a0}{}", escape(unit)),
+    }
+}

@@ -1,0 +1,100 @@
+//! Figures with their data.
+
+use std::path::{Path, PathBuf};
+
+use super::Emitter;
+use crate::attributes::Attributes;
+use crate::blocks::Block;
+use crate::exhibits::Drawing;
+use crate::files;
+use crate::prose::escape;
+
+/// The rows of a figure's data that the page shows; the CSV file has all.
+const ROWS_SHOWN: usize = 40;
+
+impl Emitter<'_, '_> {
+    pub(super) fn figure(
+        &mut self,
+        block: &Block,
+        caption: &str,
+        path: &str,
+        attributes: &Attributes,
+    ) {
+        self.labelled(block.line, attributes, "fig:", "a figure");
+        let id = &attributes.id;
+        if attributes.value("alt").trim().is_empty() {
+            self.fault(
+                block.line,
+                id,
+                "the figure has no alternative text",
+                "say in alt=\"…\" what a reader who cannot see it should know",
+            );
+        }
+        let name = path.trim_end_matches(".svg");
+        let drawing =
+            name.split_once('/').and_then(|(slug, name)| self.known.exhibits.drawing(slug, name));
+        let Some((drawing, folder)) = drawing else {
+            let slug = name.split_once('/').map_or(self.page.slug.as_str(), |(slug, _)| slug);
+            self.missing(id);
+            return self.fault(
+                block.line,
+                path,
+                "no program draws this figure",
+                format!("register it in exhibits/src/{slug}.rs; the path is chapter/name.svg"),
+            );
+        };
+        self.found.figures.insert(name.to_owned());
+        let alt = escape(&self.plain(block.line, attributes.value("alt")));
+        let caption = self.resolve(block.line, caption);
+        let read = |end: &str| files::read(&folder.join(format!("{}.{end}", drawing.name)));
+        let (svg, csv) = match (read("svg"), read("csv")) {
+            (Ok(svg), Ok(csv)) => (svg, csv),
+            (Err(error), _) | (_, Err(error)) => {
+                return self.fault(
+                    block.line,
+                    id,
+                    format!("{error:#}"),
+                    "delete target/press and build again",
+                );
+            }
+        };
+        let data = self.data(block, name, drawing, csv);
+        let svg: String = svg
+            .lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty() && !line.starts_with("<?xml"))
+            .collect::<Vec<_>>()
+            .join(" ");
+        let html = format!(
+            "<figure class=\"exhibit\" id=\"{id}\">\n<div class=\"plot\" role=\"img\" aria-label=\"{alt}\">{svg}</div>\n<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
+            block.number,
+            caption.replace('\n', " "),
+        );
+        self.lines(&block.indent, &html);
+    }
+
+    /// The data of a figure as a fold with a table, its CSV file and the program that drew it.
+    fn data(&mut self, block: &Block, name: &str, drawing: &Drawing, csv: String) -> String {
+        let path = PathBuf::from(format!("{name}.csv"));
+        let file = self.page.way_to(&Path::new("generated").join(&path));
+        self.found.generated.insert(path, csv.into_bytes());
+        let program = self.source(&drawing.file, drawing.line);
+        let row = |cell: &str, cells: &[String]| {
+            let cells: String =
+                cells.iter().map(|text| format!("<{cell}>{}</{cell}>", escape(text))).collect();
+            format!("<tr>{cells}</tr>")
+        };
+        let rows: String =
+            drawing.rows.iter().take(ROWS_SHOWN).map(|cells| row("td", cells)).collect();
+        let more = match drawing.rows.len().saturating_sub(ROWS_SHOWN) {
+            0 => String::new(),
+            more => format!("{more} more rows in the "),
+        };
+        format!(
+            "<details class=\"data\"><summary>Data of Figure {}</summary><div class=\"table-wrapper\"><table><thead>{}</thead><tbody>{rows}</tbody></table></div>\
+             <p>{more}<a href=\"{file}\" download>CSV file</a> · <a href=\"{program}\">program</a></p></details>",
+            block.number,
+            row("th", &drawing.columns),
+        )
+    }
+}

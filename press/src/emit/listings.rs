@@ -1,0 +1,142 @@
+//! Blocks of code: listings cut out of compiled sources, and what is not Rust.
+
+use std::path::{Component, Path};
+
+use super::Emitter;
+use crate::attributes::Attributes;
+use crate::blocks::Block;
+use crate::files;
+use crate::inline::NAMED_LABEL;
+use crate::listing;
+
+impl Emitter<'_, '_> {
+    pub(super) fn fence(
+        &mut self,
+        block: &Block,
+        language: &str,
+        attributes: &Attributes,
+        body: &[String],
+    ) {
+        let include = match body {
+            [line] => {
+                line.trim().strip_prefix("{{#include ").and_then(|rest| rest.strip_suffix("}}"))
+            }
+            _ => None,
+        };
+        match (include, language) {
+            (Some(target), _) => self.listing(block, language, attributes, target.trim()),
+            (None, "") => self.fault(
+                block.line,
+                "",
+                "a code block does not say its language",
+                "write it behind the back-ticks; `text` for what has none",
+            ),
+            (None, "rust") => {
+                self.fault(block.line, "", "Rust is typed into the chapter", "put the code into a crate, where it is compiled, and include it by its anchor: {{#include ../code/src/x.rs:anchor}}");
+            }
+            (None, _) => {
+                let longest = body
+                    .iter()
+                    .map(|line| line.len() - line.trim_start_matches('`').len())
+                    .max()
+                    .unwrap_or(0);
+                let mark = "`".repeat(longest.max(2) + 1);
+                let text = format!("{mark}{language}\n{}\n{mark}\n", body.join("\n"));
+                self.lines(&block.indent, &text);
+            }
+        }
+    }
+
+    fn listing(&mut self, block: &Block, language: &str, attributes: &Attributes, target: &str) {
+        if !self.labelled(block.line, attributes, "lst:", "a listing") {
+            return;
+        }
+        let id = &attributes.id;
+        let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
+        let Some(file) = self.included(path) else {
+            self.missing(id);
+            return self.fault(
+                block.line,
+                id,
+                format!("{path} is not a file of the book"),
+                "mend the path, which begins at the chapter's folder",
+            );
+        };
+        let cut = files::read(&self.layout.root.join(&file))
+            .ok()
+            .and_then(|text| listing::cut(&text, name));
+        let Some(cut) = cut else {
+            self.missing(id);
+            return self.fault(
+                block.line,
+                id,
+                format!("{file} has no anchor `{name}`"),
+                format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"),
+            );
+        };
+        let longest = self.settings.longest_listing;
+        if cut.code.len() > longest {
+            self.fault(
+                block.line,
+                id,
+                format!(
+                    "the listing has {} lines, and {longest} is what a reader can hold",
+                    cut.code.len()
+                ),
+                "cut it in two, or print only the part the text speaks of",
+            );
+        }
+        self.labels_in(block.line, id, &cut.code);
+        let caption = attributes.value("caption").to_owned();
+        if caption.is_empty() {
+            self.fault(
+                block.line,
+                id,
+                "the listing has no caption",
+                "say in caption=\"…\" what it does",
+            );
+        }
+        let caption = self.resolve(block.line, &caption);
+        let href = self.source(&file, cut.first);
+        let html = format!(
+            "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines {}–{}</a>\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
+            block.number,
+            cut.first,
+            cut.last,
+            cut.code.join("\n"),
+        );
+        self.lines(&block.indent, &html);
+    }
+
+    /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.
+    fn labels_in(&mut self, line: usize, id: &str, code: &[String]) {
+        for found in code.iter().flat_map(|text| NAMED_LABEL.captures_iter(text)) {
+            if self.known.labels.get(&found[1]).is_none() {
+                self.fault(
+                    line,
+                    id,
+                    format!(
+                        "the listing names {}, and nothing in the book has this label",
+                        &found[1]
+                    ),
+                    "mend the comment in the source",
+                );
+            }
+        }
+    }
+
+    /// The file of an include, relative to the root of the book; none when it lies outside or is absent.
+    fn included(&self, path: &str) -> Option<String> {
+        let from = Path::new("src").join(self.page.path.parent()?);
+        let mut parts: Vec<String> = Vec::new();
+        for part in from.join(path).components() {
+            match part {
+                Component::ParentDir => drop(parts.pop()?),
+                Component::Normal(part) => parts.push(part.to_str()?.to_owned()),
+                _ => return None,
+            }
+        }
+        let file = parts.join("/");
+        self.layout.root.join(&file).is_file().then_some(file)
+    }
+}

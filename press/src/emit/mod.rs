@@ -1,0 +1,184 @@
+//! Writes a chapter for mdBook: its blocks as Markdown and HTML, with everything resolved.
+
+mod divisions;
+mod equations;
+mod figures;
+mod listings;
+
+use divisions::Division;
+
+use crate::accepted::Accepted;
+use crate::attributes::Attributes;
+use crate::blocks::{Block, Kind};
+use crate::pages::Page;
+use crate::prose::{Found, Known, Prose, source};
+use crate::settings::{Layout, Settings};
+
+/// Writes one page.
+pub struct Emitter<'a, 'f> {
+    /// The page.
+    pub page: &'a Page,
+    /// What is known of the whole book.
+    pub known: &'a Known<'a>,
+    /// The book's settings.
+    pub settings: &'a Settings,
+    /// Where things lie.
+    pub layout: &'a Layout,
+    /// The accepted TeX of this page's equations.
+    pub accepted: &'a Accepted,
+    /// What is learned on the way.
+    pub found: &'a mut Found<'f>,
+    open: Vec<Division>,
+    out: String,
+}
+
+impl<'a, 'f> Emitter<'a, 'f> {
+    /// An emitter for a page.
+    pub fn new(
+        page: &'a Page,
+        known: &'a Known<'a>,
+        settings: &'a Settings,
+        layout: &'a Layout,
+        accepted: &'a Accepted,
+        found: &'a mut Found<'f>,
+    ) -> Self {
+        Emitter {
+            page,
+            known,
+            settings,
+            layout,
+            accepted,
+            found,
+            open: Vec::new(),
+            out: String::new(),
+        }
+    }
+
+    /// The page as mdBook reads it.
+    pub fn emit(mut self) -> String {
+        for block in &self.page.blocks {
+            self.end_choices(&block.kind);
+            self.block(block);
+        }
+        for division in std::mem::take(&mut self.open) {
+            let problem = "a division (:::) is never closed";
+            self.fault(
+                division.line,
+                &division.class,
+                problem,
+                "close it with ::: on a line of its own",
+            );
+        }
+        self.definitions();
+        self.out
+    }
+
+    fn block(&mut self, block: &Block) {
+        let line = block.line;
+        match &block.kind {
+            Kind::Text(text) => {
+                let text = self.resolve(line, text);
+                self.out.push_str(&text);
+            }
+            Kind::Heading { level, title, attributes } => {
+                self.heading(block, *level, title, attributes)
+            }
+            Kind::Equation { tex, attributes, tex_line } => {
+                self.equation(block, tex, *tex_line, attributes)
+            }
+            Kind::Figure { caption, path, attributes } => {
+                self.figure(block, caption, path, attributes)
+            }
+            Kind::Fence { language, attributes, body } => {
+                self.fence(block, language, attributes, body)
+            }
+            Kind::Open(attributes) => self.open(block, attributes),
+            Kind::Close => self.close(line),
+            Kind::Choice { right, text } => self.choice(line, *right, text),
+            Kind::IndentedCode(code) => {
+                self.fault(
+                    line,
+                    code.trim(),
+                    "four spaces make this a block of code",
+                    "indent less, or include code as a listing",
+                );
+            }
+            Kind::Unclosed(what) => {
+                self.fault(line, "", format!("{what} begins here and never ends"), "close it")
+            }
+        }
+    }
+
+    fn fault(
+        &mut self,
+        line: usize,
+        label: &str,
+        problem: impl Into<String>,
+        mend: impl Into<String>,
+    ) {
+        self.found.faults.add((&self.page.file, line), label, problem, mend);
+    }
+
+    fn resolve(&mut self, line: usize, text: &str) -> String {
+        Prose { page: self.page, line, html: true }.resolve(text, self.known, self.found)
+    }
+
+    fn plain(&mut self, line: usize, text: &str) -> String {
+        Prose { page: self.page, line, html: false }.resolve(text, self.known, self.found)
+    }
+
+    /// Writes lines with the indentation of their block, so that what stands in a list stays there.
+    fn lines(&mut self, indent: &str, text: &str) {
+        for line in text.lines() {
+            if !line.is_empty() {
+                self.out.push_str(indent);
+                self.out.push_str(line);
+            }
+            self.out.push('\n');
+        }
+    }
+
+    /// Stands for what cannot be shown, so that links to it lead somewhere and are not counted as faults of their own.
+    fn missing(&mut self, id: &str) {
+        self.out.push_str(&format!("\n<p id=\"{id}\">[{id}]</p>\n\n"));
+    }
+
+    fn source(&mut self, file: &str, line: usize) -> String {
+        source(self.page, file, line, self.found)
+    }
+
+    /// Whether a label has the kind that its block asks for.
+    fn labelled(&mut self, line: usize, attributes: &Attributes, kind: &str, what: &str) -> bool {
+        let fits = attributes.id.strip_prefix(kind).is_some_and(|name| !name.is_empty());
+        if !fits {
+            self.fault(
+                line,
+                &attributes.id,
+                format!("{what} needs a label of its kind"),
+                format!("write {{#{kind}name}} behind it"),
+            );
+        }
+        fits
+    }
+
+    fn heading(&mut self, block: &Block, level: usize, title: &str, attributes: &Attributes) {
+        let shown = self.resolve(block.line, title);
+        let number = match level {
+            1 => self.page.number.as_deref().unwrap_or_default(),
+            _ => &block.number,
+        };
+        let number = if number.is_empty() { String::new() } else { format!("{number} ") };
+        let id = match attributes.id.is_empty() {
+            true if block.number.is_empty() => String::new(),
+            true => format!(" {{#{}}}", anchor(title)),
+            false => format!(" {{#{}}}", attributes.id),
+        };
+        self.out.push_str(&format!("{} {number}{shown}{id}\n", "#".repeat(level)));
+    }
+}
+
+/// An anchor made from a title.
+fn anchor(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect::<Vec<_>>().join("-")
+}
