@@ -118,8 +118,9 @@ fn root(given: Option<&Path>) -> Result<PathBuf> {
         Some(root) => root.to_path_buf(),
         None => std::env::current_dir().context("the current folder is gone")?,
     };
-    let start =
-        start.canonicalize().with_context(|| format!("{} is not a folder", start.display()))?;
+    // Events name files by their real paths; on Windows dunce leaves out the prefix that forbids slashes.
+    let start = dunce::canonicalize(&start)
+        .with_context(|| format!("{} is not a folder", start.display()))?;
     let mut folders = start.ancestors().take(if given.is_some() { 1 } else { usize::MAX });
     let found = folders.find(|folder| folder.join("book.toml").is_file());
     found.map(Path::to_path_buf).with_context(|| {
