@@ -45,6 +45,9 @@ impl Comparison {
             if self.is_relative { difference / length(oracle.iter().copied()) } else { difference };
         let state = self.states;
         self.states += 1;
+        if formula.is_empty() {
+            self.fail(format!("state {state} has no values"));
+        }
         if error.is_finite() {
             self.worst = self.worst.max(error);
         } else {
@@ -109,6 +112,9 @@ mod tests {
     #[test]
     fn nothing_compared_is_a_failure() {
         assert_eq!(compared(0.1, &[]).failure().as_deref(), Some("nothing was compared"));
+        let mut without_values = Comparison::absolute("a test", 0.1, "px");
+        without_values.add(&[], &[]);
+        assert_eq!(without_values.failure().as_deref(), Some("state 0 has no values"));
     }
 
     #[test]
