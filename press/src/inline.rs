@@ -132,9 +132,9 @@ fn braces(rest: &str) -> Option<(Mark<'_>, usize)> {
     let body = rest.strip_prefix("{{")?;
     let end = body.find("}}")?;
     let inside = body[..end].trim();
-    let mark = match inside.strip_prefix("value ") {
-        Some(name) => Mark::Value(name.trim()),
-        None => Mark::Directive(inside),
+    let mark = match inside.split_once(char::is_whitespace) {
+        Some(("value", name)) => Mark::Value(name.trim()),
+        _ => Mark::Directive(inside),
     };
     Some((mark, end + 4))
 }
@@ -193,6 +193,7 @@ mod tests {
             ]
         );
         assert_eq!(marks("{{value bearing.fx}}"), [Mark::Value("bearing.fx")]);
+        assert_eq!(marks("{{value\nbearing.fx }}"), [Mark::Value("bearing.fx")]);
         assert_eq!(marks("[-@fig:rays]"), [Mark::Reference { label: "fig:rays", bare: true }]);
     }
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use regex::Regex;
+use regex::{Captures, Regex};
 
 use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
@@ -249,17 +249,12 @@ pub fn fill(
     known: &Known<'_>,
     found: &mut Found<'_>,
 ) -> String {
-    let mut filled = String::new();
-    let mut rest = tex;
-    while let Some((before, after)) = rest.split_once("{{value ") {
-        let Some((name, after)) = after.split_once("}}") else { break };
-        let number = number(name.trim(), page, place, known, found);
-        filled.push_str(before);
-        filled.push_str(number.map_or("?", |(_, text)| text));
-        rest = after;
-    }
-    filled.push_str(rest);
-    filled
+    static VALUE: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"\{\{\s*value\s+([^\s}]+)\s*\}\}").expect("a valid pattern"));
+    let text = |value: &Captures<'_>| {
+        number(&value[1], page, place, known, found).map_or("?", |(_, text)| text).to_owned()
+    };
+    VALUE.replace_all(tex, text).into_owned()
 }
 
 /// A number and its text; a fault when there is none.
