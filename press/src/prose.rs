@@ -104,13 +104,40 @@ impl One<'_> {
             Mark::Math(tex) => out.push_str(&self.math(tex, found)),
             Mark::Value(name) => out.push_str(&self.value(name, found)),
             Mark::Reference { label, bare } => out.push_str(&self.reference(label, *bare, found)),
-            Mark::Citation { keys, narrative } => out.push_str(&self.citation(keys, *narrative, found)),
-            Mark::Span { text, attributes } => out.push_str(&self.span(text, &attributes.classes, found)),
-            Mark::Directive(word @ ("ledger" | "bibliography")) => out.push_str(&format!("{{{{{word}}}}}")),
-            Mark::Directive(word) => found.faults.add(self.place, *word, "the press knows no such directive", "it knows {{value chapter.name}}, {{ledger}} and {{bibliography}}; code is included by a listing"),
-            Mark::UnclosedMath => found.faults.add(self.place, "$", "a formula begins here and never ends", r"close it with $, or write \$ for the sign itself"),
-            Mark::MisplacedDisplay => found.faults.add(self.place, "$$", "a display equation in the middle of a paragraph", "put $$ on a line of its own"),
+            Mark::Citation { keys, narrative } => {
+                out.push_str(&self.citation(keys, *narrative, found));
+            }
+            Mark::Span { text, attributes } => {
+                out.push_str(&self.span(text, &attributes.classes, found));
+            }
+            Mark::Directive(word @ ("ledger" | "bibliography")) => {
+                out.push_str(&format!("{{{{{word}}}}}"));
+            }
+            Mark::Directive(_) | Mark::UnclosedMath | Mark::MisplacedDisplay => {
+                self.misused(mark, found);
+            }
         }
+    }
+
+    fn misused(&self, mark: &Mark<'_>, found: &mut Found<'_>) {
+        let (label, problem, mend) = match mark {
+            Mark::Directive(word) => (
+                *word,
+                "the press knows no such directive",
+                "it knows {{value chapter.name}}, {{ledger}} and {{bibliography}}; code is included by a listing",
+            ),
+            Mark::UnclosedMath => (
+                "$",
+                "a formula begins here and never ends",
+                r"close it with $, or write \$ for the sign itself",
+            ),
+            _ => (
+                "$$",
+                "a display equation in the middle of a paragraph",
+                "put $$ on a line of its own",
+            ),
+        };
+        found.faults.add(self.place, label, problem, mend);
     }
 
     fn math(&self, tex: &str, found: &mut Found<'_>) -> String {
