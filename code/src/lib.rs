@@ -13,4 +13,5 @@
 #![deny(missing_docs)]
 
 pub mod bearing;
+pub mod manifold;
 pub mod reprojection;

@@ -1,0 +1,148 @@
+//! Rotations: the exponential, the logarithm and the Jacobians between them.
+//!
+//! A rotation vector φ turns about its own direction by its length in radians.
+
+use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+use super::coefficients::{
+    cosc, cosc_slope, cotangent_remainder, cotangent_remainder_slope, sinc, sinc_remainder,
+    sinc_remainder_slope,
+};
+
+// ANCHOR: hat
+/// The skew-symmetric matrix of the cross product: `hat(a) * b` is a × b.
+pub fn hat(phi: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(0.0, -phi.z, phi.y, phi.z, 0.0, -phi.x, -phi.y, phi.x, 0.0)
+}
+
+/// The vector of a skew-symmetric matrix, the inverse of [`hat`]. Of any other matrix it
+/// takes the skew-symmetric part.
+pub fn vee(matrix: &Matrix3<f64>) -> Vector3<f64> {
+    let m = matrix;
+    0.5 * Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12)
+}
+// ANCHOR_END: hat
+
+// ANCHOR: exp
+/// The rotation of a rotation vector, by the Rodrigues formula.
+pub fn exp(phi: &Vector3<f64>) -> Rotation3<f64> {
+    let angle = phi.norm();
+    let turn = hat(phi);
+    let matrix = Matrix3::identity() + sinc(angle) * turn + cosc(angle) * turn * turn;
+    Rotation3::from_matrix_unchecked(matrix)
+}
+// ANCHOR_END: exp
+
+// ANCHOR: log
+/// The rotation vector of a rotation, with an angle of at most π: the inverse of [`exp`].
+///
+/// A matrix holds numbers near one to 1e-16 and no better. Near zero that does no harm,
+/// since the angle stands in the small entries beside the diagonal, and the error is
+/// relative to the vector, however short. Near π it bounds what can be known: the vector
+/// is right to 1e-15, but within 1e-15 of a half turn it may come out as the one that
+/// turns the other way round, which is the same rotation to the last digit.
+pub fn log(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let r = rotation.matrix();
+    // For a unit quaternion q = (w, x, y, z) this is the matrix 4 q qᵀ. Each of its
+    // columns is a multiple of q; the one with the largest diagonal is the best of them.
+    let skew = 2.0 * vee(r);
+    let block = r + r.transpose() + Matrix3::from_diagonal_element(1.0 - r.trace());
+    let mut outer = Matrix4::from_element(1.0 + r.trace());
+    outer.fixed_view_mut::<3, 1>(1, 0).copy_from(&skew);
+    outer.fixed_view_mut::<1, 3>(0, 1).copy_from(&skew.transpose());
+    outer.fixed_view_mut::<3, 3>(1, 1).copy_from(&block);
+    let best = outer.column(outer.diagonal().imax());
+    log_of_multiple(&Quaternion::new(best[0], best[1], best[2], best[3]))
+}
+// ANCHOR_END: log
+
+// ANCHOR: quaternion
+/// The unit quaternion of a rotation vector.
+pub fn exp_quaternion(phi: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let half = 0.5 * phi.norm();
+    let imaginary = 0.5 * sinc(half) * phi;
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(half.cos(), imaginary))
+}
+
+/// The rotation vector of a unit quaternion, with an angle of at most π: the inverse of
+/// [`exp_quaternion`]. It is as accurate near π as near zero.
+pub fn log_quaternion(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
+    log_of_multiple(rotation.quaternion())
+}
+
+/// The rotation vector of any multiple of a unit quaternion.
+fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
+    // A quaternion and its negative are one rotation; w ≥ 0 is the shorter way round.
+    let shorter = if quaternion.w < 0.0 { -quaternion } else { *quaternion };
+    // Cosine and sine of half the angle, both times the same unknown factor.
+    let (cosine, imaginary) = (shorter.w, shorter.imag());
+    let sine = imaginary.norm();
+    if sine < 1e-9 * cosine {
+        // The arc tangent is its argument here, and the norm may have underflowed.
+        imaginary * (2.0 / cosine)
+    } else {
+        imaginary * (2.0 * sine.atan2(cosine) / sine)
+    }
+}
+// ANCHOR_END: quaternion
+
+// ANCHOR: jacobians
+/// The 3×3 left Jacobian: exp(φ + δ) = exp(J δ) exp(φ) to first order in δ.
+pub fn left_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = phi.norm();
+    let turn = hat(phi);
+    Matrix3::identity() + cosc(angle) * turn + sinc_remainder(angle) * turn * turn
+}
+
+/// The 3×3 right Jacobian: exp(φ + δ) = exp(φ) exp(J δ) to first order in δ.
+pub fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
+    left_jacobian(&-phi)
+}
+// ANCHOR_END: jacobians
+
+// ANCHOR: inverse_jacobians
+/// The inverse of [`left_jacobian`]: log(exp(δ) exp(φ)) = φ + J⁻¹ δ to first order in δ.
+/// There is none at an angle of 2π.
+pub fn left_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
+    let turn = hat(phi);
+    Matrix3::identity() - 0.5 * turn + cotangent_remainder(phi.norm()) * turn * turn
+}
+
+/// The inverse of [`right_jacobian`]: log(exp(φ) exp(δ)) = φ + J⁻¹ δ to first order in δ.
+/// There is none at an angle of 2π.
+pub fn right_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
+    left_jacobian_inverse(&-phi)
+}
+// ANCHOR_END: inverse_jacobians
+
+// ANCHOR: jacobian_derivatives
+/// The derivative of [`left_jacobian`] at φ in the direction ρ, a 3×3 matrix.
+pub fn left_jacobian_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = phi.norm();
+    let (turn, step) = (hat(phi), hat(rho));
+    let slopes = cosc_slope(angle) * turn + sinc_remainder_slope(angle) * turn * turn;
+    cosc(angle) * step + sinc_remainder(angle) * (turn * step + step * turn) + phi.dot(rho) * slopes
+}
+
+/// The derivative of [`left_jacobian_inverse`] at φ in the direction ρ, a 3×3 matrix.
+pub fn left_jacobian_inverse_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = phi.norm();
+    let (turn, step) = (hat(phi), hat(rho));
+    cotangent_remainder(angle) * (turn * step + step * turn) - 0.5 * step
+        + phi.dot(rho) * cotangent_remainder_slope(angle) * turn * turn
+}
+// ANCHOR_END: jacobian_derivatives
+
+// ANCHOR: retract
+/// The rotation moved by a rotation vector in its own, rotated frame: R exp(φ).
+pub fn retract(rotation: &Rotation3<f64>, phi: &Vector3<f64>) -> Rotation3<f64> {
+    rotation * exp(phi)
+}
+
+/// The rotation vector that [`retract`] needs to get from the first rotation to the
+/// second: log(R₁ᵀ R₂). Its error is 1e-15 radians, since the product of two rotations
+/// has lost what was smaller.
+pub fn local(first: &Rotation3<f64>, second: &Rotation3<f64>) -> Vector3<f64> {
+    log(&(first.transpose() * second))
+}
+// ANCHOR_END: retract
