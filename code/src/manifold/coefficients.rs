@@ -126,3 +126,94 @@ fn polynomial(coefficients: &[f64], x: f64) -> f64 {
 const fn factorial(n: u32) -> f64 {
     if n == 0 { 1.0 } else { n as f64 * factorial(n - 1) }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use dashu_float::{FBig, round::mode::HalfEven};
+
+    use super::*;
+
+    type Real = FBig<HalfEven, 2>;
+
+    /// Enough for a formula in which four powers of 1e-300 cancel.
+    const BITS: usize = 4200;
+
+    fn real(value: f64) -> Real {
+        Real::try_from(value).expect("a finite number").with_precision(BITS).value()
+    }
+
+    /// Compares a function with its textbook formula in t, sin t and cos t, evaluated
+    /// with digits to waste, at angles from 1e-300 to π.
+    fn assert_accurate(function: fn(f64) -> f64, formula: fn(&Real, &Real, &Real) -> Real) {
+        let mut angles: Vec<f64> = (1..=60).map(|k| 10_f64.powi(-5 * k)).collect();
+        angles.extend((1..=62).map(|k| 0.05 * f64::from(k)));
+        // Both sides of the points at which a function of t or t/2 changes its form.
+        angles.extend([1.0 - f64::EPSILON, 1.0, 2.0 - f64::EPSILON, 2.0]);
+        angles.extend([PI - 1e-3, PI - 1e-9, PI]);
+        let mut worst = (0.0, 0.0);
+        for t in angles {
+            let angle = real(t);
+            let truth = formula(&angle, &angle.sin(), &angle.cos());
+            let error = ((real(function(t)) - &truth) / &truth).to_f64().value().abs();
+            assert!(error < 1e-14, "relative error {error:.1e} at {t:e}");
+            worst = if error > worst.0 { (error, t) } else { worst };
+        }
+        println!("largest relative error {:.1e}, at {:e}", worst.0, worst.1);
+    }
+
+    #[test]
+    fn sinc_is_the_sine_by_the_angle() {
+        assert_accurate(sinc, |t, sin, _| sin / t);
+    }
+
+    #[test]
+    fn cosc_is_one_minus_the_cosine_by_the_squared_angle() {
+        assert_accurate(cosc, |t, _, cos| (1 - cos) / (t * t));
+    }
+
+    #[test]
+    fn sinc_remainder_is_the_angle_minus_the_sine_by_the_cubed_angle() {
+        assert_accurate(sinc_remainder, |t, sin, _| (t - sin) / (t * t * t));
+    }
+
+    #[test]
+    fn cotangent_remainder_is_what_half_angle_times_cotangent_lacks_to_one() {
+        assert_accurate(cotangent_remainder, |t, sin, cos| {
+            (1 - t * (1 + cos) / (2 * sin)) / (t * t)
+        });
+    }
+
+    #[test]
+    fn every_slope_is_the_derivative_by_the_angle() {
+        assert_accurate(sinc_slope, |t, sin, cos| (t * cos - sin) / (t * t * t));
+        assert_accurate(sinc_second_slope, |t, sin, cos| {
+            (3 * sin - 3 * t * cos - t * t * sin) / (t * t * t * t * t)
+        });
+        assert_accurate(cosc_slope, |t, sin, cos| (t * sin - 2 * (1 - cos)) / (t * t * t * t));
+        assert_accurate(sinc_remainder_slope, |t, sin, cos| {
+            (3 * sin - 2 * t - t * cos) / (t * t * t * t * t)
+        });
+        assert_accurate(cotangent_remainder_slope, |t, sin, cos| {
+            let cot = (1 + cos) / sin;
+            ((1 + &cot * &cot) / 4 + cot / (2 * t) - 2 / (t * t)) / (t * t)
+        });
+    }
+
+    #[test]
+    fn nan_stays_nan() {
+        let functions = [
+            sinc,
+            cosc,
+            sinc_remainder,
+            cotangent_remainder,
+            sinc_slope,
+            sinc_second_slope,
+            cosc_slope,
+            sinc_remainder_slope,
+            cotangent_remainder_slope,
+        ];
+        assert!(functions.iter().all(|function| function(f64::NAN).is_nan()));
+    }
+}
