@@ -7,12 +7,15 @@
 //!
 //! # Accuracy
 //!
-//! Every function is accurate to 1e-14 at every angle from 1e-300 to π, measured as the
-//! largest error of an entry against the norm of the true vector, matrix or 3×3 block of
-//! a 6×6 matrix. Small angles keep their own digits: the off-diagonal part of a rotation
-//! by 1e-200 is accurate to 1e-14 of that 1e-200. Above π the exponentials and Jacobians
-//! go on to hold, the inverse Jacobians up to their pole at 2π; angles must stay below
-//! 1e154, where their square overflows.
+//! Every exponential, logarithm and Jacobian is accurate to 1e-14 at every angle from
+//! 1e-300 to π: the largest error of an entry against the largest entry of the true
+//! vector, matrix or 3×3 block of a 6×6 matrix. A small angle keeps its own digits: the
+//! off-diagonal part of a rotation by 1e-200 is right to 1e-14 of that 1e-200. What a
+//! logarithm can know near π is told at [`so3::log`].
+//!
+//! Exponentials and Jacobians hold beyond π too, with an error that grows like the angle,
+//! and that of the inverse Jacobians like the inverse of the distance to their pole at 2π.
+//! Angles above 1e154 give NaN, since their square overflows.
 //!
 //! NaN in gives NaN out. Nothing here panics or allocates.
 

@@ -27,9 +27,20 @@ pub fn vee(matrix: &Matrix3<f64>) -> Vector3<f64> {
 /// The rotation of a rotation vector, by the Rodrigues formula.
 pub fn exp(phi: &Vector3<f64>) -> Rotation3<f64> {
     let angle = phi.norm();
-    let turn = hat(phi);
-    let matrix = Matrix3::identity() + sinc(angle) * turn + cosc(angle) * turn * turn;
-    Rotation3::from_matrix_unchecked(matrix)
+    Rotation3::from_matrix_unchecked(hat_polynomial(phi, sinc(angle), cosc(angle)))
+}
+
+/// The matrix I + a φ^ + b φ^ φ^, entry by entry: products of matrices take twice as long.
+#[rustfmt::skip]
+fn hat_polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
+    let (x, y, z) = (a * phi.x, a * phi.y, a * phi.z);
+    let (xx, yy, zz) = (b * phi.x * phi.x, b * phi.y * phi.y, b * phi.z * phi.z);
+    let (xy, yz, zx) = (b * phi.x * phi.y, b * phi.y * phi.z, b * phi.z * phi.x);
+    Matrix3::new(
+        1.0 - (yy + zz), xy - z, zx + y,
+        xy + z, 1.0 - (zz + xx), yz - x,
+        zx - y, yz + x, 1.0 - (xx + yy),
+    )
 }
 // ANCHOR_END: exp
 
@@ -90,8 +101,7 @@ fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
 /// The 3×3 left Jacobian: exp(φ + δ) = exp(J δ) exp(φ) to first order in δ.
 pub fn left_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     let angle = phi.norm();
-    let turn = hat(phi);
-    Matrix3::identity() + cosc(angle) * turn + sinc_remainder(angle) * turn * turn
+    hat_polynomial(phi, cosc(angle), sinc_remainder(angle))
 }
 
 /// The 3×3 right Jacobian: exp(φ + δ) = exp(φ) exp(J δ) to first order in δ.
@@ -104,8 +114,7 @@ pub fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
 /// The inverse of [`left_jacobian`]: log(exp(δ) exp(φ)) = φ + J⁻¹ δ to first order in δ.
 /// There is none at an angle of 2π.
 pub fn left_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
-    let turn = hat(phi);
-    Matrix3::identity() - 0.5 * turn + cotangent_remainder(phi.norm()) * turn * turn
+    hat_polynomial(phi, -0.5, cotangent_remainder(phi.norm()))
 }
 
 /// The inverse of [`right_jacobian`]: log(exp(φ) exp(δ)) = φ + J⁻¹ δ to first order in δ.
