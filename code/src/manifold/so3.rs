@@ -80,7 +80,9 @@ pub fn exp_quaternion(phi: &Vector3<f64>) -> UnitQuaternion<f64> {
 pub fn log_quaternion(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     log_of_multiple(rotation.quaternion())
 }
+// ANCHOR_END: quaternion
 
+// ANCHOR: log_of_multiple
 /// The rotation vector of any multiple of a unit quaternion.
 fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
     // A quaternion and its negative are one rotation; w ≥ 0 is the shorter way round.
@@ -95,7 +97,7 @@ fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
         imaginary * (2.0 * sine.atan2(cosine) / sine)
     }
 }
-// ANCHOR_END: quaternion
+// ANCHOR_END: log_of_multiple
 
 // ANCHOR: jacobians
 /// The 3×3 left Jacobian: exp(φ + δ) = exp(J δ) exp(φ) to first order in δ.
