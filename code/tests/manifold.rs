@@ -169,6 +169,14 @@ fn the_jacobians_of_rotations_are_their_power_series() {
 }
 
 #[test]
+fn exp_and_right_jacobian_at_once_are_the_same_as_one_by_one() {
+    for phi in rotation_vectors() {
+        let one_by_one = (so3::exp(&phi), so3::right_jacobian(&phi));
+        assert_eq!(so3::exp_with_right_jacobian(&phi), one_by_one);
+    }
+}
+
+#[test]
 fn the_pose_of_a_twist_is_its_power_series() {
     let (mut rotation, mut translation) = (Worst::default(), Worst::default());
     for xi in twists() {

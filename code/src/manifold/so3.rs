@@ -112,6 +112,15 @@ pub fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
 }
 // ANCHOR_END: jacobians
 
+// ANCHOR: exp_with_right_jacobian
+/// [`exp`] and [`right_jacobian`] of one vector, in about half the time of two calls.
+pub fn exp_with_right_jacobian(phi: &Vector3<f64>) -> (Rotation3<f64>, Matrix3<f64>) {
+    let angle = phi.norm();
+    let (a, b, c) = (sinc(angle), cosc(angle), sinc_remainder(angle));
+    (Rotation3::from_matrix_unchecked(hat_polynomial(phi, a, b)), hat_polynomial(&-phi, b, c))
+}
+// ANCHOR_END: exp_with_right_jacobian
+
 // ANCHOR: inverse_jacobians
 /// The inverse of [`left_jacobian`]: log(exp(δ) exp(φ)) = φ + J⁻¹ δ to first order in δ.
 /// There is none at an angle of 2π.
