@@ -408,9 +408,9 @@ fn nan_comes_out_where_nan_goes_in() {
 /// Angles from 1e-300 to π and up to π, about five axes.
 fn rotation_vectors() -> Vec<Vector3<f64>> {
     let spread = (0..=200).map(|k| PI * 10_f64.powf(-1.5 * f64::from(k)));
-    let digits = (0..40).map(|k| PI * 10_f64.powf(-f64::from(k) / 20.0));
+    let usual = (0..50).map(|k| PI * 10_f64.powf(-f64::from(k) / 5.0));
     let near_pi = (0..=16).map(|k| PI - 10_f64.powi(-k));
-    let angles: Vec<f64> = spread.chain(digits).chain(near_pi).collect();
+    let angles: Vec<f64> = spread.chain(usual).chain(near_pi).collect();
     let mut random = Random::new(1);
     let mut axes = vec![Vector3::x(), Vector3::y(), Vector3::z()];
     axes.extend((0..2).map(|_| random.direction(1.0)));

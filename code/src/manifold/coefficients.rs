@@ -6,8 +6,8 @@
 //! changes by φ·δ/t when φ changes by δ.
 //!
 //! Written as in a textbook, most of them subtract nearly equal numbers at small angles.
-//! Products of half angles avoid that where they can. The three functions that remain
-//! have two forms, and change over where the closed form still has its digits.
+//! Products of half angles avoid that where they can. The four functions that remain
+//! have two forms, and change over where both still have their digits.
 
 // ANCHOR: sinc
 /// sin t / t.
@@ -72,7 +72,7 @@ pub fn sinc_second_slope(t: f64) -> f64 {
         22.0 * 24.0 / factorial(25),
         -24.0 * 26.0 / factorial(27),
     ];
-    // Five powers of t cancel here, so the series has to reach farther.
+    // Digits cancel here twice over, so the series has to reach farther.
     if t < 2.0 { polynomial(&SERIES, t * t) } else { -(sinc(t) + 3.0 * sinc_slope(t)) / (t * t) }
 }
 

@@ -90,8 +90,8 @@ fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
     // Cosine and sine of half the angle, both times the same unknown factor.
     let (cosine, imaginary) = (shorter.w, shorter.imag());
     let sine = imaginary.norm();
-    if sine < 1e-9 * cosine {
-        // The arc tangent is its argument here, and the norm may have underflowed.
+    if sine == 0.0 {
+        // The square of a vector below 1e-162 underflows; the vector itself does not.
         imaginary * (2.0 / cosine)
     } else {
         imaginary * (2.0 * sine.atan2(cosine) / sine)
