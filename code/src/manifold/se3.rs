@@ -100,7 +100,8 @@ pub fn retract(pose: &Isometry3<f64>, xi: &Vector6<f64>) -> Isometry3<f64> {
 }
 
 /// The twist that [`retract`] needs to get from the first pose to the second:
-/// log(T₁⁻¹ T₂).
+/// log(T₁⁻¹ T₂). As in [`so3::local`], what is smaller than 1e-15 radians is lost in the
+/// product, and likewise what is smaller than 1e-15 of the translations.
 pub fn local(first: &Isometry3<f64>, second: &Isometry3<f64>) -> Vector6<f64> {
     log(&first.inv_mul(second))
 }
