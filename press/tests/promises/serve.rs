@@ -7,6 +7,9 @@ use std::time::{Duration, Instant};
 
 use crate::small::SmallBook;
 
+/// Generous, and there only to keep a broken server from hanging the tests.
+const LIMIT: Duration = Duration::from_secs(60);
+
 /// A running server, stopped when the test ends.
 struct Server {
     child: Child,
@@ -47,11 +50,11 @@ impl Server {
         answer
     }
 
-    /// Asks for a page until it holds a text; a generous limit keeps a broken server from hanging the tests.
+    /// Asks for a page until it holds a text.
     fn wait_for(&self, path: &str, text: &str) {
         let start = Instant::now();
         while !self.get(path).contains(text) {
-            assert!(start.elapsed() < Duration::from_secs(60), "{path} never held {text:?}");
+            assert!(start.elapsed() < LIMIT, "{path} never held {text:?}");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -81,6 +84,7 @@ fn a_page_that_is_open_hears_of_faults_and_of_their_mending() {
     let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:nothing of");
     let server = Server::start(&book);
     let mut stream = TcpStream::connect(&server.address).unwrap();
+    stream.set_read_timeout(Some(LIMIT)).unwrap();
     write!(stream, "GET /__book-news HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
     let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
     assert!(lines.any(|line| line.contains("event: faults")));
