@@ -1,7 +1,7 @@
 //! What the program `exhibits` computed: checks, numbers, figures, records.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -51,6 +51,19 @@ pub struct Check {
     pub file: String,
     /// The line of that.
     pub line: usize,
+    /// The line of its function in the chapter's exhibits, when there is one.
+    #[serde(skip)]
+    pub function: Option<usize>,
+}
+
+impl Check {
+    /// The file and line that a link to the check leads to.
+    pub fn place(&self, slug: &str) -> (String, usize) {
+        match self.function {
+            Some(line) => (source_file(slug), line),
+            None => (self.file.clone(), self.line),
+        }
+    }
 }
 
 /// A computed number.
@@ -116,9 +129,14 @@ impl Exhibits {
         for slug in slugs {
             let path = folder.join(slug).join("exhibits.json");
             if let Some(text) = files::read_if_there(&path)? {
-                let shown: Shown = serde_json::from_str(&text).with_context(|| {
+                let mut shown: Shown = serde_json::from_str(&text).with_context(|| {
                     format!("{} is damaged: delete it and build again", path.display())
                 })?;
+                let source = files::read_if_there(&layout.root.join(source_file(slug)))?;
+                let source = source.unwrap_or_default();
+                for check in &mut shown.equations {
+                    check.function = function_line(&source, &check.label);
+                }
                 chapters.insert(slug.clone(), shown);
             }
         }
@@ -164,11 +182,11 @@ impl Exhibits {
     }
 
     /// Checks that fail, mutants that survive, names that stand twice, records that do not fit their program.
-    pub fn faults(&self, root: &Path) -> Faults {
+    pub fn faults(&self) -> Faults {
         let mut faults = Faults::default();
         for shown in self.chapters.values() {
             for check in &shown.equations {
-                check_faults(root, &shown.slug, check, &mut faults);
+                check_faults(&shown.slug, check, &mut faults);
             }
             for inputs in &shown.records {
                 self.record_faults(inputs, &mut faults);
@@ -206,7 +224,7 @@ impl Exhibits {
     }
 }
 
-fn check_faults(root: &Path, slug: &str, check: &Check, faults: &mut Faults) {
+fn check_faults(slug: &str, check: &Check, faults: &mut Faults) {
     let place = (check.file.as_str(), check.line);
     let label = format!("eq:{}", check.label);
     if let Some(failure) = &check.failure {
@@ -233,24 +251,25 @@ fn check_faults(root: &Path, slug: &str, check: &Check, faults: &mut Faults) {
             "give it mutants: a sign, a transpose, a wrong frame, a dropped term",
         );
     }
-    if check_function(root, slug, &check.label).is_none() {
+    if check.function.is_none() {
         let name = check.label.replace('-', "_");
         faults.add(
             place,
             &label,
-            format!("exhibits/src/{slug}.rs has no function `{name}`"),
+            format!("{} has no function `{name}`", source_file(slug)),
             "name the check's function after the label of its equation",
         );
     }
 }
 
-/// The file and line of the function that checks an equation.
-pub fn check_function(root: &Path, slug: &str, label: &str) -> Option<(String, usize)> {
+/// The file in which a chapter's checks stand.
+fn source_file(slug: &str) -> String {
+    format!("exhibits/src/{slug}.rs")
+}
+
+/// The line of the function that checks an equation.
+fn function_line(source: &str, label: &str) -> Option<usize> {
     let head = format!("fn {}(", label.replace('-', "_"));
-    let file = format!("exhibits/src/{slug}.rs");
-    let source = files::read_if_there(&root.join(&file)).ok()??;
-    let line = source
-        .lines()
-        .position(|line| line.trim_start().trim_start_matches("pub ").starts_with(&head))?;
-    Some((file, line + 1))
+    let begins = |line: &str| line.trim_start().trim_start_matches("pub ").starts_with(&head);
+    source.lines().position(begins).map(|line| line + 1)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::accepted::digest;
 use crate::attributes::Attributes;
 use crate::blocks::Kind;
-use crate::exhibits::{Exhibits, check_function};
+use crate::exhibits::Exhibits;
 use crate::pages::Page;
 use crate::prose::{Found, Known, escape, link, source};
 
@@ -37,14 +37,8 @@ impl Table {
 }
 
 /// The ledger: every equation, number, figure, listing and record with what stands behind it.
-pub fn ledger(
-    here: &Page,
-    pages: &[Page],
-    root: &Path,
-    known: &Known<'_>,
-    found: &mut Found<'_>,
-) -> String {
-    let (equations, definitions) = equations(here, pages, root, known.exhibits, found);
+pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<'_>) -> String {
+    let (equations, definitions) = equations(here, pages, known.exhibits, found);
     let tables = [
         equations,
         definitions,
@@ -111,7 +105,6 @@ fn labelled<'a>(
 fn equations(
     here: &Page,
     pages: &[Page],
-    root: &Path,
     exhibits: &Exhibits,
     found: &mut Found<'_>,
 ) -> (Table, Table) {
@@ -126,8 +119,7 @@ fn equations(
         }
         let Some(check) = exhibits.check(&page.slug, label) else { continue };
         let Kind::Equation { tex, .. } = kind else { continue };
-        let (file, line) =
-            check_function(root, &page.slug, label).unwrap_or((check.file.clone(), check.line));
+        let (file, line) = check.place(&page.slug);
         let href = source(here, &file, line, found);
         checked.push(vec![
             name,

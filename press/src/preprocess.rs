@@ -60,7 +60,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     let exhibits = Exhibits::read(layout, &slugs)?;
     let works = files::read_if_there(&layout.root.join(bibliography::FILE))?.unwrap_or_default();
     let bibliography = Bibliography::parse(&works, &mut faults);
-    faults.extend(exhibits.faults(&layout.root));
+    faults.extend(exhibits.faults());
     let known = Known { labels: &labels, exhibits: &exhibits, bibliography: &bibliography };
     let mut found = Found {
         faults,
@@ -83,10 +83,8 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     for page in &pages {
         if let Some(content) = contents.get_mut(&page.path) {
             if content.contains("{{ledger}}") {
-                *content = content.replace(
-                    "{{ledger}}",
-                    &ledger::ledger(page, &pages, &layout.root, &known, &mut found),
-                );
+                *content = content
+                    .replace("{{ledger}}", &ledger::ledger(page, &pages, &known, &mut found));
             }
             if content.contains("{{bibliography}}") {
                 *content = content.replace(

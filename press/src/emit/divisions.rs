@@ -69,30 +69,27 @@ impl Emitter<'_, '_> {
     }
 
     fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
-        let mut terms = String::new();
-        for key in ["difficulty", "needs"] {
-            let value = self.resolve(line, attributes.value(key));
-            if value.is_empty() {
-                self.fault(
-                    line,
-                    "opening",
-                    format!("the opening does not say {key}=\"…\""),
-                    "a reader wants to know before reading",
-                );
-            }
-            let (name, value) = match key {
-                "difficulty" => ("Difficulty", format!("{value} of 3")),
-                _ => ("Needs", value),
-            };
-            terms.push_str(&format!("<dt>{name}</dt><dd>{value}</dd>"));
-            if key == "difficulty" {
-                terms.push_str(&format!(
-                    "<dt>Reading time</dt><dd>{} minutes</dd>",
-                    minutes(self.page)
-                ));
-            }
+        let difficulty = self.said(line, attributes, "difficulty");
+        let needs = self.said(line, attributes, "needs");
+        format!(
+            "<div class=\"opening\">\n<dl><dt>Difficulty</dt><dd>{difficulty} of 3</dd>\
+             <dt>Reading time</dt><dd>{} minutes</dd><dt>Needs</dt><dd>{needs}</dd></dl>\n",
+            minutes(self.page)
+        )
+    }
+
+    /// What the opening says of a matter that it must not leave out.
+    fn said(&mut self, line: usize, attributes: &Attributes, key: &str) -> String {
+        let value = self.resolve(line, attributes.value(key));
+        if value.is_empty() {
+            self.fault(
+                line,
+                "opening",
+                format!("the opening does not say {key}=\"…\""),
+                "a reader wants to know before reading",
+            );
         }
-        format!("<div class=\"opening\">\n<dl>{terms}</dl>\n")
+        value
     }
 
     pub(super) fn close(&mut self, line: usize) {

@@ -4,7 +4,7 @@ use super::Emitter;
 use crate::accepted::normal;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
-use crate::exhibits::{Check, check_function};
+use crate::exhibits::Check;
 use crate::formulas::Formula;
 use crate::prose::{escape, fill};
 
@@ -88,8 +88,7 @@ impl Emitter<'_, '_> {
             }
             Some(_) => {}
         }
-        let (file, line) = check_function(&self.layout.root, &slug, label)
-            .unwrap_or((check.file.clone(), check.line));
+        let (file, line) = check.place(&slug);
         let href = self.source(&file, line);
         note(&check, &href)
     }
