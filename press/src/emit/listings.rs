@@ -7,7 +7,7 @@ use crate::attributes::Attributes;
 use crate::blocks::Block;
 use crate::files;
 use crate::inline::NAMED_LABEL;
-use crate::listing;
+use crate::listing::{self, Listing};
 
 impl Emitter<'_, '_> {
     pub(super) fn fence(
@@ -24,6 +24,11 @@ impl Emitter<'_, '_> {
             _ => None,
         };
         match (include, language) {
+            (Some(target), language) if language != "rust" && attributes.id.is_empty() => {
+                if let Some((_, cut)) = self.cut(block, "", target.trim()) {
+                    self.code(block, language, &cut.code);
+                }
+            }
             (Some(target), _) => self.listing(block, language, attributes, target.trim()),
             (None, "") => self.fault(
                 block.line,
@@ -34,17 +39,17 @@ impl Emitter<'_, '_> {
             (None, "rust") => {
                 self.fault(block.line, "", "Rust is typed into the chapter", "put the code into a crate, where it is compiled, and include it by its anchor: {{#include ../code/src/x.rs:anchor}}");
             }
-            (None, _) => {
-                let longest = body
-                    .iter()
-                    .map(|line| line.len() - line.trim_start_matches('`').len())
-                    .max()
-                    .unwrap_or(0);
-                let mark = "`".repeat(longest.max(2) + 1);
-                let text = format!("{mark}{language}\n{}\n{mark}\n", body.join("\n"));
-                self.lines(&block.indent, &text);
-            }
+            (None, _) => self.code(block, language, body),
         }
+    }
+
+    /// A block of code without a number.
+    fn code(&mut self, block: &Block, language: &str, body: &[String]) {
+        let ticks = |line: &String| line.len() - line.trim_start_matches('`').len();
+        let longest = body.iter().map(ticks).max().unwrap_or(0);
+        let mark = "`".repeat(longest.max(2) + 1);
+        let text = format!("{mark}{language}\n{}\n{mark}\n", body.join("\n"));
+        self.lines(&block.indent, &text);
     }
 
     fn listing(&mut self, block: &Block, language: &str, attributes: &Attributes, target: &str) {
@@ -52,27 +57,8 @@ impl Emitter<'_, '_> {
             return;
         }
         let id = &attributes.id;
-        let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
-        let Some(file) = self.included(path) else {
-            self.missing(id);
-            return self.fault(
-                block.line,
-                id,
-                format!("{path} is not a file of the book"),
-                "mend the path, which begins at the chapter's folder",
-            );
-        };
-        let cut = files::read(&self.layout.root.join(&file))
-            .ok()
-            .and_then(|text| listing::cut(&text, name));
-        let Some(cut) = cut else {
-            self.missing(id);
-            return self.fault(
-                block.line,
-                id,
-                format!("{file} has no anchor `{name}`"),
-                format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"),
-            );
+        let Some((file, cut)) = self.cut(block, id, target) else {
+            return self.missing(id);
         };
         let longest = self.settings.longest_listing;
         if cut.code.len() > longest {
@@ -106,6 +92,31 @@ impl Emitter<'_, '_> {
             cut.code.join("\n"),
         );
         self.lines(&block.indent, &html);
+    }
+
+    /// The piece of a file that an include asks for, and the file.
+    fn cut(&mut self, block: &Block, id: &str, target: &str) -> Option<(String, Listing)> {
+        let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
+        let Some(file) = self.included(path) else {
+            self.fault(
+                block.line,
+                id,
+                format!("{path} is not a file of the book"),
+                "mend the path, which begins at the chapter's folder",
+            );
+            return None;
+        };
+        let text = files::read(&self.layout.root.join(&file)).ok();
+        let Some(cut) = text.and_then(|text| listing::cut(&text, name)) else {
+            self.fault(
+                block.line,
+                id,
+                format!("{file} has no anchor `{name}`"),
+                format!("enclose the code in // ANCHOR: {name} and // ANCHOR_END: {name}"),
+            );
+            return None;
+        };
+        Some((file, cut))
     }
 
     /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.

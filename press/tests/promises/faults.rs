@@ -322,6 +322,18 @@ fn a_listing_whose_anchor_is_gone_is_named() {
 }
 
 #[test]
+fn code_in_another_language_is_cut_from_its_file_too() {
+    let book = SmallBook::sound();
+    let include = "```python\n{{#include ../code/add.py:add}}\n```\n";
+    book.write("src/one.md", &(book.read("src/one.md") + include));
+    book.write("code/add.py", "# ANCHOR: add\na + b\n# ANCHOR_END: add\n");
+    assert!(book.run(&["build"]).status.success());
+    assert!(book.read("book/one.html").contains("a + b\n</code>"));
+    let book = book.with("code/add.py", "ANCHOR: add", "ANCHOR: sub");
+    says(&book.faults(), &["code/add.py has no anchor `add`"]);
+}
+
+#[test]
 fn a_listing_of_a_file_that_is_gone_is_named() {
     let book = SmallBook::sound().with("src/one.md", "../code/src/one.rs", "../code/src/two.rs");
     says(&book.faults(), &["src/one.md:19: lst:add: ../code/src/two.rs is not a file of the book"]);
