@@ -48,13 +48,17 @@ impl Page {
     }
 
     fn number_blocks(&mut self) {
-        let Some(chapter) = &self.number else { return };
+        let chapter = self.number.as_ref().map(|number| format!("{number}."));
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for block in &mut self.blocks {
             let Some(kind) = counted(&block.kind) else { continue };
+            // Outside the count of chapters, listings, figures and theorems are counted by themselves.
+            if chapter.is_none() && matches!(kind, "sec:" | "eq:") {
+                continue;
+            }
             let count = counts.entry(kind).or_default();
             *count += 1;
-            block.number = format!("{chapter}.{count}");
+            block.number = format!("{}{count}", chapter.as_deref().unwrap_or_default());
         }
     }
 
