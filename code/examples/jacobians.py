@@ -15,13 +15,13 @@ def by_hand(state):
 
 states = [[0, 0, 0] + [random.uniform(-1, 1) for _ in range(5)] + [random.uniform(4, 8)]
           for _ in range(1000)]
-with open("states.csv", "w", newline="") as file:
+with open("target/states.csv", "w", newline="") as file:
     csv.writer(file).writerows([COLUMNS] + states)
 
 subprocess.run(["cargo", "run", "-p", "vislam", "--example", "jacobians", "--",
-                "400", "400", "320", "240", "states.csv", "jacobians.csv"], check=True)
+                "400", "400", "320", "240", "target/states.csv", "target/jacobians.csv"], check=True)
 
-with open("jacobians.csv") as file:
+with open("target/jacobians.csv") as file:
     rows = [[float(cell) for cell in row] for row in list(csv.reader(file))[1:]]
 # ANCHOR_END: notebook
 

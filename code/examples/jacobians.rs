@@ -11,7 +11,7 @@
 
 use std::process::ExitCode;
 
-use nalgebra::{Isometry3, SVector, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use vislam::manifold::so3;
 use vislam::reprojection::Pinhole;
 
@@ -66,14 +66,12 @@ fn row(camera: &Pinhole, &[rx, ry, rz, tx, ty, tz, x, y, z]: &[f64; 9]) -> Strin
     let rotation = so3::exp_quaternion(&Vector3::new(rx, ry, rz));
     let camera_from_world = Isometry3::from_parts(Vector3::new(tx, ty, tz).into(), rotation);
     let point = Vector3::new(x, y, z);
-    let pixel = camera.project(&camera_from_world, &point);
-    match pixel.zip(camera.jacobians(&camera_from_world, &point)) {
-        Some((pixel, (pose, point))) => {
-            let rows = pixel.iter().chain(pose.transpose().iter()).chain(point.transpose().iter());
-            rows.map(f64::to_string).collect::<Vec<_>>().join(",") + "\n"
-        }
-        None => ",".repeat(19) + "\n",
-    }
+    let Some(found) = camera.project_with_jacobians(&camera_from_world, &point) else {
+        return ",".repeat(19) + "\n";
+    };
+    let (pose, point) = (found.by_pose.transpose(), found.by_point.transpose());
+    let cells = found.pixel.iter().chain(&pose).chain(&point);
+    cells.map(f64::to_string).collect::<Vec<_>>().join(",") + "\n"
 }
 // ANCHOR_END: row
 
