@@ -136,7 +136,7 @@ fn katex_settings(
 }
 
 /// What a rendered formula depends on besides its TeX.
-fn salt(root: &Path, settings: &KatexConfig) -> Result<String> {
+pub fn salt(root: &Path, settings: &KatexConfig) -> Result<String> {
     Ok(format!("{} {settings:?} {:?}", env!("CARGO_PKG_VERSION"), macros(root, settings)?))
 }
 

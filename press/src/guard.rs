@@ -23,7 +23,7 @@ impl Preprocessor for Guard {
 
 /// Escapes, in the text of each formula, what Markdown would take for its own marks, and drops the TeX
 /// that KaTeX encloses, which would otherwise turn up in the search.
-fn guarded(content: &str) -> String {
+pub fn guarded(content: &str) -> String {
     static ANNOTATION: LazyLock<Regex> = LazyLock::new(|| {
         Regex::new(r"(?s)<annotation[^>]*>.*?</annotation>").expect("a valid pattern")
     });

@@ -33,6 +33,8 @@ pub enum Mark<'a> {
     Reference { label: &'a str, bare: bool },
     /// `[@key; @other]`, or `@key` as part of the sentence.
     Citation { keys: Vec<&'a str>, narrative: bool },
+    /// `[text](api:path::of::item)`.
+    Item { text: &'a str, path: &'a str },
     /// `[text]{.class}`.
     Span { text: &'a str, attributes: Attributes },
     /// A dollar sign that begins mathematics which never ends.
@@ -149,6 +151,9 @@ fn bracket(rest: &str) -> Option<(Mark<'_>, usize)> {
         let keys = inside.split(';').map(|key| key.trim().trim_start_matches('@')).collect();
         return Some((Mark::Citation { keys, narrative: false }, length));
     }
+    if let Some((path, after)) = after.strip_prefix("(api:").and_then(|rest| rest.split_once(')')) {
+        return Some((Mark::Item { text: inside, path }, rest.len() - after.len()));
+    }
     let (attributes, taken) = Attributes::parse(after)?;
     Some((Mark::Span { text: inside, attributes }, length + taken))
 }
@@ -195,6 +200,14 @@ mod tests {
         assert_eq!(marks("{{value bearing.fx}}"), [Mark::Value("bearing.fx")]);
         assert_eq!(marks("{{value\nbearing.fx }}"), [Mark::Value("bearing.fx")]);
         assert_eq!(marks("[-@fig:rays]"), [Mark::Reference { label: "fig:rays", bare: true }]);
+    }
+
+    #[test]
+    fn a_link_to_an_item_keeps_its_text() {
+        assert_eq!(
+            marks("[`exp`](api:so3::exp) of [x](a.md)"),
+            [Mark::Item { text: "`exp`", path: "so3::exp" }, Mark::Plain(" of [x](a.md)")]
+        );
     }
 
     #[test]

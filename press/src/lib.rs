@@ -4,6 +4,7 @@
 
 pub mod accept;
 pub mod accepted;
+pub mod api;
 pub mod attributes;
 pub mod bibliography;
 pub mod blocks;

@@ -77,7 +77,8 @@ impl Rendered {
         there: &BTreeSet<&PathBuf>,
         anchors: &BTreeMap<&PathBuf, &BTreeSet<String>>,
     ) -> Option<(String, &'static str)> {
-        if address.starts_with("data:") {
+        // rustdoc's pages go back by a script.
+        if address.starts_with("data:") || address.starts_with("javascript:") {
             return None;
         }
         if address.contains("://") || address.starts_with("//") || address.starts_with("mailto:") {

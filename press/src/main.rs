@@ -97,7 +97,7 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
         Command::Build => maker(Steps::new())?.build_book(),
         Command::Check => {
             let maker = maker(Steps::new())?;
-            maker.build(&maker.layout.work().join("checked"), None)
+            maker.build(&maker.layout.work().join("checked"))
         }
         Command::Accept { show } => {
             accept::accept(&maker(Steps::new())?, show).map(|()| Faults::default())

@@ -7,12 +7,13 @@ use anyhow::{Context, Result, anyhow};
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 
+use crate::api::publish;
 use crate::fault::Faults;
 use crate::files;
 use crate::formulas::RememberingKatex;
 use crate::guard::Guard;
 use crate::links;
-use crate::preprocess::Press;
+use crate::preprocess::{Later, Press};
 use crate::program::Program;
 use crate::settings::{Layout, Settings};
 use crate::steps::Steps;
@@ -35,15 +36,49 @@ impl Maker {
     /// # Errors
     /// What keeps the pages from being made at all: exhibits that do not compile, a damaged `book.toml`, a folder
     /// that cannot be written.
-    pub fn build(&self, site: &Path, live_reload: Option<&str>) -> Result<Faults> {
+    pub fn build(&self, site: &Path) -> Result<Faults> {
+        let mut faults = self.pages(site, |press| press, None)?;
+        faults.extend(self.links(site)?);
+        Ok(faults)
+    }
+
+    /// Builds as [`Maker::build`] does, for somebody who waits: `shown` is called as soon as there are pages, and
+    /// those of the library come after that when they have to be made.
+    ///
+    /// # Errors
+    /// As [`Maker::build`].
+    pub fn build_live(&self, site: &Path, news: &str, shown: impl FnOnce()) -> Result<Faults> {
+        let later = Later::default();
+        let mut faults = self.pages(site, |press| press.leaving(&later), Some(news))?;
+        shown();
+        let plan = later.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(plan) = plan {
+            faults.extend(self.steps.step("pages of the library", || plan.make())?);
+            faults.extend(self.warnings.take(&faults));
+            publish::copy(&self.layout.api(), &site.join("api"))?;
+        }
+        faults.extend(self.links(site)?);
+        Ok(faults)
+    }
+
+    fn pages(
+        &self,
+        site: &Path,
+        how: impl FnOnce(Press) -> Press,
+        live_reload: Option<&str>,
+    ) -> Result<Faults> {
         self.refresh_exhibits()?;
         let faults = Arc::new(Mutex::new(Faults::default()));
-        self.steps.step("pages", || self.render(site, live_reload, &faults))?;
+        let press = how(Press::new(self.layout.clone(), faults.clone()));
+        self.steps.step("pages", || self.render(site, press, live_reload))?;
         let mut faults =
             std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
         faults.extend(self.warnings.take(&faults));
-        faults.extend(self.steps.step("links", || links::faults(site, &self.layout.src()))?);
         Ok(faults)
+    }
+
+    fn links(&self, site: &Path) -> Result<Faults> {
+        self.steps.step("links", || links::faults(site, &self.layout.src()))
     }
 
     /// Computes the exhibits of the chapters whose inputs changed.
@@ -85,18 +120,13 @@ impl Maker {
         read().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")
     }
 
-    fn render(
-        &self,
-        site: &Path,
-        live_reload: Option<&str>,
-        faults: &Arc<Mutex<Faults>>,
-    ) -> Result<()> {
+    fn render(&self, site: &Path, press: Press, live_reload: Option<&str>) -> Result<()> {
         let mut book = self.load()?;
         book.config.build.build_dir = absolute(site)?;
         if let Some(endpoint) = live_reload {
             book.config.set("output.html.live-reload-endpoint", endpoint)?;
         }
-        book.with_preprocessor(Press::new(self.layout.clone(), faults.clone()));
+        book.with_preprocessor(press);
         book.with_preprocessor(RememberingKatex::new(&self.layout.work()));
         book.with_preprocessor(Guard);
         book.build().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot make the pages")
@@ -105,7 +135,7 @@ impl Maker {
     /// Builds into `book/`, which is replaced only when nothing is wrong.
     pub fn build_book(&self) -> Result<Faults> {
         let site = self.layout.work().join("site");
-        let faults = self.build(&site, None)?;
+        let faults = self.build(&site)?;
         if faults.is_empty() {
             files::replace_folder(&site, &self.layout.root.join("book"))?;
         }

@@ -9,6 +9,8 @@ use mdbook_preprocessor::config::Config;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 
 use crate::accepted::Accepted;
+use crate::api::Plan;
+use crate::api::items::Library;
 use crate::bibliography::{self, Bibliography};
 use crate::blocks::Kind;
 use crate::emit::Emitter;
@@ -29,12 +31,33 @@ use crate::sources;
 pub struct Press {
     layout: Layout,
     faults: Arc<Mutex<Faults>>,
+    later: Option<Later>,
 }
+
+/// The pages of the library, when they are to be made after those of the chapters.
+pub type Later = Arc<Mutex<Option<Plan>>>;
 
 impl Press {
     /// A press for the book in `layout`, which adds what it finds to `faults`.
     pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>) -> Press {
-        Press { layout, faults }
+        Press { layout, faults, later: None }
+    }
+
+    /// The same press, which does not make the pages of the library, but leaves it to others.
+    pub fn leaving(mut self, later: &Later) -> Press {
+        self.later = Some(later.clone());
+        self
+    }
+
+    fn make_or_leave(&self, plan: Plan) -> Result<Faults> {
+        match &self.later {
+            _ if plan.is_made()? => {}
+            None => return plan.make(),
+            Some(later) => {
+                *later.lock().unwrap_or_else(PoisonError::into_inner) = Some(plan);
+            }
+        }
+        Ok(Faults::default())
     }
 }
 
@@ -44,14 +67,17 @@ impl Preprocessor for Press {
     }
 
     fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
-        let faults = press(&self.layout, &context.config, &mut book)?;
+        let (mut faults, plan) = press(&self.layout, &context.config, &mut book)?;
+        if let Some(plan) = plan {
+            faults.extend(self.make_or_leave(plan)?);
+        }
         self.faults.lock().unwrap_or_else(PoisonError::into_inner).extend(faults);
         Ok(book)
     }
 }
 
-/// Presses all chapters of a book.
-fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
+/// Presses all chapters of a book, and plans the pages of the library.
+fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, Option<Plan>)> {
     let settings = Settings::read(&layout.root)?;
     let pages = Page::all(book);
     let mut faults = Faults::default();
@@ -61,7 +87,13 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     let works = files::read_if_there(&layout.root.join(bibliography::FILE))?.unwrap_or_default();
     let bibliography = Bibliography::parse(&works, &mut faults);
     faults.extend(exhibits.faults());
-    let known = Known { labels: &labels, exhibits: &exhibits, bibliography: &bibliography };
+    let library = Library::read(&layout.root, &settings.library_package)?;
+    let known = Known {
+        labels: &labels,
+        exhibits: &exhibits,
+        bibliography: &bibliography,
+        library: &library,
+    };
     let mut found = Found {
         faults,
         formulas: Vec::new(),
@@ -101,9 +133,10 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<Faults> {
     });
     unused(&pages, &exhibits, &mut found);
     found.lint.finish(&mut found.faults);
+    let plan = Plan::new(layout, &settings, config, &pages, &known, &mut found)?;
     formulas::try_all(&layout.root, config, &layout.work(), &found.formulas, &mut found.faults)?;
     write_generated(layout, &labels, &mut found)?;
-    Ok(found.faults)
+    Ok((found.faults, plan))
 }
 
 /// What the program makes and no chapter shows.

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use regex::{Captures, Regex};
 
+use crate::api::items::{Item, Library};
 use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
@@ -31,6 +32,8 @@ pub struct Known<'a> {
     pub exhibits: &'a Exhibits,
     /// What can be cited.
     pub bibliography: &'a Bibliography,
+    /// The items that have a page.
+    pub library: &'a Library,
 }
 
 /// What the press learns while it writes the pages.
@@ -107,6 +110,7 @@ impl One<'_> {
             Mark::Citation { keys, narrative } => {
                 out.push_str(&self.citation(keys, *narrative, found));
             }
+            Mark::Item { text, path } => out.push_str(&self.item(text, path, found)),
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
@@ -192,6 +196,23 @@ impl One<'_> {
         format!("<a class=\"xref\" href=\"{way}#{label}\">{name}</a>")
     }
 
+    fn item(&self, text: &str, path: &str, found: &mut Found<'_>) -> String {
+        let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
+        let Some(item) = self.known.library.item(path) else {
+            let mend = match self.known.library.like(path) {
+                Some(like) => format!("did you mean api:{like}?"),
+                None => format!("name a public item of {}", crate::api::items::SOURCES),
+            };
+            let problem = "the library has no such public item";
+            found.faults.add(self.place, format!("api:{path}"), problem, mend);
+            return inside;
+        };
+        match self.prose.html {
+            true => item_link(self.prose.page, self.known.library, item, &inside),
+            false => inside,
+        }
+    }
+
     fn citation(&self, keys: &[&str], narrative: bool, found: &mut Found<'_>) -> String {
         let links: Vec<String> = keys.iter().map(|key| self.work(key, narrative, found)).collect();
         match narrative {
@@ -248,7 +269,8 @@ impl One<'_> {
     }
 }
 
-fn name_of(label: &str, target: &Target, bare: bool) -> String {
+/// How a reference calls what it leads to: `Equation (1.2)`, or the number alone.
+pub fn name_of(label: &str, target: &Target, bare: bool) -> String {
     let number = match label.starts_with("eq:") {
         true => format!("({})", target.number),
         false => target.number.clone(),
@@ -319,6 +341,12 @@ pub fn escape(text: &str) -> String {
 pub fn link(from: &Page, to: &std::path::Path, anchor: &str, text: &str) -> String {
     let way = if from.path == *to { String::new() } else { from.way_to(to) };
     format!("<a href=\"{way}#{anchor}\">{text}</a>")
+}
+
+/// A link to the page of an item of the library.
+pub fn item_link(from: &Page, library: &Library, item: &Item, text: &str) -> String {
+    let way = from.way_to(item.page.as_ref());
+    format!("<a class=\"api\" href=\"{way}\" title=\"{}::{}\">{text}</a>", library.name, item.path)
 }
 
 /// The way from a page to a line of a source file, which is thereby added to the source pages.

@@ -126,9 +126,9 @@ fn changed_file(maker: &Maker, event: notify::Result<notify::Event>) -> Option<P
     let event = event.ok().filter(|event| {
         event.kind.is_create() || event.kind.is_modify() || event.kind.is_remove()
     })?;
-    let generated = maker.layout.generated();
-    let path =
-        event.paths.into_iter().find(|path| !path.starts_with(&generated) && !is_scratch(path))?;
+    let written = [maker.layout.generated(), maker.layout.api()];
+    let foreign = |path: &PathBuf| !written.iter().any(|folder| path.starts_with(folder));
+    let path = event.paths.into_iter().find(|path| foreign(path) && !is_scratch(path))?;
     Some(path.strip_prefix(&maker.layout.root).map(Path::to_path_buf).unwrap_or(path))
 }
 
@@ -148,21 +148,27 @@ fn build(maker: &Maker, served: &Served) {
         "serve-a"
     };
     let site = maker.layout.work().join(name);
-    let trouble = match maker.build(&site, Some(NEWS)) {
-        Ok(faults) => {
-            *served.site.write().unwrap_or_else(PoisonError::into_inner) = Some(site);
-            faults.report()
+    let shown = || {
+        *served.site.write().unwrap_or_else(PoisonError::into_inner) = Some(site.clone());
+        // What was wrong before is not what is wrong now, and that is not known yet.
+        served.trouble.write().unwrap_or_else(PoisonError::into_inner).clear();
+        // Nobody may be listening, which is no error.
+        drop(served.news.send(News::Reload));
+        maker.steps.say(&format!("shown after {:.1} s", start.elapsed().as_secs_f64()));
+    };
+    let trouble = match maker.build_live(&site, NEWS, shown) {
+        Ok(faults) => faults.report(),
+        Err(error) => {
+            drop(served.news.send(News::Reload));
+            format!("{error:#}\n")
         }
-        Err(error) => format!("{error:#}\n"),
     };
     eprint!("{trouble}");
     maker.steps.say(&format!("built in {:.1} s", start.elapsed().as_secs_f64()));
-    // Nobody may be listening, which is no error.
-    drop(served.news.send(News::Reload));
+    *served.trouble.write().unwrap_or_else(PoisonError::into_inner) = trouble.clone();
     if !trouble.is_empty() {
-        drop(served.news.send(News::Faults(trouble.clone())));
+        drop(served.news.send(News::Faults(trouble)));
     }
-    *served.trouble.write().unwrap_or_else(PoisonError::into_inner) = trouble;
 }
 
 /// A stream of what happens to the book; whoever comes late is told of the faults there are.

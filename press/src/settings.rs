@@ -19,6 +19,8 @@ pub struct Settings {
     pub after: Vec<String>,
     /// The cargo package that computes what the chapters show; empty: what lies in `target/press/exhibits` is taken as it is.
     pub exhibits_package: String,
+    /// The cargo package whose pages lie beside the chapters, with its sources in `code/src`; empty: none.
+    pub library_package: String,
     /// A longer listing is not read by anybody.
     pub longest_listing: usize,
     /// At most this share of a chapter's numbered equations may be definitions.
@@ -46,6 +48,7 @@ impl Default for Settings {
             before: Vec::new(),
             after: Vec::new(),
             exhibits_package: "exhibits".to_owned(),
+            library_package: "vislam".to_owned(),
             longest_listing: 25,
             definition_share: 0.25,
             allow: Vec::new(),
@@ -92,6 +95,11 @@ impl Layout {
     /// What the press writes for mdBook to copy: data and source pages.
     pub fn generated(&self) -> PathBuf {
         self.src().join("generated")
+    }
+
+    /// The pages of the library, for mdBook to copy.
+    pub fn api(&self) -> PathBuf {
+        self.src().join("api")
     }
 
     /// The files the press keeps between two builds.

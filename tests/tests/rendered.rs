@@ -25,7 +25,7 @@ static BUILT: LazyLock<Built> = LazyLock::new(|| {
         steps: Steps::quiet(),
         warnings: Warnings::default(),
     };
-    let faults = maker.build(&folder.path().join("site"), None).expect("a book");
+    let faults = maker.build(&folder.path().join("site")).expect("a book");
     Built { folder, report: faults.report() }
 });
 

@@ -3,11 +3,13 @@
 use std::path::{Component, Path};
 
 use super::Emitter;
+use crate::api::items::Item;
 use crate::attributes::Attributes;
 use crate::blocks::Block;
 use crate::files;
 use crate::inline::NAMED_LABEL;
 use crate::listing::{self, Listing};
+use crate::prose::item_link;
 
 impl Emitter<'_, '_> {
     pub(super) fn fence(
@@ -84,8 +86,9 @@ impl Emitter<'_, '_> {
         }
         let caption = self.resolve(block.line, &caption);
         let href = self.source(&file, cut.first);
+        let items = self.items(&file, cut.first, cut.last);
         let html = format!(
-            "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines {}–{}</a>\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
+            "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines {}–{}</a>{items}\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
             block.number,
             cut.first,
             cut.last,
@@ -117,6 +120,20 @@ impl Emitter<'_, '_> {
             return None;
         };
         Some((file, cut))
+    }
+
+    /// Links to the pages of the public items that stand in full on these lines.
+    fn items(&self, file: &str, first: usize, last: usize) -> String {
+        let library = self.known.library;
+        let name = |item: &Item| item.path.rsplit("::").next().unwrap_or_default().to_owned();
+        let link = |item: &&Item| {
+            item_link(self.page, library, item, &format!("<code>{}</code>", name(item)))
+        };
+        let links: Vec<String> = library.shown(file, first, last).iter().map(link).collect();
+        match links.is_empty() {
+            true => String::new(),
+            false => format!(" <span class=\"source\">API: {}</span>", links.join(", ")),
+        }
     }
 
     /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.

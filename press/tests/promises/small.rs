@@ -14,6 +14,7 @@ runnable = false
 
 [preprocessor.press]
 exhibits-package = ""
+library-package = ""
 before = ["links"]
 
 [[preprocessor.press.allow]]

@@ -1,0 +1,260 @@
+//! Runs rustdoc on the copies, with the dependencies that cargo has compiled already.
+//!
+//! `cargo doc` would check all dependencies once more, and it documents only what lies in the package. So cargo is
+//! asked for the compiled libraries, which the exhibits need anyway, and rustdoc is called as cargo calls it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::comments::Line;
+use super::items::SOURCES;
+use super::publish::{bar_file, style_file};
+use crate::fault::Faults;
+use crate::pages::slashed;
+use crate::settings::{Layout, Settings};
+
+/// What rustdoc is to do.
+pub struct Order<'a> {
+    /// Where things lie.
+    pub layout: &'a Layout,
+    /// The book's settings.
+    pub settings: &'a Settings,
+    /// The folder of the copies.
+    pub sources: &'a Path,
+    /// The copies, which know where their lines come from.
+    pub copies: &'a BTreeMap<PathBuf, Vec<Line>>,
+    /// The folder of style and bar.
+    pub theme: &'a Path,
+    /// Where the pages go.
+    pub pages: &'a Path,
+}
+
+/// The version of rustdoc; empty when it does not say.
+pub fn version() -> String {
+    let output = Command::new(program()).arg("--version").output();
+    output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default()
+}
+
+/// The rustdoc that belongs to the cargo that runs this.
+fn program() -> PathBuf {
+    let beside = std::env::var_os("CARGO").map(|cargo| {
+        PathBuf::from(cargo)
+            .with_file_name("rustdoc")
+            .with_extension(std::env::consts::EXE_EXTENSION)
+    });
+    beside.filter(|path| path.is_file()).unwrap_or_else(|| "rustdoc".into())
+}
+
+/// Makes the pages and gives what rustdoc has against the descriptions.
+pub fn run(order: &Order<'_>) -> Result<Faults> {
+    let package = &order.settings.library_package;
+    let metadata = Metadata::ask(order)?;
+    let library = metadata.packages.iter().find(|known| known.name == *package);
+    let library = library.with_context(|| {
+        format!("the workspace has no package {package}, which book.toml names as the library: mend `library-package`")
+    })?;
+    let artifacts = compiled(order)?;
+    let mut command = Command::new(program());
+    command
+        .current_dir(&order.layout.root)
+        .env("CARGO_PKG_NAME", package)
+        .env("CARGO_PKG_VERSION", &library.version)
+        .args(["--crate-type", "lib", "--error-format", "json"])
+        .args(["--crate-name", &package.replace('-', "_")])
+        .args(["--crate-version", &library.version, "--edition", &library.edition])
+        .arg(order.sources.join("lib.rs"))
+        .arg("--out-dir")
+        .arg(order.pages)
+        .arg("--extend-css")
+        .arg(style_file(order.theme))
+        .arg("--html-before-content")
+        .arg(bar_file(order.theme));
+    for feature in artifacts.get(&library.id).into_iter().flat_map(|artifact| &artifact.features) {
+        command.arg("--cfg").arg(format!("feature=\"{feature}\""));
+    }
+    for (name, artifact) in metadata.dependencies(&library.id, &artifacts) {
+        let file =
+            artifact.file().with_context(|| format!("cargo compiled {name} into no library"))?;
+        command.arg("--extern").arg(format!("{name}={}", file.display()));
+    }
+    let folders: BTreeSet<&Path> =
+        artifacts.values().filter_map(|artifact| artifact.file()?.parent()).collect();
+    for folder in folders {
+        command.arg("-L").arg(format!("dependency={}", folder.display()));
+    }
+    let output = command.output().context("cannot start rustdoc, which comes with cargo")?;
+    let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+    let faults = faults(order, &messages);
+    if !output.status.success() && faults.is_empty() {
+        bail!("rustdoc stopped:\n{messages}");
+    }
+    Ok(faults)
+}
+
+fn cargo(order: &Order<'_>, arguments: &[&str]) -> Result<String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo).args(arguments).current_dir(&order.layout.root).output();
+    let output = output.context("cannot start cargo to compile the library")?;
+    if !output.status.success() {
+        bail!("the library does not compile:\n{}", String::from_utf8_lossy(&output.stderr));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// What cargo compiled, by package. Library and exhibits are asked for together: alone, the library could have
+/// its dependencies with fewer features, and they would be compiled once more.
+fn compiled(order: &Order<'_>) -> Result<BTreeMap<String, Artifact>> {
+    let mut arguments = vec!["build", "--quiet", "--message-format", "json-render-diagnostics"];
+    for package in [&order.settings.library_package, &order.settings.exhibits_package] {
+        if !package.is_empty() {
+            arguments.extend(["--package", package]);
+        }
+    }
+    let messages = cargo(order, &arguments)?;
+    let artifacts = read_lines::<Artifact>(&messages).filter(|artifact| artifact.file().is_some());
+    Ok(artifacts.map(|artifact| (artifact.package_id.clone(), artifact)).collect())
+}
+
+fn read_lines<T: DeserializeOwned>(text: &str) -> impl Iterator<Item = T> {
+    text.lines().filter_map(|line| serde_json::from_str(line).ok())
+}
+
+/// What was compiled for one package.
+#[derive(Deserialize)]
+struct Artifact {
+    package_id: String,
+    filenames: Vec<PathBuf>,
+    features: Vec<String>,
+}
+
+impl Artifact {
+    /// The compiled library: Rust's, or what a macro is loaded from.
+    fn file(&self) -> Option<&Path> {
+        let ends = |ends: &[&str]| {
+            let fits = |path: &&PathBuf| {
+                path.extension().is_some_and(|end| ends.iter().any(|known| end == *known))
+            };
+            self.filenames.iter().find(fits).map(PathBuf::as_path)
+        };
+        ends(&["rlib"]).or_else(|| ends(&["so", "dylib", "dll"]))
+    }
+}
+
+/// What cargo knows of the workspace.
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+    resolve: Resolve,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    id: String,
+    name: String,
+    version: String,
+    edition: String,
+}
+
+#[derive(Deserialize)]
+struct Resolve {
+    nodes: Vec<Node>,
+}
+
+#[derive(Deserialize)]
+struct Node {
+    id: String,
+    deps: Vec<Dependency>,
+}
+
+#[derive(Deserialize)]
+struct Dependency {
+    name: String,
+    pkg: String,
+    dep_kinds: Vec<DependencyKind>,
+}
+
+#[derive(Deserialize)]
+struct DependencyKind {
+    kind: Option<String>,
+}
+
+impl Metadata {
+    fn ask(order: &Order<'_>) -> Result<Metadata> {
+        let text = cargo(order, &["metadata", "--quiet", "--format-version", "1"])?;
+        serde_json::from_str(&text).context("cargo metadata says something unexpected")
+    }
+
+    /// What a package needs to be compiled, by the names it uses.
+    fn dependencies<'a>(
+        &'a self,
+        id: &str,
+        artifacts: &'a BTreeMap<String, Artifact>,
+    ) -> impl Iterator<Item = (&'a str, &'a Artifact)> {
+        let node = self.resolve.nodes.iter().find(|node| node.id == id);
+        let needed =
+            |dependency: &&Dependency| dependency.dep_kinds.iter().any(|kind| kind.kind.is_none());
+        node.into_iter().flat_map(|node| &node.deps).filter(needed).filter_map(|dependency| {
+            Some((dependency.name.as_str(), artifacts.get(&dependency.pkg)?))
+        })
+    }
+}
+
+/// A message of rustdoc.
+#[derive(Deserialize)]
+struct Message {
+    message: String,
+    level: String,
+    #[serde(default)]
+    code: Option<Code>,
+    #[serde(default)]
+    spans: Vec<Span>,
+    #[serde(default)]
+    children: Vec<Message>,
+}
+
+#[derive(Deserialize)]
+struct Code {
+    code: String,
+}
+
+#[derive(Deserialize)]
+struct Span {
+    file_name: PathBuf,
+    line_start: usize,
+    is_primary: bool,
+    label: Option<String>,
+}
+
+/// What rustdoc says, at the lines of the files that the copies were made from.
+fn faults(order: &Order<'_>, messages: &str) -> Faults {
+    let mut faults = Faults::default();
+    for message in read_lines::<Message>(messages) {
+        let Some(span) = message.spans.iter().find(|span| span.is_primary) else { continue };
+        if !["warning", "error"].contains(&message.level.as_str()) {
+            continue;
+        }
+        let (file, line) = origin(order, span);
+        let code = message.code.as_ref().map_or("rustdoc", |code| code.code.as_str());
+        let detail = span.label.as_ref().map_or(String::new(), |label| format!(" ({label})"));
+        let help = message.children.iter().find(|child| child.level == "help");
+        let mend = help.map_or("mend the description", |help| help.message.as_str());
+        faults.add((&file, line), code, format!("{}{detail}", message.message), mend);
+    }
+    faults
+}
+
+/// The file and line that a place in a copy comes from.
+fn origin(order: &Order<'_>, span: &Span) -> (String, usize) {
+    let Ok(path) =
+        order.layout.root.join(&span.file_name).strip_prefix(order.sources).map(Path::to_path_buf)
+    else {
+        return (slashed(&span.file_name), span.line_start);
+    };
+    let line = order.copies.get(&path).and_then(|lines| lines.get(span.line_start - 1));
+    (format!("{SOURCES}/{}", slashed(&path)), line.map_or(0, |line| line.origin))
+}
