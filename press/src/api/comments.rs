@@ -144,7 +144,7 @@ impl Writer<'_, '_> {
                 continue;
             }
             let ends = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with("```");
-            let length = text[at..].iter().position(|line| ends(&line)).unwrap_or(text.len() - at);
+            let length = text[at..].iter().position(ends).unwrap_or(text.len() - at);
             if length == 0 {
                 self.line(origin, "");
                 at += 1;

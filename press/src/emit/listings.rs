@@ -125,9 +125,9 @@ impl Emitter<'_, '_> {
     /// Links to the pages of the public items that stand in full on these lines.
     fn items(&self, file: &str, first: usize, last: usize) -> String {
         let library = self.known.library;
-        let name = |item: &Item| item.path.rsplit("::").next().unwrap_or_default().to_owned();
         let link = |item: &&Item| {
-            item_link(self.page, library, item, &format!("<code>{}</code>", name(item)))
+            let name = item.path.rsplit("::").next().unwrap_or_default();
+            item_link(self.page, library, item, name)
         };
         let links: Vec<String> = library.shown(file, first, last).iter().map(link).collect();
         match links.is_empty() {
