@@ -16,21 +16,27 @@ if (!fs.existsSync(path.join(bookDir, "index.html"))) {
     throw new Error(`${bookDir} holds no index.html: build the book first, or name its folder in BOOK_DIR`);
 }
 
-/** Chapters and other pages of text, as paths in the book; not the source pages, the contents, the print page. */
+/** HTML files below a folder of the book, without those of the folders `others`. */
+function html(folder, others = []) {
+    return fs.readdirSync(path.join(bookDir, folder), { withFileTypes: true }).flatMap(entry => {
+        const file = path.posix.join(folder, entry.name);
+        if (entry.isDirectory()) return others.includes(file) ? [] : html(file, others);
+        return file.endsWith(".html") ? [file] : [];
+    }).sort();
+}
+
+/** Chapters and other pages of text, as paths in the book; not source pages, the library, the contents, the print page. */
 export function pages() {
-    const found = [];
-    (function walk(folder) {
-        for (const entry of fs.readdirSync(path.join(bookDir, folder), { withFileTypes: true })) {
-            const file = path.posix.join(folder, entry.name);
-            if (entry.isDirectory()) {
-                if (!["generated", "api"].includes(file)) walk(file);
-            } else if (file.endsWith(".html") && !["toc.html", "print.html", "404.html"].includes(file)) {
-                found.push(file);
-            }
-        }
-    })("");
+    const found = html("", ["generated", "api"]).filter(file => !["toc.html", "print.html", "404.html"].includes(file));
     if (found.length < 2) throw new Error(`${bookDir} holds ${found.length} pages`);
-    return found.sort();
+    return found;
+}
+
+/** The pages of the library. */
+export function libraryPages() {
+    const found = html("api/vislam");
+    if (found.length < 20) throw new Error(`${bookDir} holds ${found.length} pages of the library`);
+    return found;
 }
 
 /** The first page that holds `pattern`. A test of something that the book does not have is no test. */
@@ -87,7 +93,10 @@ export async function launch() {
             page.complaints = [];
             page.scripted = options.javaScriptEnabled !== false;
             const complain = text => page.complaints.push(text);
-            page.on("console", message => complain(`${message.type()}: ${message.text()}`));
+            // The pages of the library preload their fonts in a way that Chromium remarks upon.
+            page.on("console", message => {
+                if (!message.text().startsWith("A preload for")) complain(`${message.type()}: ${message.text()}`);
+            });
             page.on("pageerror", error => complain(`error: ${error.message}`));
             page.on("requestfailed", request => {
                 const why = request.failure()?.errorText;

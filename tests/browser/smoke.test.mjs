@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { after, before, test } from "node:test";
-import { axe, bookDir, launch, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
+import { axe, bookDir, launch, libraryPages, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
 
 let browser, server;
 
@@ -46,6 +46,42 @@ test("every page loads under a sub-path with an empty console and no failed or f
             assert.equal(faces, 0, `${file}: fonts that did not load`);
         });
     }
+});
+
+test("a page of the library asks no other host, shows its equation, and leads to the chapter and back", async () => {
+    const item = libraryPages().find(file => /class="book-equation"/.test(read(file)) && /#eq:/.test(read(file)));
+    for (const options of [{}, { dark: true, width: 360 }, { javaScriptEnabled: false }]) {
+        await at(item, options, async page => {
+            const formula = page.locator(".book-equation .katex-html").first();
+            assert.match(await formula.evaluate(shown => getComputedStyle(shown.firstElementChild).fontFamily), /KaTeX/);
+            assert.ok((await formula.boundingBox()).height > 10, "the formula is not to be seen");
+            assert.equal(await page.locator(".book-equation .katex-mathml").first().evaluate(hidden => getComputedStyle(hidden).position), "absolute");
+            const bar = await page.locator(".book-bar").boundingBox();
+            assert.ok(bar.y === 0 && bar.height < 60 && bar.width >= (options.width ?? 1280) - 20, JSON.stringify(bar));
+            assert.equal(await overhang(page), null, item);
+            await page.locator(".docblock a[href*='#eq:']").first().click();
+            assert.match(page.url(), /\/some\/where\/\w+\.html#eq:/);
+            await page.locator(".equation:target").waitFor();
+            await page.getByRole("link", { name: "The library" }).click();
+            assert.match(page.url(), /\/api\/vislam\/index\.html$/);
+            await page.locator(".book-bar a").click();
+            assert.match(page.url(), /\/some\/where\/index\.html$/);
+        });
+    }
+});
+
+test("pages of the library of each kind load without a failed or foreign request, and its search finds an item", async () => {
+    const page = await browser.page();
+    const kinds = new Map(libraryPages().map(file => [file.split("/").pop().split(".")[0], file]));
+    assert.ok(kinds.size >= 4, [...kinds.keys()].join());
+    for (const file of kinds.values()) {
+        await page.goto(server.url + file, { waitUntil: "load" });
+        assert.ok(await page.locator(".book-bar").isVisible(), file);
+    }
+    await page.goto(`${server.url}api/vislam/index.html?search=project_cam`);
+    await page.locator(".search-results a[href*='method.project_cam']").first().waitFor();
+    assert.deepEqual(page.complaints, []);
+    await page.context().close();
 });
 
 test("the book works at the root of a site, and a page that is not there looks like the book", async () => {

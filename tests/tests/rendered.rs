@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use press::files;
 use press::inline::NAMED_LABEL;
 use press::make::Maker;
+use press::pages::slashed;
 use press::settings::Layout;
 use press::steps::Steps;
 use press::warnings::Warnings;
@@ -39,20 +40,31 @@ fn site() -> PathBuf {
 
 /// The chapters' pages: name and document.
 fn pages() -> Vec<(String, Html)> {
-    let names = files::below(&site()).expect("the site");
-    let is_page = |path: &PathBuf| {
-        let name = path.to_string_lossy();
-        name.ends_with(".html")
-            && !name.starts_with("generated")
-            && !["toc.html", "print.html"].contains(&&*name)
-    };
-    let read = |path: PathBuf| {
-        let text = files::read(&site().join(&path)).expect("a page");
-        (path.to_string_lossy().into_owned(), Html::parse_document(&text))
-    };
-    let pages: Vec<_> = names.into_iter().filter(is_page).map(read).collect();
+    let pages = html(|name| {
+        !name.starts_with("generated")
+            && !name.starts_with("api/")
+            && !["toc.html", "print.html"].contains(&name)
+    });
     assert!(pages.len() >= 6, "the book has lost its pages");
     pages
+}
+
+/// The library's pages: name and document.
+fn library() -> Vec<(String, Html)> {
+    let pages = html(|name| name.starts_with("api/vislam/"));
+    assert!(pages.len() >= 20, "the library has lost its pages");
+    pages
+}
+
+/// The pages whose names are wanted.
+fn html(wanted: impl Fn(&str) -> bool) -> Vec<(String, Html)> {
+    let names = files::below(&site()).expect("the site");
+    let names = names.iter().map(|path| slashed(path));
+    let read = |name: String| {
+        let text = files::read(&site().join(&name)).expect("a page");
+        (name, Html::parse_document(&text))
+    };
+    names.filter(|name| name.ends_with(".html") && wanted(name)).map(read).collect()
 }
 
 fn all<'a>(page: &'a Html, pattern: &str) -> Vec<ElementRef<'a>> {
@@ -130,7 +142,7 @@ fn the_search_finds_words_and_holds_no_tex() {
 
 #[test]
 fn links_work_below_any_address() {
-    for (name, page) in pages().iter().filter(|(name, _)| name != "404.html") {
+    for (name, page) in pages().iter().chain(&library()).filter(|(name, _)| name != "404.html") {
         for (pattern, attribute) in [("[href]", "href"), ("[src]", "src")] {
             for element in all(page, pattern) {
                 let address = element.attr(attribute).unwrap_or_default();
@@ -141,6 +153,35 @@ fn links_work_below_any_address() {
             }
         }
     }
+}
+
+#[test]
+fn every_page_of_the_library_leads_back_and_shows_no_tex() {
+    let mut equations = 0;
+    for (name, page) in library() {
+        let up = "../".repeat(name.matches('/').count());
+        let bar = all(&page, "nav.book-bar a");
+        assert_eq!(bar[0].attr("href"), Some(format!("{up}index.html").as_str()), "{name}");
+        for paragraph in all(&page, ".docblock p, .docblock li, dd") {
+            let text: String = paragraph.text().collect();
+            assert!(!text.contains('$') && !text.contains("{eq:d"), "{name}: {text}");
+        }
+        equations += all(&page, ".book-equation .katex-mathml math").len();
+    }
+    assert!(equations >= 9, "the library has lost its equations");
+}
+
+#[test]
+fn a_listing_of_the_library_leads_to_its_items_and_an_item_to_its_equation() {
+    let link = "figure.listing a.api[href^='api/vislam/bearing/fn.depth_sigma.html']";
+    assert!(pages().iter().any(|(_, page)| !all(page, link).is_empty()), "no listing has {link}");
+    let library = library();
+    let page = |wanted: &str| &library.iter().find(|(name, _)| name == wanted).expect(wanted).1;
+    let item = page("api/vislam/bearing/fn.depth_sigma.html");
+    assert_eq!(all(item, "a[href='../../../bearing.html#eq:depth-sigma']").len(), 1);
+    assert_eq!(all(item, ".book-source a[href*='generated/source/code/src/bearing.rs']").len(), 1);
+    let module = page("api/vislam/bearing/index.html");
+    assert_eq!(all(module, ".book-source a[href='../../../bearing.html']").len(), 1);
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl Emitter<'_, '_> {
                 "cut it in two, or print only the part the text speaks of",
             );
         }
-        self.labels_in(block.line, id, &cut.code);
+        self.labels_in(block.line, id, &file, &cut.code);
         let caption = attributes.value("caption").to_owned();
         if caption.is_empty() {
             self.fault(
@@ -136,9 +136,13 @@ impl Emitter<'_, '_> {
         }
     }
 
-    /// Looks up the labels that printed code names, as in `Implements {eq:projection}`.
-    fn labels_in(&mut self, line: usize, id: &str, code: &[String]) {
-        for found in code.iter().flat_map(|text| NAMED_LABEL.captures_iter(text)) {
+    /// Looks up the labels that printed code names, as in `Implements {eq:projection}`; those in descriptions of the
+    /// library are looked up where its pages are made.
+    fn labels_in(&mut self, line: usize, id: &str, file: &str, code: &[String]) {
+        let described = self.known.library.files.iter().any(|known| known.name == file);
+        let elsewhere = |text: &&String| !(described && text.trim_start().starts_with("///"));
+        let named = code.iter().filter(elsewhere).flat_map(|text| NAMED_LABEL.captures_iter(text));
+        for found in named {
             if self.known.labels.get(&found[1]).is_none() {
                 self.fault(
                     line,
