@@ -157,7 +157,7 @@ fn preprocess(maker: &Maker, name: &str) -> Result<Faults> {
     let book = match name {
         "press" => {
             maker.refresh_exhibits()?;
-            Press::new(maker.layout.clone(), faults.clone()).run(&context, book)?
+            Press::new(maker.layout.clone(), faults.clone(), None).run(&context, book)?
         }
         "guard" => Guard.run(&context, book)?,
         other => bail!("the press has no preprocessor `{other}`: it has `press` and `guard`"),

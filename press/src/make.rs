@@ -37,7 +37,7 @@ impl Maker {
     /// What keeps the pages from being made at all: exhibits that do not compile, a damaged `book.toml`, a folder
     /// that cannot be written.
     pub fn build(&self, site: &Path) -> Result<Faults> {
-        let mut faults = self.pages(site, |press| press, None)?;
+        let mut faults = self.pages(site, None, None)?;
         faults.extend(self.links(site)?);
         Ok(faults)
     }
@@ -49,7 +49,7 @@ impl Maker {
     /// As [`Maker::build`].
     pub fn build_live(&self, site: &Path, news: &str, shown: impl FnOnce()) -> Result<Faults> {
         let later = Later::default();
-        let mut faults = self.pages(site, |press| press.leaving(&later), Some(news))?;
+        let mut faults = self.pages(site, Some(&later), Some(news))?;
         shown();
         let plan = later.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(plan) = plan {
@@ -64,12 +64,12 @@ impl Maker {
     fn pages(
         &self,
         site: &Path,
-        how: impl FnOnce(Press) -> Press,
+        later: Option<&Later>,
         live_reload: Option<&str>,
     ) -> Result<Faults> {
         self.refresh_exhibits()?;
         let faults = Arc::new(Mutex::new(Faults::default()));
-        let press = how(Press::new(self.layout.clone(), faults.clone()));
+        let press = Press::new(self.layout.clone(), faults.clone(), later.cloned());
         self.steps.step("pages", || self.render(site, press, live_reload))?;
         let mut faults =
             std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));

@@ -38,15 +38,10 @@ pub struct Press {
 pub type Later = Arc<Mutex<Option<Plan>>>;
 
 impl Press {
-    /// A press for the book in `layout`, which adds what it finds to `faults`.
-    pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>) -> Press {
-        Press { layout, faults, later: None }
-    }
-
-    /// The same press, which does not make the pages of the library, but leaves it to others.
-    pub fn leaving(mut self, later: &Later) -> Press {
-        self.later = Some(later.clone());
-        self
+    /// A press for the book in `layout`, which adds what it finds to `faults`. It makes the pages of the library, or
+    /// leaves them in `later` for somebody else to make.
+    pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>, later: Option<Later>) -> Press {
+        Press { layout, faults, later }
     }
 
     fn make_or_leave(&self, plan: Plan) -> Result<Faults> {

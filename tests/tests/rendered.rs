@@ -1,9 +1,10 @@
 //! The pages of the book, built once and read as files.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use press::api::items::Library;
 use press::files;
 use press::inline::NAMED_LABEL;
 use press::make::Maker;
@@ -169,6 +170,19 @@ fn every_page_of_the_library_leads_back_and_shows_no_tex() {
         equations += all(&page, ".book-equation .katex-mathml math").len();
     }
     assert!(equations >= 9, "the library has lost its equations");
+}
+
+#[test]
+fn the_press_knows_the_page_of_every_item() {
+    let pages: BTreeMap<String, Html> = library().into_iter().collect();
+    let library = Library::read(&root(), "vislam").expect("the library");
+    assert!(library.items().count() > 50, "the library has lost its items");
+    for item in library.items() {
+        let (page, anchor) = item.page.split_once('#').unwrap_or((&item.page, ""));
+        let page = pages.get(page).unwrap_or_else(|| panic!("{}: no {page}", item.path));
+        let place = format!("[id='{anchor}']");
+        assert!(anchor.is_empty() || !all(page, &place).is_empty(), "{}: {}", item.path, item.page);
+    }
 }
 
 #[test]

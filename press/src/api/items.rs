@@ -78,9 +78,9 @@ impl Library {
         self.items.get(path)
     }
 
-    /// The page of the whole library, below `src`.
-    pub fn front(&self) -> String {
-        format!("api/{}/index.html", self.name)
+    /// All public items.
+    pub fn items(&self) -> impl Iterator<Item = &Item> {
+        self.items.values()
     }
 
     /// The items whose names stand on the lines of a file from `first` to `last`.
@@ -116,90 +116,113 @@ fn module_of(path: &Path) -> Vec<String> {
     module
 }
 
-/// A module's own or borrowed items while it is not known yet who can see them.
-struct Named<'a> {
-    file: &'a File,
-    entry: &'a Entry,
-    parent: Option<&'a Entry>,
+/// All public items by path.
+fn items(files: &[File], library: &str) -> BTreeMap<String, Item> {
+    let survey = Survey::new(files, library);
+    let mut items = survey.modules();
+    survey.insert_whole(&mut items);
+    survey.insert_members(&mut items);
+    items
 }
 
-/// All public items by path.
-fn items(files: &[File], name: &str) -> BTreeMap<String, Item> {
-    let public = public_modules(files);
-    let mut items = BTreeMap::new();
-    let root = BTreeSet::from([String::new()]);
-    for path in public.iter().chain(&root) {
-        let front = page(name, path, "index.html");
-        let file = files.iter().find(|file| file.module.join("::") == *path);
-        if let Some(file) = file.filter(|_| !path.is_empty()) {
-            let item = Item {
-                path: path.clone(),
-                page: front,
-                file: file.name.clone(),
-                line: 0,
-                whole: true,
-            };
-            items.insert(path.clone(), item);
+/// What is known of all files when the items are looked for.
+struct Survey<'a> {
+    library: &'a str,
+    files: &'a [File],
+    /// The modules that can be named from outside.
+    public: BTreeSet<String>,
+    /// Which module hands on what lies in a private one: by that one's path and the name, which may be `*`.
+    handed_on: BTreeMap<(String, String), String>,
+}
+
+impl<'a> Survey<'a> {
+    fn new(files: &'a [File], library: &'a str) -> Survey<'a> {
+        let public = public_modules(files);
+        let mut handed_on = BTreeMap::new();
+        for file in files {
+            let module = file.module.join("::");
+            let seen = module.is_empty() || public.contains(&module);
+            for entry in file.entries.iter().filter(|entry| seen && entry.kind == Kind::Use) {
+                let handed = used(&entry.name, &module).into_iter();
+                handed_on.extend(handed.map(|from| (from, module.clone())));
+            }
         }
+        Survey { library, files, public, handed_on }
     }
-    let named: Vec<Named<'_>> = files
-        .iter()
-        .flat_map(|file| {
-            file.entries.iter().map(move |entry| Named {
-                file,
-                entry,
-                parent: entry.parent.map(|parent| &file.entries[parent]),
-            })
-        })
-        .collect();
-    let visible = |module: &str| module.is_empty() || public.contains(module);
-    // Where an item of a private module is shown: in the module that hands it on.
-    let mut shown_in: BTreeMap<(String, String), String> = BTreeMap::new();
-    for Named { file, entry, .. } in named.iter().filter(|named| named.entry.kind == Kind::Use) {
+
+    fn sees(&self, module: &str) -> bool {
+        module.is_empty() || self.public.contains(module)
+    }
+
+    /// The module in which rustdoc shows an item.
+    fn home(&self, file: &File, name: &str) -> Option<String> {
         let module = file.module.join("::");
-        for (from, what) in used(&entry.name, &module) {
-            if visible(&module) && !visible(&from) {
-                shown_in.insert((from, what), module.clone());
+        if self.sees(&module) {
+            return Some(module);
+        }
+        let handed = |name: &str| self.handed_on.get(&(module.clone(), name.to_owned()));
+        handed(name).or_else(|| handed("*")).cloned()
+    }
+
+    fn modules(&self) -> BTreeMap<String, Item> {
+        let module = |file: &File| {
+            let path = file.module.join("::");
+            let page = page(self.library, &path, "index.html");
+            let item =
+                Item { path: path.clone(), page, file: file.name.clone(), line: 0, whole: true };
+            self.public.contains(&path).then_some((path, item))
+        };
+        self.files.iter().filter_map(module).collect()
+    }
+
+    /// Functions, types, traits and constants: what has a page of its own.
+    fn insert_whole(&self, items: &mut BTreeMap<String, Item>) {
+        for file in self.files {
+            for entry in file.entries.iter().filter(|entry| entry.public && entry.parent.is_none())
+            {
+                let home = self.home(file, &entry.name);
+                let (Some(word), Some(module)) = (word(entry.kind), home) else { continue };
+                let page = page(self.library, &module, &format!("{word}.{}.html", entry.name));
+                let path = joined(&module, &entry.name);
+                items.insert(path.clone(), item(file, entry, path, page));
             }
         }
     }
-    let home = |file: &File, name: &str| {
-        let module = file.module.join("::");
-        if visible(&module) {
-            return Some(module);
+
+    /// Methods and whatever else stands on the page of its type or trait.
+    fn insert_members(&self, items: &mut BTreeMap<String, Item>) {
+        for file in self.files {
+            for entry in &file.entries {
+                let Some(parent) = entry.parent.map(|parent| &file.entries[parent]) else {
+                    continue;
+                };
+                let owner = self.owner(file, &parent.name, items);
+                let (Some(owner), Some(anchor)) = (owner, anchor(entry, parent)) else { continue };
+                let path = joined(&owner, &entry.name);
+                let page = format!("{}#{anchor}", items[&owner].page);
+                items.entry(path.clone()).or_insert_with(|| item(file, entry, path, page));
+            }
         }
-        let everything = || shown_in.get(&(module.clone(), "*".to_owned()));
-        shown_in.get(&(module.clone(), name.to_owned())).or_else(everything).cloned()
-    };
-    let place = |file: &File, entry: &Entry, path: String, page: String| Item {
-        path,
-        page,
-        file: file.name.clone(),
-        line: entry.line,
-        whole: !matches!(entry.kind, Kind::Field | Kind::Variant),
-    };
-    // The types first: their members stand on their pages.
-    let mut types: BTreeMap<(String, String), String> = BTreeMap::new();
-    for Named { file, entry, parent } in &named {
-        let (Some(word), None, true) = (word(entry.kind), parent, entry.public) else { continue };
-        let Some(module) = home(file, &entry.name) else { continue };
-        let path = joined(&module, &entry.name);
-        let page = page(name, &module, &format!("{word}.{}.html", entry.name));
-        types.insert((file.module.join("::"), entry.name.clone()), path.clone());
-        items.insert(path.clone(), place(file, entry, path, page));
     }
-    for Named { file, entry, parent } in &named {
-        let Some(parent) = parent else { continue };
-        let module = file.module.join("::");
-        let owner = types.get(&(module, parent.name.clone())).or_else(|| {
-            types.iter().find(|((_, name), _)| *name == parent.name).map(|(_, path)| path)
-        });
-        let (Some(owner), Some(anchor)) = (owner, anchor(entry, parent)) else { continue };
-        let path = joined(owner, &entry.name);
-        let page = format!("{}#{anchor}", items[owner].page);
-        items.entry(path.clone()).or_insert_with(|| place(file, entry, path, page));
+
+    /// The path of the type or trait of a name: that of the file, or else the first one.
+    fn owner(&self, file: &File, name: &str, items: &BTreeMap<String, Item>) -> Option<String> {
+        let near = self.home(file, name).map(|module| joined(&module, name));
+        let near = near.filter(|path| items.contains_key(path));
+        let defined = |entry: &Entry| {
+            entry.parent.is_none() && entry.name == name && word(entry.kind).is_some()
+        };
+        if near.is_some() || file.entries.iter().any(defined) {
+            return near;
+        }
+        let end = format!("::{name}");
+        items.keys().find(|path| *path == name || path.ends_with(&end)).cloned()
     }
-    items
+}
+
+fn item(file: &File, entry: &Entry, path: String, page: String) -> Item {
+    let whole = !matches!(entry.kind, Kind::Field | Kind::Variant);
+    Item { path, page, file: file.name.clone(), line: entry.line, whole }
 }
 
 /// The paths of the modules that can be named from outside.

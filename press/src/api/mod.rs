@@ -80,7 +80,7 @@ impl Plan {
         let katex = mdbook_katex::cfg::get_config(config)?;
         let salt = formulas::salt(&layout.root, &katex)?;
         let lock = files::read_if_there(&layout.root.join("Cargo.lock"))?;
-        let inputs = format!("{salt}{}{lock:?}{theme:?}{copies:?}", *COMPILER);
+        let inputs = format!("{MAKING}{salt}{}{lock:?}{theme:?}{copies:?}", *COMPILER);
         Ok(Some(Plan {
             layout: layout.clone(),
             settings: settings.clone(),
@@ -150,6 +150,14 @@ impl Plan {
         Ok(folder.to_path_buf())
     }
 }
+
+/// How the pages are made from the copies: who changes that wants to see other pages.
+const MAKING: &str = concat!(
+    include_str!("mod.rs"),
+    include_str!("publish.rs"),
+    include_str!("rustdoc.rs"),
+    include_str!("../guard.rs")
+);
 
 /// The compiler, whose rustdoc writes other pages when it changes.
 static COMPILER: LazyLock<String> = LazyLock::new(rustdoc::version);

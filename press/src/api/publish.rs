@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
 use mdbook_preprocessor::config::Config;
+use regex::Regex;
 
 use super::comments::BOOK;
 use crate::files;
@@ -90,6 +92,13 @@ pub fn publish(pages: &Path, theme: &Theme, api: &Path, library: &str) -> Result
         files::write(&api.join(&to), &content)?;
         there.insert(to);
     }
+    for path in there.clone().iter().filter(|path| path.starts_with(library)) {
+        for script in scripts_of_traits(api, path)? {
+            if there.insert(script.clone()) {
+                files::write(&api.join(script), b"")?;
+            }
+        }
+    }
     for font in &theme.fonts {
         let to = Path::new("fonts").join(font.file_name().unwrap_or_default());
         files::write(&api.join(&to), &bytes(font)?)?;
@@ -110,6 +119,18 @@ pub fn copy(api: &Path, to: &Path) -> Result<()> {
 /// Removes the pages of a book that has no library any more.
 pub fn remove(layout: &Layout) -> Result<()> {
     files::remove(&layout.api())
+}
+
+/// The lists of implementors that the page of a trait loads. rustdoc writes none for a trait that nothing implements.
+fn scripts_of_traits(api: &Path, page: &Path) -> Result<Vec<PathBuf>> {
+    static SCRIPT: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r#"src="[./]*(trait\.impl/[^"]+)""#).expect("a valid pattern"));
+    let name = page.file_name().unwrap_or_default().to_string_lossy();
+    if !name.starts_with("trait.") {
+        return Ok(Vec::new());
+    }
+    let html = files::read(&api.join(page))?;
+    Ok(SCRIPT.captures_iter(&html).map(|found| PathBuf::from(&found[1])).collect())
 }
 
 /// The page of the folder itself, which rustdoc links to and does not make: it leads on to the library.

@@ -35,10 +35,19 @@ impl Sum {
 }
 
 mod hidden;
-pub use hidden::given;
+pub use hidden::{Alone, given};
 "#;
 
-const HIDDEN: &str = "/// Given on, by {eq:product}.\npub fn given() {}\n";
+const HIDDEN: &str = "\
+/// Given on, by {eq:product}.
+pub fn given() {}
+
+/// What nothing implements, of which rustdoc keeps no list.
+pub trait Alone {
+    /// Must be there.
+    fn alone(&self);
+}
+";
 
 /// As cargo writes it, or it would be written anew and be another input.
 const LOCK: &str = "\
@@ -52,7 +61,7 @@ version = \"0.1.0\"
 ";
 
 /// A small book with a library.
-fn book() -> SmallBook {
+pub fn book() -> SmallBook {
     let book = SmallBook::sound().with(
         "book.toml",
         "library-package = \"\"",
@@ -71,7 +80,11 @@ fn book() -> SmallBook {
     ] {
         book.write(path, text);
     }
-    book.with("src/one.md", "An [inner link]", "By [`add`](api:one::Sum::add), an [inner link]")
+    book.with(
+        "src/one.md",
+        "An [inner link]",
+        "By [`add`](api:one::Sum::add) and [$a$](api:one::Alone::alone), an [inner link]",
+    )
 }
 
 /// What the build says; the book must be built.
@@ -118,6 +131,7 @@ fn an_item_shows_its_equation_and_leads_to_it_and_the_chapter_leads_to_the_item(
     let chapter = book.read("book/one.html");
     let way = "href=\"api/small_sums/one/struct.Sum.html#method.add\" title=\"small_sums::one::Sum::add\"";
     assert_eq!(chapter.matches(way).count(), 2, "one link in the text and one at the listing");
+    assert!(chapter.contains("href=\"api/small_sums/one/trait.Alone.html#tymethod.alone\""));
     assert!(book.read("book/generated/source/code/src/one/hidden.rs.html").contains("id=\"L2\""));
 }
 
@@ -193,11 +207,10 @@ fn a_link_to_an_item_that_is_not_there_is_named_with_the_nearest_one() {
 fn a_book_without_a_library_has_no_pages_of_one() {
     let book = book();
     build(&book);
-    let book = book.with("book.toml", "\"small-sums\"", "\"\"").with(
-        "src/one.md",
-        "(api:one::Sum::add)",
-        "(ledger.md)",
-    );
+    let book = book
+        .with("book.toml", "\"small-sums\"", "\"\"")
+        .with("src/one.md", "(api:one::Sum::add)", "(ledger.md)")
+        .with("src/one.md", "(api:one::Alone::alone)", "(ledger.md)");
     build(&book);
     assert!(!book.path("book/api").exists());
 }

@@ -80,6 +80,16 @@ fn a_saved_chapter_is_served_again() {
 }
 
 #[test]
+fn a_saved_description_is_served_again() {
+    let book = crate::library::book();
+    let server = Server::start(&book);
+    let page = "/api/small_sums/one/struct.Sum.html";
+    assert!(server.get(page).contains("A sum that remembers"));
+    let _book = book.with("code/src/one.rs", "A sum that remembers", "A sum that does not forget");
+    server.wait_for(page, "A sum that does not forget");
+}
+
+#[test]
 fn a_page_that_is_open_hears_of_faults_and_of_their_mending() {
     let book = SmallBook::sound().with("src/one.md", "@eq:sum of", "@eq:nothing of");
     let server = Server::start(&book);
