@@ -141,6 +141,9 @@ test("a theme that is chosen stays, and Auto follows the system while the page i
         assert.equal(await ground(), "light");
         await choose("Dark");
         assert.equal(await ground(), "dark");
+        await page.getByRole("link", { name: "The library" }).click();
+        assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark", "the library is light");
+        await page.goBack();
         await page.reload();
         assert.equal(await ground(), "dark", "forgotten by a reload");
         await choose("Light");

@@ -41,11 +41,12 @@ impl Theme {
         let fonts = fonts
             .into_iter()
             .filter(|font| of_formulas(font) && font.extension().is_some_and(|end| end != "css"));
+        let bar = format!(
+            "<nav class=\"book-bar\" aria-label=\"Book\"><a href=\"{BOOK}index.html\">{title}</a><span>the library</span></nav>\n"
+        );
         Ok(Theme {
             style: formulas + &read("css/api.css")?,
-            bar: format!(
-                "<nav class=\"book-bar\" aria-label=\"Book\"><a href=\"{BOOK}index.html\">{title}</a><span>the library</span></nav>\n"
-            ),
+            bar: bar + &read("api.html")?,
             fonts: fonts.map(|font| folder.join("fonts").join(font)).collect(),
         })
     }
