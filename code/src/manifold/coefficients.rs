@@ -1,131 +1,128 @@
 //! The functions of the angle that multiply the matrices of [`so3`](super::so3) and
 //! [`se3`](super::se3).
 //!
-//! All of them are even and finite at zero. The *slope* of a function f is f'(t)/t, which
-//! is again even and finite: it is what the chain rule asks for, since the angle of φ
-//! changes by φ·δ/t when φ changes by δ.
+//! All of them are even and finite at zero, so they take the *square* of the angle, which
+//! costs no root. The *slope* of a function f is f'(t)/t, again even and finite: it is what
+//! the chain rule asks for, since the angle of φ changes by φ·δ/t when φ changes by δ.
 //!
-//! Written as in a textbook, most of them subtract nearly equal numbers at small angles.
-//! Products of half angles avoid that where they can. The four functions that remain
-//! have two forms, and change over where both still have their digits.
+//! Written as in a textbook, they subtract nearly equal numbers at small angles. Their
+//! power series do not, and fourteen terms reach beyond π.
 
-// ANCHOR: sinc
-/// sin t / t.
-pub fn sinc(t: f64) -> f64 {
-    if t == 0.0 { 1.0 } else { t.sin() / t }
+// ANCHOR: turn
+/// What multiplies φ^ and φ^ φ^ in a rotation by the angle t and in its Jacobian.
+pub struct Turn {
+    /// sin t / t, with an error relative to one.
+    pub sinc: f64,
+    /// (1 − cos t) / t².
+    pub cosc: f64,
+    /// (1 − sinc t) / t², that is (t − sin t) / t³.
+    pub sinc_remainder: f64,
 }
 
-/// (1 − cos t) / t², as ½ sinc²(t/2).
-pub fn cosc(t: f64) -> f64 {
-    0.5 * sinc(0.5 * t).powi(2)
-}
-// ANCHOR_END: sinc
-
-// ANCHOR: sinc_remainder
-/// (1 − sinc t) / t², that is (t − sin t) / t³.
-pub fn sinc_remainder(t: f64) -> f64 {
-    const SERIES: [f64; 9] = [
-        1.0 / factorial(3),
-        -1.0 / factorial(5),
-        1.0 / factorial(7),
-        -1.0 / factorial(9),
-        1.0 / factorial(11),
-        -1.0 / factorial(13),
-        1.0 / factorial(15),
-        -1.0 / factorial(17),
-        1.0 / factorial(19),
-    ];
-    // At 1 the difference has lost a factor of six; the series is short of 1e-19.
-    if t < 1.0 { polynomial(&SERIES, t * t) } else { (t - t.sin()) / (t * t * t) }
-}
-// ANCHOR_END: sinc_remainder
-
-/// The slope of [`sinc`]: (t cos t − sin t) / t³.
-pub fn sinc_slope(t: f64) -> f64 {
-    const SERIES: [f64; 9] = [
-        -2.0 / factorial(3),
-        4.0 / factorial(5),
-        -6.0 / factorial(7),
-        8.0 / factorial(9),
-        -10.0 / factorial(11),
-        12.0 / factorial(13),
-        -14.0 / factorial(15),
-        16.0 / factorial(17),
-        -18.0 / factorial(19),
-    ];
-    if t < 1.0 { polynomial(&SERIES, t * t) } else { (t * t.cos() - t.sin()) / (t * t * t) }
-}
-
-/// The slope of [`sinc_slope`]: −(sinc t + 3 sinc_slope t) / t².
-pub fn sinc_second_slope(t: f64) -> f64 {
-    const SERIES: [f64; 12] = [
-        2.0 * 4.0 / factorial(5),
-        -4.0 * 6.0 / factorial(7),
-        6.0 * 8.0 / factorial(9),
-        -8.0 * 10.0 / factorial(11),
-        10.0 * 12.0 / factorial(13),
-        -12.0 * 14.0 / factorial(15),
-        14.0 * 16.0 / factorial(17),
-        -16.0 * 18.0 / factorial(19),
-        18.0 * 20.0 / factorial(21),
-        -20.0 * 22.0 / factorial(23),
-        22.0 * 24.0 / factorial(25),
-        -24.0 * 26.0 / factorial(27),
-    ];
-    // Digits cancel here twice over, so the series has to reach farther.
-    if t < 2.0 { polynomial(&SERIES, t * t) } else { -(sinc(t) + 3.0 * sinc_slope(t)) / (t * t) }
-}
-
-/// The slope of [`cosc`], as ¼ sinc(t/2) times the slope of sinc at t/2.
-pub fn cosc_slope(t: f64) -> f64 {
-    0.25 * sinc(0.5 * t) * sinc_slope(0.5 * t)
-}
-
-/// The slope of [`sinc_remainder`]: −(sinc_slope t + 2 sinc_remainder t) / t².
-pub fn sinc_remainder_slope(t: f64) -> f64 {
-    const SERIES: [f64; 12] = [
-        -2.0 / factorial(5),
-        4.0 / factorial(7),
-        -6.0 / factorial(9),
-        8.0 / factorial(11),
-        -10.0 / factorial(13),
-        12.0 / factorial(15),
-        -14.0 / factorial(17),
-        16.0 / factorial(19),
-        -18.0 / factorial(21),
-        20.0 / factorial(23),
-        -22.0 / factorial(25),
-        24.0 / factorial(27),
-    ];
-    if t < 2.0 {
-        polynomial(&SERIES, t * t)
+/// The coefficients of a turn, from the square of its angle.
+pub fn turn(square: f64) -> Turn {
+    if square < SERIES_END {
+        let sinc_remainder = polynomial(&SINC_REMAINDER, square);
+        let sinc = 1.0 - square * sinc_remainder;
+        Turn { sinc, cosc: polynomial(&COSC, square), sinc_remainder }
     } else {
-        -(sinc_slope(t) + 2.0 * sinc_remainder(t)) / (t * t)
+        let angle = square.sqrt();
+        let (sine, cosine) = angle.sin_cos();
+        let sinc = sine / angle;
+        Turn { sinc, cosc: (1.0 - cosine) / square, sinc_remainder: (1.0 - sinc) / square }
+    }
+}
+// ANCHOR_END: turn
+
+/// The slopes of the two coefficients in the Jacobian of a turn.
+pub struct Slopes {
+    /// (sinc t − 2 cosc t) / t².
+    pub cosc: f64,
+    /// (cosc t − 3 sinc_remainder t) / t².
+    pub sinc_remainder: f64,
+}
+
+/// The slopes, from the square of the angle.
+pub fn slopes(square: f64) -> Slopes {
+    if square < SERIES_END {
+        Slopes {
+            cosc: polynomial(&COSC_SLOPE, square),
+            sinc_remainder: polynomial(&SINC_REMAINDER_SLOPE, square),
+        }
+    } else {
+        let Turn { sinc, cosc, sinc_remainder } = turn(square);
+        Slopes {
+            cosc: (sinc - 2.0 * cosc) / square,
+            sinc_remainder: (cosc - 3.0 * sinc_remainder) / square,
+        }
     }
 }
 
 // ANCHOR: cotangent_remainder
 /// (1 − (t/2) cot(t/2)) / t², which has a pole at 2π.
-pub fn cotangent_remainder(t: f64) -> f64 {
-    -0.25 * sinc_slope(0.5 * t) / sinc(0.5 * t)
+pub fn cotangent_remainder(square: f64) -> f64 {
+    let half = turn(0.25 * square);
+    0.25 * (half.cosc - half.sinc_remainder) / half.sinc
 }
 // ANCHOR_END: cotangent_remainder
 
 /// The slope of [`cotangent_remainder`].
-pub fn cotangent_remainder_slope(t: f64) -> f64 {
-    let half = 0.5 * t;
-    let ratio = sinc_slope(half) / sinc(half);
-    (ratio * ratio - sinc_second_slope(half) / sinc(half)) / 16.0
+pub fn cotangent_remainder_slope(square: f64) -> f64 {
+    let (half, slopes) = (turn(0.25 * square), slopes(0.25 * square));
+    let ratio = (half.cosc - half.sinc_remainder) / half.sinc;
+    (ratio * ratio + (slopes.cosc - slopes.sinc_remainder) / half.sinc) / 16.0
 }
 
-/// c₀ + c₁ x + c₂ x² + …, by Horner's rule.
-fn polynomial(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+// ANCHOR: series
+/// The squared angle, a little beyond π², up to which the series are used.
+const SERIES_END: f64 = 10.0;
+
+/// As many terms as leave out less than 1e-17 of the sum at [`SERIES_END`].
+type Series = [f64; 14];
+
+const COSC: Series = series(2);
+const SINC_REMAINDER: Series = series(3);
+const COSC_SLOPE: Series = slope_series(2);
+const SINC_REMAINDER_SLOPE: Series = slope_series(3);
+
+/// 1/n! − x/(n+2)! + x²/(n+4)! − …
+const fn series(n: u32) -> Series {
+    let mut terms = [0.0; 14];
+    let (mut k, mut sign) = (0, 1.0);
+    while k < terms.len() {
+        terms[k] = sign / factorial(n + 2 * k as u32);
+        (k, sign) = (k + 1, -sign);
+    }
+    terms
+}
+
+/// Twice the derivative of [`series`] by x: the slope, if x is the square of the angle.
+const fn slope_series(n: u32) -> Series {
+    let mut terms = [0.0; 14];
+    let (mut k, mut sign) = (0, -1.0);
+    while k < terms.len() {
+        terms[k] = sign * 2.0 * (k + 1) as f64 / factorial(n + 2 * (k + 1) as u32);
+        (k, sign) = (k + 1, -sign);
+    }
+    terms
 }
 
 const fn factorial(n: u32) -> f64 {
     if n == 0 { 1.0 } else { n as f64 * factorial(n - 1) }
 }
+
+/// c₀ + c₁ x + c₂ x² + … Horner's rule is applied to the even and to the odd powers, since
+/// a processor evaluates two short chains of operations side by side.
+fn polynomial(coefficients: &Series, x: f64) -> f64 {
+    let square = x * x;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for k in (0..coefficients.len() / 2).rev() {
+        even = even * square + coefficients[2 * k];
+        odd = odd * square + coefficients[2 * k + 1];
+    }
+    even + x * odd
+}
+// ANCHOR_END: series
 
 #[cfg(test)]
 mod tests {
@@ -144,19 +141,17 @@ mod tests {
         Real::try_from(value).expect("a finite number").with_precision(BITS).value()
     }
 
-    /// Compares a function with its textbook formula in t, sin t and cos t, evaluated
+    /// Compares a function of t² with its textbook formula in t, sin t and cos t, evaluated
     /// with digits to waste, at angles from 1e-300 to π.
     fn assert_accurate(function: fn(f64) -> f64, formula: fn(&Real, &Real, &Real) -> Real) {
         let mut angles: Vec<f64> = (1..=60).map(|k| 10_f64.powi(-5 * k)).collect();
         angles.extend((1..=62).map(|k| 0.05 * f64::from(k)));
-        // Both sides of the points at which a function of t or t/2 changes its form.
-        angles.extend([1.0 - f64::EPSILON, 1.0, 2.0 - f64::EPSILON, 2.0]);
         angles.extend([PI - 1e-3, PI - 1e-9, PI]);
         let mut worst = (0.0, 0.0);
         for t in angles {
             let angle = real(t);
             let truth = formula(&angle, &angle.sin(), &angle.cos());
-            let error = ((real(function(t)) - &truth) / &truth).to_f64().value().abs();
+            let error = ((real(function(t * t)) - &truth) / &truth).to_f64().value().abs();
             assert!(error < 1e-14, "relative error {error:.1e} at {t:e}");
             worst = if error > worst.0 { (error, t) } else { worst };
         }
@@ -165,17 +160,18 @@ mod tests {
 
     #[test]
     fn sinc_is_the_sine_by_the_angle() {
-        assert_accurate(sinc, |t, sin, _| sin / t);
+        // It passes zero at π, so its error is measured by one.
+        assert_accurate(|square| 1.0 + turn(square).sinc, |t, sin, _| 1 + sin / t);
     }
 
     #[test]
     fn cosc_is_one_minus_the_cosine_by_the_squared_angle() {
-        assert_accurate(cosc, |t, _, cos| (1 - cos) / (t * t));
+        assert_accurate(|square| turn(square).cosc, |t, _, cos| (1 - cos) / (t * t));
     }
 
     #[test]
     fn sinc_remainder_is_the_angle_minus_the_sine_by_the_cubed_angle() {
-        assert_accurate(sinc_remainder, |t, sin, _| (t - sin) / (t * t * t));
+        assert_accurate(|square| turn(square).sinc_remainder, |t, sin, _| (t - sin) / (t * t * t));
     }
 
     #[test]
@@ -187,14 +183,14 @@ mod tests {
 
     #[test]
     fn every_slope_is_the_derivative_by_the_angle() {
-        assert_accurate(sinc_slope, |t, sin, cos| (t * cos - sin) / (t * t * t));
-        assert_accurate(sinc_second_slope, |t, sin, cos| {
-            (3 * sin - 3 * t * cos - t * t * sin) / (t * t * t * t * t)
-        });
-        assert_accurate(cosc_slope, |t, sin, cos| (t * sin - 2 * (1 - cos)) / (t * t * t * t));
-        assert_accurate(sinc_remainder_slope, |t, sin, cos| {
-            (3 * sin - 2 * t - t * cos) / (t * t * t * t * t)
-        });
+        assert_accurate(
+            |square| slopes(square).cosc,
+            |t, sin, cos| (t * sin - 2 * (1 - cos)) / (t * t * t * t),
+        );
+        assert_accurate(
+            |square| slopes(square).sinc_remainder,
+            |t, sin, cos| (3 * sin - 2 * t - t * cos) / (t * t * t * t * t),
+        );
         assert_accurate(cotangent_remainder_slope, |t, sin, cos| {
             let cot = (1 + cos) / sin;
             ((1 + &cot * &cot) / 4 + cot / (2 * t) - 2 / (t * t)) / (t * t)
@@ -202,18 +198,23 @@ mod tests {
     }
 
     #[test]
+    fn the_series_meet_the_closed_forms_where_they_end() {
+        let (inside, outside) = (SERIES_END * (1.0 - f64::EPSILON), SERIES_END);
+        let values = |square| {
+            let (turn, slopes) = (turn(square), slopes(square));
+            [turn.sinc, turn.cosc, turn.sinc_remainder, slopes.cosc, slopes.sinc_remainder]
+        };
+        for (series, closed_form) in values(inside).into_iter().zip(values(outside)) {
+            assert!((series - closed_form).abs() < 1e-15, "{series} and {closed_form}");
+        }
+    }
+
+    #[test]
     fn nan_stays_nan() {
-        let functions = [
-            sinc,
-            cosc,
-            sinc_remainder,
-            cotangent_remainder,
-            sinc_slope,
-            sinc_second_slope,
-            cosc_slope,
-            sinc_remainder_slope,
-            cotangent_remainder_slope,
-        ];
-        assert!(functions.iter().all(|function| function(f64::NAN).is_nan()));
+        let Turn { sinc, cosc, sinc_remainder } = turn(f64::NAN);
+        assert!([sinc, cosc, sinc_remainder].iter().all(|value| value.is_nan()));
+        assert!(slopes(f64::NAN).cosc.is_nan() && slopes(f64::NAN).sinc_remainder.is_nan());
+        assert!(cotangent_remainder(f64::NAN).is_nan());
+        assert!(cotangent_remainder_slope(f64::NAN).is_nan());
     }
 }
