@@ -11,6 +11,7 @@ mod bearing;
 mod chapter;
 mod comparison;
 mod figure;
+mod manifold;
 mod random;
 mod record;
 mod report;
@@ -24,7 +25,8 @@ use chapter::Chapter;
 type Register = fn(&mut Chapter);
 
 /// Every chapter of the book by its slug.
-const CHAPTERS: [(&str, Register); 1] = [("bearing", bearing::exhibits)];
+const CHAPTERS: [(&str, Register); 2] =
+    [("bearing", bearing::exhibits), ("manifold", manifold::exhibits)];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 

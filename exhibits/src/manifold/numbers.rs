@@ -1,0 +1,6 @@
+//! The numbers that the chapter quotes.
+
+use crate::chapter::Chapter;
+
+/// Registers the numbers.
+pub fn numbers(_chapter: &mut Chapter) {}
