@@ -3,6 +3,7 @@
 //! Each part registers its equations, then checks them. In formulas `r` is a rotation, `t` a pose,
 //! `phi` a rotation vector, `xi` a twist and `sigma` a covariance.
 
+mod accuracy;
 mod figures;
 mod numbers;
 mod oracle;
@@ -211,7 +212,7 @@ fn jacobians(chapter: &mut Chapter) {
 
 /// The integral of exp(−s φ^) from 0 to `end`, by Simpson's rule.
 fn mean_rotation(phi: &Vector3<f64>, sign: f64, end: f64) -> Matrix3<f64> {
-    let intervals = 200;
+    let intervals = 400;
     let at = |k: i32| {
         let s = end * f64::from(k) / f64::from(intervals);
         so3::exp(&(-sign * s * phi)).into_inner()

@@ -12,10 +12,16 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Noise with this covariance, which is positive definite or zero.
+    /// Noise with this covariance, NaN if it is not positive definite.
     pub fn new(covariance: &Matrix6<f64>, seed: u64) -> Self {
-        let root = covariance.cholesky().map_or_else(Matrix6::zeros, |cholesky| cholesky.l());
+        let nan = || Matrix6::repeat(f64::NAN);
+        let root = covariance.cholesky().map_or_else(nan, |cholesky| cholesky.l());
         Self { root, random: Random::new(seed) }
+    }
+
+    /// Noise with these standard deviations, which may be zero.
+    pub fn independent(deviations: &Vector6<f64>, seed: u64) -> Self {
+        Self { root: Matrix6::from_diagonal(deviations), random: Random::new(seed) }
     }
 
     pub fn draw(&mut self) -> Vector6<f64> {
@@ -52,48 +58,42 @@ pub fn sample_covariance<const N: usize>(
     sum / draws as f64
 }
 
-/// A robot that drives straight on, a step at a time, and never quite in the direction in which it
-/// believes to look.
+/// A robot that starts with a doubtful heading and drives straight on.
 pub struct Drive {
-    /// Metres of one step.
-    pub step: f64,
-    pub steps: usize,
-    /// Standard deviation of the heading that each step adds, in radians.
-    pub heading: f64,
-    /// Standard deviation of the position that each step adds, along and across, in metres.
-    pub position: f64,
+    /// Metres driven.
+    pub length: f64,
+    /// Deviations of the start: along and across in metres, heading in radians.
+    pub start: [f64; 3],
+    /// Deviations that the drive adds.
+    pub way: [f64; 3],
 }
 
 impl Drive {
-    pub const WORKED: Self = Self { step: 1.0, steps: 20, heading: 0.09, position: 0.02 };
-
-    /// The covariance of one step in the body's frame. What the plane does not know is zero.
-    fn step_covariance(&self) -> Matrix6<f64> {
-        let (position, heading) = (self.position.powi(2), self.heading.powi(2));
-        Matrix6::from_diagonal(&Vector6::new(position, position, 0.0, 0.0, 0.0, heading))
-    }
+    pub const WORKED: Self = Self { length: 10.0, start: [0.2, 0.2, 0.35], way: [0.2, 0.2, 0.035] };
 
     pub fn expected(&self) -> Isometry3<f64> {
-        Isometry3::translation(self.step * self.steps as f64, 0.0, 0.0)
+        Isometry3::translation(self.length, 0.0, 0.0)
     }
 
-    /// The covariance at the end, by first-order composition.
+    /// The covariance at the end in the frame of the robot, by first-order composition.
     pub fn covariance(&self) -> Matrix6<f64> {
-        let step = se3::adjoint(&Isometry3::translation(-self.step, 0.0, 0.0));
-        (0..self.steps)
-            .fold(Matrix6::zeros(), |sum, _| step * sum * step.transpose() + self.step_covariance())
+        let back = se3::adjoint(&self.expected().inverse());
+        let squares = |deviations| Matrix6::from_diagonal(&planar(deviations).map(|d| d * d));
+        back * squares(self.start) * back.transpose() + squares(self.way)
     }
 
-    /// Where the robot ends.
-    pub fn draw(&self, random: &mut Random) -> Isometry3<f64> {
-        (0..self.steps).fold(Isometry3::identity(), |pose, _| {
-            let along = random.normal(self.position);
-            let across = random.normal(self.position);
-            let turn = random.normal(self.heading);
-            let noise = Vector6::new(along, across, 0.0, 0.0, 0.0, turn);
-            se3::retract(&(pose * Isometry3::translation(self.step, 0.0, 0.0)), &noise)
-        })
+    /// Poses in which the robot may end, in the frame of its expected start.
+    pub fn ends(&self, seed: u64) -> impl Iterator<Item = Isometry3<f64>> + use<> {
+        let mut start = Noise::independent(&planar(self.start), seed);
+        let mut way = Noise::independent(&planar(self.way), seed + 1);
+        let expected = self.expected();
+        std::iter::repeat_with(move || start.around(&Isometry3::identity()) * way.around(&expected))
     }
+}
+
+/// The twist of these numbers along, across and in heading.
+fn planar([along, across, heading]: [f64; 3]) -> Vector6<f64> {
+    Vector6::new(along, across, 0.0, 0.0, 0.0, heading)
 }
 
 /// The coordinates of a twist in the plane: along, across, heading.

@@ -1,0 +1,166 @@
+//! Errors of formulas against power series that are summed in sixty digits.
+
+use std::f64::consts::PI;
+
+use dashu_float::{FBig, round::mode::HalfEven};
+use nalgebra::{Matrix3, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
+use vislam::manifold::{se3, so3};
+
+use super::oracle::{cross, small_vector};
+
+type Real = FBig<HalfEven, 2>;
+
+const BITS: usize = 200;
+
+/// A direction of length one in which all components differ.
+pub const AXIS: Vector3<f64> = Vector3::new(0.48, 0.6, 0.64);
+
+/// A translation that is neither along nor across it.
+const RHO: Vector3<f64> = Vector3::new(0.7, -0.2, 0.4);
+
+/// Relative errors of logarithms.
+#[derive(Clone, Copy)]
+pub struct LogErrors {
+    /// Of the angle, as the arc cosine of the trace.
+    pub textbook_angle: f64,
+    /// Of the vector, with that angle over its sine in front of the skew-symmetric part.
+    pub textbook: f64,
+    pub library: f64,
+}
+
+/// Relative errors of the two blocks of the left Jacobian of a pose.
+#[derive(Clone, Copy)]
+pub struct JacobianErrors {
+    pub textbook_diagonal: f64,
+    pub textbook_corner: f64,
+    pub library: f64,
+}
+
+/// The largest errors at five angles around this one.
+pub fn log_errors_near(angle: f64) -> LogErrors {
+    around(angle).map(log_errors).fold(log_errors(angle), worse_of_logs)
+}
+
+/// The same at five angles about as far from π as `gap`.
+pub fn log_errors_near_half_turn(gap: f64) -> LogErrors {
+    around(gap).map(|gap| log_errors(PI - gap)).fold(log_errors(PI - gap), worse_of_logs)
+}
+
+/// The largest errors at five angles around this one.
+pub fn jacobian_errors_near(angle: f64) -> JacobianErrors {
+    around(angle).map(jacobian_errors).fold(jacobian_errors(angle), |a, b| JacobianErrors {
+        textbook_diagonal: a.textbook_diagonal.max(b.textbook_diagonal),
+        textbook_corner: a.textbook_corner.max(b.textbook_corner),
+        library: a.library.max(b.library),
+    })
+}
+
+fn around(angle: f64) -> impl Iterator<Item = f64> {
+    [0.87, 0.93, 1.07, 1.13].into_iter().map(move |factor| factor * angle)
+}
+
+fn worse_of_logs(a: LogErrors, b: LogErrors) -> LogErrors {
+    LogErrors {
+        textbook_angle: a.textbook_angle.max(b.textbook_angle),
+        textbook: a.textbook.max(b.textbook),
+        library: a.library.max(b.library),
+    }
+}
+
+fn log_errors(angle: f64) -> LogErrors {
+    let phi = angle * AXIS;
+    let rotation = Rotation3::from_matrix_unchecked(series::<3>(&cross(&phi), 0));
+    LogErrors {
+        textbook_angle: (textbook_angle(&rotation) / phi.norm() - 1.0).abs(),
+        textbook: relative(&textbook_log(&rotation), &phi),
+        library: relative(&so3::log(&rotation), &phi),
+    }
+}
+
+fn jacobian_errors(angle: f64) -> JacobianErrors {
+    let phi = angle * AXIS;
+    let xi = Vector6::new(RHO.x, RHO.y, RHO.z, phi.x, phi.y, phi.z);
+    let (truth, textbook) = (series::<6>(&bracket(&xi), 1), textbook_jacobian(&xi));
+    let library = se3::left_jacobian(&xi);
+    let block = |matrix: &Matrix6<f64>, column| matrix.fixed_view::<3, 3>(0, column).into_owned();
+    let error = |matrix, column| relative(&block(matrix, column), &block(&truth, column));
+    JacobianErrors {
+        textbook_diagonal: error(&textbook, 0),
+        textbook_corner: error(&textbook, 3),
+        library: error(&library, 0).max(error(&library, 3)),
+    }
+}
+
+/// The largest error of an entry against the largest entry; one when nothing is right.
+fn relative<const R: usize, const C: usize>(
+    computed: &SMatrix<f64, R, C>,
+    truth: &SMatrix<f64, R, C>,
+) -> f64 {
+    let error = (computed - truth).amax() / truth.amax();
+    if computed.iter().all(|entry| entry.is_finite()) { error.min(1.0) } else { 1.0 }
+}
+
+fn textbook_angle(rotation: &Rotation3<f64>) -> f64 {
+    (0.5 * (rotation.matrix().trace() - 1.0)).clamp(-1.0, 1.0).acos()
+}
+
+fn textbook_log(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let angle = textbook_angle(rotation);
+    angle / angle.sin() * small_vector(rotation.matrix())
+}
+
+/// The left Jacobian of a pose with its coefficients as printed in most places.
+fn textbook_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
+    let (rho, phi) = (xi.fixed_rows::<3>(0).into(), xi.fixed_rows::<3>(3).into_owned());
+    let (step, turn, t) = (cross(&rho), cross(&phi), phi.norm());
+    let (sine, cosine) = t.sin_cos();
+    let first = (1.0 - cosine) / t.powi(2);
+    let second = (t - sine) / t.powi(3);
+    let third = (t * t + 2.0 * cosine - 2.0) / (2.0 * t.powi(4));
+    let fourth = (2.0 * t - 3.0 * sine + t * cosine) / (2.0 * t.powi(5));
+    let middle = turn * step * turn;
+    let diagonal = Matrix3::identity() + first * turn + second * turn * turn;
+    let corner = 0.5 * step
+        + second * (turn * step + step * turn + middle)
+        + third * (turn * turn * step + step * turn * turn - 3.0 * middle)
+        + fourth * (middle * turn + turn * middle);
+    let mut matrix = Matrix6::zeros();
+    matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&diagonal);
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&corner);
+    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&diagonal);
+    matrix
+}
+
+/// The 6×6 matrix of the bracket with a twist.
+fn bracket(xi: &Vector6<f64>) -> Matrix6<f64> {
+    let (step, turn) = (cross(&xi.fixed_rows::<3>(0).into()), cross(&xi.fixed_rows::<3>(3).into()));
+    let mut matrix = Matrix6::zeros();
+    matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&step);
+    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+    matrix
+}
+
+/// The sum of Aⁿ/(n+shift)!, rounded once at the end.
+fn series<const N: usize>(matrix: &SMatrix<f64, N, N>, shift: u32) -> SMatrix<f64, N, N> {
+    let real =
+        |value: f64| Real::try_from(value).expect("a finite number").with_precision(BITS).value();
+    let factor: Vec<Real> = matrix.iter().map(|&entry| real(entry)).collect();
+    let mut term: Vec<Real> = SMatrix::<f64, N, N>::identity().iter().map(|&e| real(e)).collect();
+    let mut sum = term.clone();
+    for n in 1..=50 {
+        let divisor = real(f64::from(n + shift));
+        let entry = |k: usize| {
+            let (row, column) = (k % N, k / N);
+            let products = (0..N).map(|i| &term[row + i * N] * &factor[i + column * N]);
+            products.fold(real(0.0), |sum, product| sum + product) / &divisor
+        };
+        term = (0..N * N).map(entry).collect();
+        sum.iter_mut().zip(&term).for_each(|(sum, term)| *sum += term);
+        // The entries of the sum that are not zero are at least a tenth of the first power's.
+        if term.iter().all(|entry| entry.to_f64().value().abs() < 1e-40 * matrix.amax()) {
+            break;
+        }
+    }
+    SMatrix::from_iterator(sum.iter().map(|entry| entry.to_f64().value()))
+}

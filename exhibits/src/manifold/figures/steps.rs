@@ -1,0 +1,107 @@
+//! Eight small changes of a rotation vector, and what they do to the rotation.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Vector2, Vector3};
+use plotters::element::{Circle, Cross, PathElement, Text};
+use plotters::series::LineSeries;
+use plotters::style::Color;
+use vislam::manifold::so3;
+
+use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around};
+
+/// A turn of 2.2 rad about an upright axis that leans a little.
+const PHI: Vector3<f64> = Vector3::new(0.5, 0.0, 2.142_428_528_562_855);
+
+/// The length of every change, in radians.
+const LENGTH: f64 = 0.25;
+
+const COUNT: i32 = 8;
+
+/// The change of the rotation vector, what it does, and what the right Jacobian says, as small
+/// vectors in the frame of the turned body, across its z axis.
+struct Step {
+    change: Vector2<f64>,
+    truth: Vector2<f64>,
+    corrected: Vector2<f64>,
+}
+
+impl Step {
+    fn of(direction: f64) -> Self {
+        let change = LENGTH * Vector3::new(direction.cos(), direction.sin(), 0.0);
+        let truth = so3::local(&so3::exp(&PHI), &so3::exp(&(PHI + change)));
+        let corrected = so3::right_jacobian(&PHI) * change;
+        Self { change: change.xy(), truth: truth.xy(), corrected: corrected.xy() }
+    }
+}
+
+pub fn steps() -> Figure {
+    let steps: Vec<Step> =
+        (0..COUNT).map(|k| Step::of(TAU * f64::from(k) / f64::from(COUNT))).collect();
+    let rows = steps.iter().enumerate().map(|(k, step)| {
+        let mut row = vec![format!("{}", k + 1)];
+        let values = [step.change, step.truth, step.corrected];
+        row.extend(values.iter().flat_map(|v| [v.x, v.y]).map(|value| format!("{value:.4}")));
+        row
+    });
+    Figure {
+        columns: vec![
+            "step",
+            "change x (rad)",
+            "change y (rad)",
+            "body turns by x (rad)",
+            "body turns by y (rad)",
+            "Jacobian says x (rad)",
+            "Jacobian says y (rad)",
+        ],
+        rows: rows.collect(),
+        svg: figure::draw(820, |drawing| {
+            let (panels, legend) = drawing.split_vertically(700);
+            let (left, right) = panels.split_horizontally(690);
+            panel(&left, "step δ taken as it is", &steps, |step| step.change, 3)?;
+            panel(&right, "step corrected, J δ", &steps, |step| step.corrected, 0)?;
+            key(&legend)
+        }),
+    }
+}
+
+fn panel(
+    drawing: &Drawing,
+    title: &str,
+    steps: &[Step],
+    said: fn(&Step) -> Vector2<f64>,
+    ticks: usize,
+) -> Drawn {
+    let (heading, area) = drawing.split_vertically(70);
+    let middle = if ticks == 0 { 310 } else { 400 };
+    heading.draw(&Text::new(title.to_owned(), (middle, 45), letters_around(INK)))?;
+    let y_title = if ticks == 0 { "" } else { "about y (rad)" };
+    let x_axis = ("about x (rad)", -0.34..0.34, 3);
+    let mut chart = figure::axes(&area, x_axis, (y_title, -0.34..0.34, ticks))?;
+    let closed = |place: fn(&Step) -> Vector2<f64>| {
+        let round = (0..=72).map(|k| place(&Step::of(TAU * f64::from(k) / 72.0)));
+        round.map(|p| (p.x, p.y)).collect::<Vec<_>>()
+    };
+    chart.draw_series(LineSeries::new(closed(|step| step.truth), GRID.stroke_width(4)))?;
+    chart.draw_series(LineSeries::new(closed(said), SERIES[1].stroke_width(3)))?;
+    for (index, step) in steps.iter().enumerate() {
+        let (truth, said) = (step.truth, said(step));
+        let gap = vec![(said.x, said.y), (truth.x, truth.y)];
+        chart.draw_series([PathElement::new(gap, INK.stroke_width(2))])?;
+        chart.draw_series([Circle::new((truth.x, truth.y), 14, SERIES[0].filled())])?;
+        chart.draw_series([Cross::new((said.x, said.y), 16, SERIES[1].stroke_width(6))])?;
+        let beyond = said * (1.0 + 0.055 / said.norm());
+        let number = Text::new(format!("{}", index + 1), (beyond.x, beyond.y), letters_around(INK));
+        chart.draw_series([number])?;
+    }
+    Ok(())
+}
+
+fn key(drawing: &Drawing) -> Drawn {
+    drawing.draw(&Circle::new((190, 45), 14, SERIES[0].filled()))?;
+    let text = figure::letters_right_of(INK);
+    drawing.draw(&Text::new("what the body does", (220, 45), text.clone()))?;
+    drawing.draw(&Cross::new((690, 45), 16, SERIES[1].stroke_width(6)))?;
+    drawing.draw(&Text::new("what is said of it", (720, 45), text))?;
+    Ok(())
+}
