@@ -24,7 +24,20 @@ fn a_quarter_turn_about_z_takes_x_to_y() {
     assert_abs_diff_eq!(rotation * Vector3::x(), Vector3::y(), epsilon = 1e-15);
     assert_abs_diff_eq!(so3::log(&rotation), quarter, epsilon = 1e-15);
 }
+// ANCHOR_END: worked_example
 
+// ANCHOR: worked_jacobian
+#[test]
+fn after_a_quarter_turn_a_step_is_shorter_and_half_the_angle_behind() {
+    let quarter = Vector3::new(0.0, 0.0, PI / 2.0);
+    let jacobian = so3::right_jacobian(&quarter);
+    let corrected = 2.0 / PI * Vector3::new(1.0, -1.0, 0.0);
+    assert_abs_diff_eq!(jacobian * Vector3::x(), corrected, epsilon = 1e-15);
+    assert_abs_diff_eq!(jacobian * Vector3::z(), Vector3::z(), epsilon = 1e-15);
+}
+// ANCHOR_END: worked_jacobian
+
+// ANCHOR: worked_arc
 #[test]
 fn a_twist_that_turns_while_it_moves_follows_an_arc() {
     // One metre forward for each radian of the turn: a circle with a radius of 1 m.
@@ -33,7 +46,7 @@ fn a_twist_that_turns_while_it_moves_follows_an_arc() {
     assert_abs_diff_eq!(pose.translation.vector, Vector3::new(1.0, 1.0, 0.0), epsilon = 1e-15);
     assert_abs_diff_eq!(se3::log(&pose), twist, epsilon = 1e-15);
 }
-// ANCHOR_END: worked_example
+// ANCHOR_END: worked_arc
 
 #[test]
 fn hat_is_the_cross_product_and_vee_undoes_it() {

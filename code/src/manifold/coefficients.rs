@@ -58,13 +58,11 @@ pub fn slopes(square: f64) -> Slopes {
     }
 }
 
-// ANCHOR: cotangent_remainder
 /// (1 − (t/2) cot(t/2)) / t², which has a pole at 2π.
 pub fn cotangent_remainder(square: f64) -> f64 {
     let half = turn(0.25 * square);
     0.25 * (half.cosc - half.sinc_remainder) / half.sinc
 }
-// ANCHOR_END: cotangent_remainder
 
 /// The slope of [`cotangent_remainder`].
 pub fn cotangent_remainder_slope(square: f64) -> f64 {
@@ -73,7 +71,6 @@ pub fn cotangent_remainder_slope(square: f64) -> f64 {
     (ratio * ratio + (slopes.cosc - slopes.sinc_remainder) / half.sinc) / 16.0
 }
 
-// ANCHOR: series
 /// The squared angle, a little beyond π², up to which the series are used.
 const SERIES_END: f64 = 10.0;
 
@@ -111,6 +108,7 @@ const fn factorial(n: u32) -> f64 {
     if n == 0 { 1.0 } else { n as f64 * factorial(n - 1) }
 }
 
+// ANCHOR: polynomial
 /// c₀ + c₁ x + c₂ x² + … Horner's rule is applied to the even and to the odd powers, since
 /// a processor evaluates two short chains of operations side by side.
 fn polynomial(coefficients: &Series, x: f64) -> f64 {
@@ -122,7 +120,7 @@ fn polynomial(coefficients: &Series, x: f64) -> f64 {
     }
     even + x * odd
 }
-// ANCHOR_END: series
+// ANCHOR_END: polynomial
 
 #[cfg(test)]
 mod tests {

@@ -17,7 +17,7 @@ fn parts(xi: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 // ANCHOR: hat
-/// The 4×4 matrix of a twist, whose matrix exponential is the pose.
+/// The 4×4 matrix of a twist, whose matrix exponential is the pose. See {eq:twist}.
 pub fn hat(xi: &Vector6<f64>) -> Matrix4<f64> {
     let (rho, phi) = parts(xi);
     let mut matrix = Matrix4::zeros();
@@ -29,6 +29,7 @@ pub fn hat(xi: &Vector6<f64>) -> Matrix4<f64> {
 
 // ANCHOR: exp
 /// The pose that is reached from the identity by following a twist for one unit of time.
+/// Implements {eq:se3-exp}.
 pub fn exp(xi: &Vector6<f64>) -> Isometry3<f64> {
     let (rho, phi) = parts(xi);
     let translation = so3::left_jacobian(&phi) * rho;
@@ -45,7 +46,7 @@ pub fn log(pose: &Isometry3<f64>) -> Vector6<f64> {
 
 // ANCHOR: adjoint
 /// The 6×6 matrix that moves a twist to the other side of a pose:
-/// T exp(ξ) = exp(Ad(T) ξ) T.
+/// T exp(ξ) = exp(Ad(T) ξ) T. Implements {eq:se3-adjoint}.
 pub fn adjoint(pose: &Isometry3<f64>) -> Matrix6<f64> {
     let rotation = pose.rotation.to_rotation_matrix().into_inner();
     block_triangular(&rotation, &(so3::hat(&pose.translation.vector) * rotation))
@@ -72,6 +73,7 @@ pub fn left_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
 }
 
 /// The 6×6 right Jacobian: exp(ξ + δ) = exp(ξ) exp(J δ) to first order in δ.
+/// Implements {eq:se3-jacobian}.
 pub fn right_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
     left_jacobian(&-xi)
 }

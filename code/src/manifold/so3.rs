@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3}
 use super::coefficients::{Turn, cotangent_remainder, cotangent_remainder_slope, slopes, turn};
 
 // ANCHOR: hat
-/// The skew-symmetric matrix of the cross product: `hat(a) * b` is a × b.
+/// The skew-symmetric matrix of the cross product: `hat(a) * b` is a × b. See {eq:hat}.
 pub fn hat(phi: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -phi.z, phi.y, phi.z, 0.0, -phi.x, -phi.y, phi.x, 0.0)
 }
@@ -21,7 +21,7 @@ pub fn vee(matrix: &Matrix3<f64>) -> Vector3<f64> {
 // ANCHOR_END: hat
 
 // ANCHOR: exp
-/// The rotation of a rotation vector, by the Rodrigues formula.
+/// The rotation of a rotation vector, by the Rodrigues formula. Implements {eq:rodrigues}.
 pub fn exp(phi: &Vector3<f64>) -> Rotation3<f64> {
     let turn = turn(phi.norm_squared());
     Rotation3::from_matrix_unchecked(hat_polynomial(phi, turn.sinc, turn.cosc))
@@ -43,6 +43,7 @@ fn hat_polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
 
 // ANCHOR: log
 /// The rotation vector of a rotation, with an angle of at most π: the inverse of [`exp`].
+/// Implements {eq:so3-log}.
 ///
 /// A matrix holds numbers near one to 1e-16 and no better. Near zero that does no harm,
 /// since the angle stands in the small entries beside the diagonal, and the error is
@@ -81,7 +82,7 @@ pub fn log_quaternion(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
 // ANCHOR_END: quaternion
 
 // ANCHOR: log_of_multiple
-/// The rotation vector of any multiple of a unit quaternion.
+/// The rotation vector of any multiple of a unit quaternion. Implements {eq:so3-log}.
 fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
     // A quaternion and its negative are one rotation; w ≥ 0 is the shorter way round.
     let shorter = if quaternion.w < 0.0 { -quaternion } else { *quaternion };
@@ -99,12 +100,14 @@ fn log_of_multiple(quaternion: &Quaternion<f64>) -> Vector3<f64> {
 
 // ANCHOR: jacobians
 /// The 3×3 left Jacobian: exp(φ + δ) = exp(J δ) exp(φ) to first order in δ.
+/// Implements {eq:left-jacobian}.
 pub fn left_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     let turn = turn(phi.norm_squared());
     hat_polynomial(phi, turn.cosc, turn.sinc_remainder)
 }
 
 /// The 3×3 right Jacobian: exp(φ + δ) = exp(φ) exp(J δ) to first order in δ.
+/// Implements {eq:right-jacobian}.
 pub fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     let turn = turn(phi.norm_squared());
     hat_polynomial(phi, -turn.cosc, turn.sinc_remainder)
@@ -128,14 +131,15 @@ pub fn left_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// The inverse of [`right_jacobian`]: log(exp(φ) exp(δ)) = φ + J⁻¹ δ to first order in δ.
-/// There is none at an angle of 2π.
+/// There is none at an angle of 2π. Implements {eq:right-jacobian-inverse}.
 pub fn right_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
     hat_polynomial(phi, 0.5, cotangent_remainder(phi.norm_squared()))
 }
 // ANCHOR_END: inverse_jacobians
 
-// ANCHOR: jacobian_derivatives
+// ANCHOR: jacobian_derivative
 /// The derivative of [`left_jacobian`] at φ in the direction ρ, a 3×3 matrix.
+/// Implements {eq:se3-corner}.
 pub fn left_jacobian_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) -> Matrix3<f64> {
     let (square, along) = (phi.norm_squared(), phi.dot(rho));
     let (Turn { cosc, sinc_remainder, .. }, slopes) = (turn(square), slopes(square));
@@ -143,6 +147,14 @@ pub fn left_jacobian_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) -> Matri
     let other = sinc_remainder * rho + 0.5 * along * slopes.sinc_remainder * phi;
     hat(&skew) + anticommutator(phi, &other)
 }
+
+/// a^ b^ + b^ a^, which is a bᵀ + b aᵀ − 2 a·b.
+fn anticommutator(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    let (xx, yy, zz) = (a.x * b.x, a.y * b.y, a.z * b.z);
+    let (xy, yz, zx) = (a.x * b.y + a.y * b.x, a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z);
+    Matrix3::new(-2.0 * (yy + zz), xy, zx, xy, -2.0 * (zz + xx), yz, zx, yz, -2.0 * (xx + yy))
+}
+// ANCHOR_END: jacobian_derivative
 
 /// The derivative of [`left_jacobian_inverse`] at φ in the direction ρ, a 3×3 matrix.
 pub fn left_jacobian_inverse_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) -> Matrix3<f64> {
@@ -152,16 +164,9 @@ pub fn left_jacobian_inverse_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) 
     anticommutator(phi, &other) - 0.5 * hat(rho)
 }
 
-/// a^ b^ + b^ a^, which is a bᵀ + b aᵀ − 2 a·b.
-fn anticommutator(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
-    let (xx, yy, zz) = (a.x * b.x, a.y * b.y, a.z * b.z);
-    let (xy, yz, zx) = (a.x * b.y + a.y * b.x, a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z);
-    Matrix3::new(-2.0 * (yy + zz), xy, zx, xy, -2.0 * (zz + xx), yz, zx, yz, -2.0 * (xx + yy))
-}
-// ANCHOR_END: jacobian_derivatives
-
 // ANCHOR: retract
 /// The rotation moved by a rotation vector in its own, rotated frame: R exp(φ).
+/// See {eq:retract}.
 pub fn retract(rotation: &Rotation3<f64>, phi: &Vector3<f64>) -> Rotation3<f64> {
     rotation * exp(phi)
 }

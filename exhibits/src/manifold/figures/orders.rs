@@ -22,7 +22,7 @@ struct Order {
 impl Order {
     /// Both orders of a quarter turn about the line to the right and one about the vertical.
     fn both() -> [Self; 2] {
-        let tip = ("tipped", FRAC_PI_2 * Vector3::x());
+        let tip = ("tipped", -FRAC_PI_2 * Vector3::x());
         let spin = ("spun", FRAC_PI_2 * Vector3::z());
         [Self { turns: [tip, spin] }, Self { turns: [spin, tip] }]
     }
