@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
 use super::accuracy::{jacobian_errors_near, log_errors_near, log_errors_near_half_turn};
@@ -18,6 +18,7 @@ pub fn numbers(chapter: &mut Chapter) {
     digits(chapter);
     drive(chapter);
     near_a_half_turn(chapter);
+    copied_covariance(chapter);
 }
 
 /// The angle between the two orders of a turn about x and one about z, in degrees.
@@ -169,4 +170,18 @@ fn near_a_half_turn(chapter: &mut Chapter) {
     chapter.number("near_half_after_deg", second.z.to_degrees(), "°", 1);
     chapter.number("near_half_jump_deg", (second - first).norm().to_degrees(), "°", 1);
     chapter.number("near_half_local_deg", so3::local(&before, &after).z.to_degrees(), "°", 1);
+}
+
+/// A covariance of a twist on the right, read as one of a twist on the left.
+fn copied_covariance(chapter: &mut Chapter) {
+    let (distance, position, heading_deg): (f64, f64, f64) = (100.0, 0.01, 0.1);
+    let heading = heading_deg.to_radians();
+    let deviations = Vector6::new(position, position, position, 0.0, 0.0, heading);
+    let copied = Matrix6::from_diagonal(&deviations.map(|deviation| deviation * deviation));
+    let back = se3::adjoint(&Isometry3::translation(distance, 0.0, 0.0).inverse());
+    let believed = back * copied * back.transpose();
+    chapter.number("copy_distance", distance, "m", 0);
+    chapter.number("copy_position_cm", 100.0 * position, "cm", 0);
+    chapter.number("copy_heading_deg", heading_deg, "°", 1);
+    chapter.number("copy_believed_cm", 100.0 * believed[(1, 1)].sqrt(), "cm", 0);
 }

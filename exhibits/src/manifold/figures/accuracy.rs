@@ -78,11 +78,11 @@ fn small_angles() -> [Curve; 5] {
         curve(
             "corner Q",
             Some(2),
-            (-12.2, -5.2),
+            (-15.2, -5.4),
             jacobians.iter().map(|j| j.1.textbook_corner).collect(),
         ),
         curve("log", Some(3), (-9.6, -1.0), logs.iter().map(|l| l.1.textbook).collect()),
-        curve("the library", None, (-14.0, -14.6), library.collect()),
+        curve("the library", None, (-7.3, -14.4), library.collect()),
     ]
 }
 

@@ -73,7 +73,7 @@ fn draw(flat: &[(f64, f64)], curved: &[(f64, f64)], draws: &[(f64, f64)]) -> Str
             flat.to_vec(),
             16,
             12,
-            SERIES[1].stroke_width(6),
+            SERIES[0].stroke_width(6),
         ))?;
         chart.draw_series(LineSeries::new(curved.to_vec(), INK.stroke_width(6)))?;
         let robot = Polygon::new(vec![(-22, -20), (-22, 20), (26, 0)], INK.filled());
@@ -81,7 +81,7 @@ fn draw(flat: &[(f64, f64)], curved: &[(f64, f64)], draws: &[(f64, f64)]) -> Str
         let names = [
             ("start", (-0.5, -1.3), INK),
             ("ends of the drive", (0.9, 7.6), ESTIMATED),
-            ("ellipse of positions", (11.2, 7.6), SERIES[1]),
+            ("ellipse of positions", (11.2, 7.6), SERIES[0]),
             ("ellipse of twists", (1.2, -7.6), INK),
         ];
         for (name, place, colour) in names {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
-use plotters::element::{Circle, Cross, PathElement, Text};
+use plotters::element::{Circle, Cross, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
 use vislam::manifold::so3;
@@ -86,13 +86,16 @@ fn panel(
     chart.draw_series(LineSeries::new(closed(said), SERIES[1].stroke_width(3)))?;
     for (index, step) in steps.iter().enumerate() {
         let (truth, said) = (step.truth, said(step));
-        let gap = vec![(said.x, said.y), (truth.x, truth.y)];
-        chart.draw_series([PathElement::new(gap, INK.stroke_width(2))])?;
         chart.draw_series([Circle::new((truth.x, truth.y), 14, SERIES[0].filled())])?;
         chart.draw_series([Cross::new((said.x, said.y), 16, SERIES[1].stroke_width(6))])?;
-        let beyond = said * (1.0 + 0.055 / said.norm());
-        let number = Text::new(format!("{}", index + 1), (beyond.x, beyond.y), letters_around(INK));
-        chart.draw_series([number])?;
+        let mut number = |place: Vector2<f64>, colour| -> Drawn {
+            let text =
+                Text::new(format!("{}", index + 1), (place.x, place.y), letters_around(colour));
+            chart.draw_series([text])?;
+            Ok(())
+        };
+        number(said * (1.0 + 0.055 / said.norm()), SERIES[1])?;
+        number(truth * (1.0 - 0.055 / truth.norm()), SERIES[0])?;
     }
     Ok(())
 }
