@@ -36,17 +36,17 @@ pub struct JacobianErrors {
     pub library: f64,
 }
 
-/// The largest errors at five angles around this one.
+/// The largest errors at three angles around this one.
 pub fn log_errors_near(angle: f64) -> LogErrors {
     around(angle).map(log_errors).fold(log_errors(angle), worse_of_logs)
 }
 
-/// The same at five angles about as far from π as `gap`.
+/// The same at three angles about as far from π as `gap`.
 pub fn log_errors_near_half_turn(gap: f64) -> LogErrors {
     around(gap).map(|gap| log_errors(PI - gap)).fold(log_errors(PI - gap), worse_of_logs)
 }
 
-/// The largest errors at five angles around this one.
+/// The largest errors at three angles around this one.
 pub fn jacobian_errors_near(angle: f64) -> JacobianErrors {
     around(angle).map(jacobian_errors).fold(jacobian_errors(angle), |a, b| JacobianErrors {
         textbook_diagonal: a.textbook_diagonal.max(b.textbook_diagonal),
@@ -56,7 +56,7 @@ pub fn jacobian_errors_near(angle: f64) -> JacobianErrors {
 }
 
 fn around(angle: f64) -> impl Iterator<Item = f64> {
-    [0.87, 0.93, 1.07, 1.13].into_iter().map(move |factor| factor * angle)
+    [0.9, 1.1].into_iter().map(move |factor| factor * angle)
 }
 
 fn worse_of_logs(a: LogErrors, b: LogErrors) -> LogErrors {

@@ -41,10 +41,12 @@ pub fn banana() -> Figure {
     }
 }
 
+type Outline = Vec<(f64, f64)>;
+
 /// The ellipse that should hold 95 % of all positions, once in the plane and once in the tangent
 /// space, from where exp carries it to the plane. A twist on it has the heading that is likeliest
 /// for its translation.
-fn outlines() -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+fn outlines() -> (Outline, Outline) {
     let covariance: Matrix3<f64> = plane_of(&Drive::WORKED.covariance());
     let position: Matrix2<f64> = covariance.fixed_view::<2, 2>(0, 0).into();
     let with_heading: Vector2<f64> = covariance.fixed_view::<2, 1>(0, 2).into();
