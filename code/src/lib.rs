@@ -13,5 +13,6 @@
 #![deny(missing_docs)]
 
 pub mod bearing;
+pub mod least_squares;
 pub mod manifold;
 pub mod reprojection;
