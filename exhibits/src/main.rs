@@ -11,6 +11,7 @@ mod bearing;
 mod chapter;
 mod comparison;
 mod figure;
+mod least_squares;
 mod manifold;
 mod random;
 mod record;
@@ -26,7 +27,11 @@ type Register = fn(&mut Chapter);
 
 /// Every chapter of the book by its slug.
 const CHAPTERS: [(&str, Register); 2] =
+<<<<<<< HEAD
     [("bearing", bearing::exhibits), ("manifold", manifold::exhibits)];
+=======
+    [("bearing", bearing::exhibits), ("least_squares", least_squares::exhibits)];
+>>>>>>> 323bc07 (Least squares: the chapter's equations against oracles that do not share their derivations)
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 

@@ -1,0 +1,152 @@
+//! The worked examples of the chapter: a spot in a garden found with three tapes, and one that lies
+//! almost on a fence.
+
+use nalgebra::{Matrix2, Vector1, Vector2};
+use vislam::least_squares::{
+    Evaluation, Kernel, NormalEquations, Options, Problem, Residual, Solution, Undefined,
+};
+
+/// A tape from a known post to an unknown spot, in metres.
+#[derive(Clone, Copy)]
+pub struct Tape {
+    pub post: Vector2<f64>,
+    pub measured: f64,
+    pub sigma: f64,
+}
+
+impl Tape {
+    pub fn length_at(&self, spot: &Vector2<f64>) -> f64 {
+        (spot - self.post).norm()
+    }
+
+    /// The whitened residual.
+    pub fn residual_at(&self, spot: &Vector2<f64>) -> f64 {
+        (self.length_at(spot) - self.measured) / self.sigma
+    }
+
+    /// The second derivative of the whitened residual: a length bends across its direction.
+    pub fn curvature_at(&self, spot: &Vector2<f64>) -> Matrix2<f64> {
+        let direction = (spot - self.post).normalize();
+        let across = Matrix2::identity() - direction * direction.transpose();
+        across / (self.length_at(spot) * self.sigma)
+    }
+}
+
+impl Residual<Vector2<f64>> for Tape {
+    fn variables(&self) -> &[usize] {
+        &[0]
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
+        let spot = values[0];
+        if spot == self.post {
+            return Err(Undefined);
+        }
+        let direction = (spot - self.post).normalize();
+        into.residual(&Vector1::new(self.residual_at(&spot)));
+        into.jacobian(0, &(direction.transpose() / self.sigma));
+        Ok(())
+    }
+}
+
+pub const POSTS: [Vector2<f64>; 3] =
+    [Vector2::new(0.0, 0.0), Vector2::new(6.0, 0.0), Vector2::new(3.0, 9.0)];
+
+/// Standard deviation of a tape, in metres.
+pub const SIGMA: f64 = 0.05;
+
+/// Where the search begins when it begins near.
+pub const GUESS: Vector2<f64> = Vector2::new(3.0, 4.0);
+
+fn tapes(measured: [f64; 3], sigma: [f64; 3]) -> [Tape; 3] {
+    [0, 1, 2].map(|i| Tape { post: POSTS[i], measured: measured[i], sigma: sigma[i] })
+}
+
+/// Three tapes to a spot in the middle of the garden.
+pub fn garden() -> [Tape; 3] {
+    tapes([5.18, 4.94, 4.87], [SIGMA; 3])
+}
+
+/// A spot almost on the line between the first two posts, whose tapes are together shorter than
+/// the fence; the third distance was paced.
+pub fn fence() -> [Tape; 3] {
+    tapes([2.95, 2.96, 8.0], [SIGMA, SIGMA, 10.0 * SIGMA])
+}
+
+/// The garden with its contradictions multiplied and its estimate left where it is.
+pub fn contradicting(factor: f64) -> [Tape; 3] {
+    let spot = estimate(&garden());
+    garden().map(|tape| {
+        let length = tape.length_at(&spot);
+        Tape { measured: length + factor * (tape.measured - length), ..tape }
+    })
+}
+
+pub fn problem(tapes: &[Tape], start: Vector2<f64>, kernel: Kernel) -> Problem<Vector2<f64>> {
+    let mut problem = Problem::new();
+    problem.add_variable(start);
+    for tape in tapes {
+        problem.add_residual(*tape, kernel).expect("the spot is variable 0");
+    }
+    problem
+}
+
+pub fn solve(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> Solution<Vector2<f64>> {
+    let solved = problem(tapes, start, Kernel::Squared).solve(options);
+    solved.expect("three posts that are not in line determine a spot")
+}
+
+/// Gauss-Newton that is stopped by nothing but its count.
+pub fn unstopped(max_iterations: usize) -> Options {
+    Options {
+        max_iterations,
+        gradient_tolerance: 0.0,
+        step_tolerance: 0.0,
+        decrease_tolerance: 0.0,
+        ..Options::gauss_newton()
+    }
+}
+
+/// The spot that explains the tapes best, from a start near the first guess.
+pub fn estimate(tapes: &[Tape]) -> Vector2<f64> {
+    let near = solve(tapes, GUESS, &Options::default()).values[0];
+    let system = system(tapes, &near);
+    // One undamped step brings what the stopping rule has left.
+    near + system.step(0.0).map_or(Vector2::zeros(), |step| step.step.fixed_rows::<2>(0).into())
+}
+
+pub fn system(tapes: &[Tape], spot: &Vector2<f64>) -> NormalEquations {
+    let problem = problem(tapes, *spot, Kernel::Squared);
+    problem.linearize(&[*spot]).expect("the spot is at no post")
+}
+
+/// The Gauss-Newton Hessian at a spot.
+pub fn hessian(tapes: &[Tape], spot: &Vector2<f64>) -> Matrix2<f64> {
+    system(tapes, spot).hessian.fixed_view::<2, 2>(0, 0).into()
+}
+
+/// The residuals times their curvatures: what the Gauss-Newton Hessian leaves out.
+pub fn curvature(tapes: &[Tape], spot: &Vector2<f64>) -> Matrix2<f64> {
+    tapes.iter().map(|tape| tape.residual_at(spot) * tape.curvature_at(spot)).sum()
+}
+
+/// Where one Gauss-Newton step leads.
+pub fn stepped(tapes: &[Tape], spot: &Vector2<f64>) -> Vector2<f64> {
+    let step = system(tapes, spot).step(0.0);
+    step.map_or(Vector2::repeat(f64::NAN), |step| spot + step.step.fixed_rows::<2>(0))
+}
+
+/// The derivative of a Gauss-Newton step by its start, at the estimate.
+pub fn contraction(tapes: &[Tape], spot: &Vector2<f64>) -> Matrix2<f64> {
+    let inverse = hessian(tapes, spot).try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+    -inverse * curvature(tapes, spot)
+}
+
+/// The factor by which the distance to the estimate changes in the long run.
+pub fn rate(tapes: &[Tape], spot: &Vector2<f64>) -> f64 {
+    contraction(tapes, spot).complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
