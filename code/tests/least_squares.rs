@@ -13,18 +13,18 @@ use vislam::least_squares::{
 };
 use vislam::manifold::{se3, so3};
 
-// ANCHOR: range_residual
-/// The distance to a known beacon, measured with standard deviation `sigma`, all in metres.
-struct Range {
-    position: [usize; 1],
-    beacon: Vector2<f64>,
+/// The distance from a known post to an unknown spot, measured with standard deviation `sigma`, all in metres.
+struct Tape {
+    spot: [usize; 1],
+    post: Vector2<f64>,
     measured: f64,
     sigma: f64,
 }
 
-impl Residual<Vector2<f64>> for Range {
+// ANCHOR: tape
+impl Residual<Vector2<f64>> for Tape {
     fn variables(&self) -> &[usize] {
-        &self.position
+        &self.spot
     }
 
     fn dimension(&self) -> usize {
@@ -32,39 +32,39 @@ impl Residual<Vector2<f64>> for Range {
     }
 
     fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        let from_beacon = values[self.position[0]] - self.beacon;
-        let distance = from_beacon.norm();
+        let from_post = values[self.spot[0]] - self.post;
+        let distance = from_post.norm();
         if distance == 0.0 {
             return Err(Undefined); // no direction, hence no derivative
         }
         into.residual(&Vector1::new((distance - self.measured) / self.sigma));
-        into.jacobian(0, &(from_beacon.transpose() / (distance * self.sigma)));
+        into.jacobian(0, &(from_post.transpose() / (distance * self.sigma)));
         Ok(())
     }
 }
-// ANCHOR_END: range_residual
+// ANCHOR_END: tape
 
-const BEACONS: [Vector2<f64>; 3] =
+const POSTS: [Vector2<f64>; 3] =
     [Vector2::new(0.0, 0.0), Vector2::new(6.0, 0.0), Vector2::new(3.0, 9.0)];
 const MEASURED: [f64; 3] = [5.18, 4.94, 4.87];
 
-// ANCHOR: three_ranges
-/// A position to be found from three ranges, each good to five centimetres.
-fn three_ranges(start: Vector2<f64>, kernel: Kernel) -> Problem<Vector2<f64>> {
+// ANCHOR: three_tapes
+/// A spot to be found with three tapes, each good to five centimetres.
+fn three_tapes(start: Vector2<f64>, kernel: Kernel) -> Problem<Vector2<f64>> {
     let mut problem = Problem::new();
-    let position = [problem.add_variable(start)];
-    for (beacon, measured) in BEACONS.into_iter().zip(MEASURED) {
-        let range = Range { position, beacon, measured, sigma: 0.05 };
-        problem.add_residual(range, kernel).expect("the position is a variable");
+    let spot = [problem.add_variable(start)];
+    for (post, measured) in POSTS.into_iter().zip(MEASURED) {
+        let tape = Tape { spot, post, measured, sigma: 0.05 };
+        problem.add_residual(tape, kernel).expect("the spot is a variable");
     }
     problem
 }
-// ANCHOR_END: three_ranges
+// ANCHOR_END: three_tapes
 
 // ANCHOR: worked_example
 #[test]
-fn three_ranges_place_the_point_as_computed_by_hand() {
-    let problem = three_ranges(Vector2::new(3.0, 4.0), Kernel::Squared);
+fn three_tapes_place_the_point_as_computed_by_hand() {
+    let problem = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
     let system = problem.linearize(problem.values()).unwrap();
     // One over the variance is 400; by hand, the entries are sums of 0.6², 0.8² and 1.
     assert_abs_diff_eq!(system.hessian[(0, 0)], 400.0 * 0.72, epsilon = 1e-9);
@@ -250,7 +250,7 @@ fn what_is_left_of_a_linear_problem_is_orthogonal_to_the_columns_of_its_jacobian
 
 #[test]
 fn the_kept_values_of_the_problem_do_not_move() {
-    let problem = three_ranges(Vector2::new(3.0, 4.0), Kernel::Squared);
+    let problem = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
     problem.solve(&Options::default()).unwrap();
     assert_eq!(problem.values(), [Vector2::new(3.0, 4.0)]);
 }
@@ -392,7 +392,7 @@ fn the_free_directions_are_counted_right_whatever_the_units() {
 
 #[test]
 fn a_variable_that_nothing_measures_is_free_in_all_its_directions() {
-    let mut problem = three_ranges(Vector2::new(3.0, 4.0), Kernel::Squared);
+    let mut problem = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
     problem.add_variable(Vector2::zeros());
     let error = problem.solve(&Options::gauss_newton()).unwrap_err();
     assert!(error.to_string().contains("2 of 4 directions"), "{error}");
@@ -437,11 +437,11 @@ impl Residual<Isometry3<f64>> for PosePrior {
 fn gauss_newton_converges_quadratically_where_nothing_contradicts() {
     let truth = Vector2::new(3.2, 4.1);
     let mut problem = Problem::new();
-    let position = [problem.add_variable(Vector2::new(2.0, 6.0))];
-    for beacon in BEACONS {
-        let measured = (truth - beacon).norm();
-        let range = Range { position, beacon, measured, sigma: 1.0 };
-        problem.add_residual(range, Kernel::Squared).unwrap();
+    let spot = [problem.add_variable(Vector2::new(2.0, 6.0))];
+    for post in POSTS {
+        let measured = (truth - post).norm();
+        let tape = Tape { spot, post, measured, sigma: 1.0 };
+        problem.add_residual(tape, Kernel::Squared).unwrap();
     }
     let solution = problem.solve(&Options::gauss_newton()).unwrap();
     let steps: Vec<f64> = solution.report.iterations.iter().map(|row| row.step_norm).collect();
@@ -466,7 +466,7 @@ fn gauss_newton_oscillates_away_where_levenberg_marquardt_arrives() {
 #[test]
 fn levenberg_marquardt_never_raises_the_cost() {
     for start in [Vector2::new(-30.0, 2.0), Vector2::new(3.0, -50.0), Vector2::new(100.0, 100.0)] {
-        let solution = three_ranges(start, Kernel::Squared).solve(&Options::default()).unwrap();
+        let solution = three_tapes(start, Kernel::Squared).solve(&Options::default()).unwrap();
         let costs: Vec<f64> = solution.report.iterations.iter().map(|row| row.cost).collect();
         assert!(costs.windows(2).all(|pair| pair[1] <= pair[0]), "{costs:?}");
         assert!(solution.report.stop.is_convergence(), "{}", solution.report.stop);
@@ -500,7 +500,7 @@ fn a_jacobian_of_the_wrong_sign_is_a_stall_and_is_called_one() {
 #[test]
 fn the_iteration_limit_is_not_convergence() {
     let options = Options { max_iterations: 2, ..Options::gauss_newton() };
-    let problem = three_ranges(Vector2::new(30.0, -40.0), Kernel::Squared);
+    let problem = three_tapes(Vector2::new(30.0, -40.0), Kernel::Squared);
     let report = problem.solve(&options).unwrap().report;
     assert_eq!(report.stop, Stop::IterationLimit);
     assert_eq!(report.iterations.len(), 2);
@@ -516,7 +516,7 @@ fn the_gradient_with_weights_is_the_derivative_of_the_robust_cost() {
     for kernel in KERNELS {
         for _ in 0..50 {
             let at = Vector2::new(3.0, 4.0) + 2.0 * draws.vector::<2>();
-            let problem = three_ranges(at, kernel);
+            let problem = three_tapes(at, kernel);
             let gradient = problem.linearize(&[at]).unwrap().gradient;
             for axis in 0..2 {
                 let mut step = Vector2::zeros();
@@ -570,18 +570,18 @@ fn the_covariance_is_the_scatter_of_estimates() {
     let runs = 4000;
     let estimate = |noise: [f64; 3]| {
         let mut problem = Problem::new();
-        let position = [problem.add_variable(truth)];
-        for (beacon, noise) in BEACONS.into_iter().zip(noise) {
-            let measured = (truth - beacon).norm() + 0.05 * noise;
-            let range = Range { position, beacon, measured, sigma: 0.05 };
-            problem.add_residual(range, Kernel::Squared).unwrap();
+        let spot = [problem.add_variable(truth)];
+        for (post, noise) in POSTS.into_iter().zip(noise) {
+            let measured = (truth - post).norm() + 0.05 * noise;
+            let tape = Tape { spot, post, measured, sigma: 0.05 };
+            problem.add_residual(tape, Kernel::Squared).unwrap();
         }
         let solution = problem.solve(&Options::gauss_newton()).unwrap();
         (solution.values[0], problem.covariance(&[truth]).unwrap().of(0).unwrap().clone_owned())
     };
     for _ in 0..runs {
-        let (position, _) = estimate([(); 3].map(|()| draws.normal()));
-        let error = position - truth;
+        let (spot, _) = estimate([(); 3].map(|()| draws.normal()));
+        let error = spot - truth;
         scatter += error * error.transpose() / f64::from(runs);
     }
     let (_, covariance) = estimate([0.0; 3]);
@@ -632,7 +632,7 @@ fn an_empty_problem_is_an_error() {
     assert_eq!(problem.solve(&Options::default()).unwrap_err(), SolveError::NoResiduals);
     problem.add_variable(Vector2::zeros());
     assert_eq!(problem.solve(&Options::default()).unwrap_err(), SolveError::NoResiduals);
-    let mut problem = three_ranges(Vector2::zeros(), Kernel::Squared);
+    let mut problem = three_tapes(Vector2::zeros(), Kernel::Squared);
     problem.fix(0).unwrap();
     assert_eq!(problem.solve(&Options::default()).unwrap_err(), SolveError::NothingFree);
 }
@@ -640,14 +640,13 @@ fn an_empty_problem_is_an_error() {
 #[test]
 fn wrong_indices_and_wrong_kernels_are_refused() {
     let mut problem = Problem::new();
-    let position = problem.add_variable(Vector2::zeros());
-    let range =
-        |position| Range { position: [position], beacon: Vector2::x(), measured: 1.0, sigma: 1.0 };
+    let spot = problem.add_variable(Vector2::zeros());
+    let range = |spot| Tape { spot: [spot], post: Vector2::x(), measured: 1.0, sigma: 1.0 };
     let missing = ProblemError::NoSuchVariable { variable: 3, variables: 1 };
-    assert_eq!(problem.add_residual(range(3), Kernel::Squared), Err(missing));
+    assert_eq!(problem.add_residual(tape(3), Kernel::Squared), Err(missing));
     assert_eq!(problem.fix(3), Err(missing));
     for kernel in [Kernel::Huber(0.0), Kernel::Cauchy(-1.0), Kernel::Huber(f64::NAN)] {
-        let refused = problem.add_residual(range(position), kernel);
+        let refused = problem.add_residual(tape(spot), kernel);
         assert!(matches!(refused, Err(ProblemError::Kernel(_))), "{refused:?}");
     }
     let mut points = Problem::new();
@@ -713,7 +712,7 @@ fn a_start_without_a_value_or_with_nan_is_an_error_that_names_the_residual() {
 
 #[test]
 fn wrong_options_and_wrong_values_are_refused() {
-    let problem = three_ranges(Vector2::new(3.0, 4.0), Kernel::Squared);
+    let problem = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
     for initial_damping in [0.0, -1.0, f64::NAN] {
         let method = Method::LevenbergMarquardt { initial_damping };
         let error = problem.solve(&Options { method, ..Options::default() }).unwrap_err();

@@ -3,12 +3,16 @@
 //! Each part registers its equations, then checks them. In formulas `j` is a Jacobian, `r` a
 //! whitened residual and `lambda` a damping.
 
+mod cloud;
 mod figures;
 mod numbers;
 mod oracle;
+mod robust;
 mod worked;
 
-use nalgebra::{Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, SMatrix, Vector2, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, SMatrix, Vector2, Vector3, Vector6,
+};
 use vislam::least_squares::{Kernel, sqrt_information};
 use vislam::manifold::{se3, so3};
 
@@ -91,7 +95,8 @@ fn posterior_squares(formula: Squares) -> Comparison {
     let mut random = Random::new(1);
     for _ in 0..STATES {
         let covariances = [random_covariance(&mut random), random_covariance(&mut random)];
-        let spots = [(); 2].map(|()| Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0)));
+        let spots =
+            [(); 2].map(|()| Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0)));
         let measured = Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0));
         let believed = Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0));
         // The constant drops out of the difference between two spots.
@@ -133,9 +138,7 @@ fn whitening(formula: Whitener) -> Comparison {
 fn linear(chapter: &mut Chapter) {
     let mutants: [(_, Solved); 3] = [
         ("sign", |fit| -fit.step(0.0)),
-        ("diagonal of H only", |fit| {
-            -fit.gradient().component_div(&fit.hessian().diagonal())
-        }),
+        ("diagonal of H only", |fit| -fit.gradient().component_div(&fit.hessian().diagonal())),
         ("last measurement not in the gradient", |fit| {
             let mut shortened = fit.clone();
             shortened.r[5] = 0.0;
@@ -147,8 +150,12 @@ fn linear(chapter: &mut Chapter) {
     let formula: Left = |fit| 0.5 * (fit.r.norm_squared() - (fit.j * fit.step(0.0)).norm_squared());
     let mutants: [(_, Left); 3] = [
         ("sign", |fit| 0.5 * (fit.r.norm_squared() + (fit.j * fit.step(0.0)).norm_squared())),
-        ("step for its prediction", |fit| 0.5 * (fit.r.norm_squared() - fit.step(0.0).norm_squared())),
-        ("lengths not squared", |fit| 0.5 * (fit.r.norm() - (fit.j * fit.step(0.0)).norm()).powi(2)),
+        ("step for its prediction", |fit| {
+            0.5 * (fit.r.norm_squared() - fit.step(0.0).norm_squared())
+        }),
+        ("lengths not squared", |fit| {
+            0.5 * (fit.r.norm() - (fit.j * fit.step(0.0)).norm()).powi(2)
+        }),
     ];
     chapter.equation("cost-left", cost_left, formula, &mutants);
 }
@@ -201,9 +208,8 @@ fn gauss_newton(chapter: &mut Chapter) {
     ];
     chapter.equation("cost-gradient", cost_gradient, formula, &mutants);
 
-    let formula: FullHessian = |tapes, spot| {
-        worked::hessian(tapes, spot) + worked::curvature(tapes, spot)
-    };
+    let formula: FullHessian =
+        |tapes, spot| worked::hessian(tapes, spot) + worked::curvature(tapes, spot);
     let mutants: [(_, FullHessian); 3] = [
         ("curvature dropped", worked::hessian),
         ("sign of the curvature", |t, spot| worked::hessian(t, spot) - worked::curvature(t, spot)),
@@ -283,7 +289,8 @@ fn convergence(chapter: &mut Chapter) {
         }),
         ("full Hessian inverted", |tapes, spot| {
             let full = worked::hessian(tapes, spot) + worked::curvature(tapes, spot);
-            -full.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN)) * worked::curvature(tapes, spot)
+            -full.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN))
+                * worked::curvature(tapes, spot)
         }),
         ("transposed", |tapes, spot| worked::contraction(tapes, spot).transpose()),
     ];
@@ -373,9 +380,7 @@ fn certainty(chapter: &mut Chapter) {
     let formula: Certainty = |fit| fit.hessian().try_inverse().unwrap_or(NO_MATRIX);
     let mutants: [(_, Certainty); 3] = [
         ("not inverted", Fit::hessian),
-        ("diagonal inverted alone", |fit| {
-            fit.diagonal().try_inverse().unwrap_or(NO_MATRIX)
-        }),
+        ("diagonal inverted alone", |fit| fit.diagonal().try_inverse().unwrap_or(NO_MATRIX)),
         ("inverted twice over", |fit| {
             let inverse = fit.hessian().try_inverse().unwrap_or(NO_MATRIX);
             inverse * inverse
@@ -408,7 +413,8 @@ fn gauge_direction(formula: Gauge) -> Comparison {
         let poses = [(); 2].map(|()| se3::exp(&twist(&mut random, 1.5)));
         let xi = twist(&mut random, 1.0);
         let steps = poses.map(|pose| formula(&pose, &xi));
-        let [first, second] = [0, 1].map(|i| move |t: f64| se3::retract(&poses[i], &(t * steps[i])));
+        let [first, second] =
+            [0, 1].map(|i| move |t: f64| se3::retract(&poses[i], &(t * steps[i])));
         let relative = |t: f64| first(t).inv_mul(&second(t));
         let change = se3::local(&relative(-1e-6), &relative(1e-6)) / 2e-6;
         comparison.add(change.as_slice(), &[0.0; 6]);
@@ -489,7 +495,8 @@ fn kernel_weight(formula: Weight) -> Comparison {
     let mut random = Random::new(14);
     for state in 0..STATES {
         let parameter = random.uniform(0.5..3.0);
-        let kernel = if state % 2 == 0 { Kernel::Huber(parameter) } else { Kernel::Cauchy(parameter) };
+        let kernel =
+            if state % 2 == 0 { Kernel::Huber(parameter) } else { Kernel::Cauchy(parameter) };
         // One block of six numbers, far enough from the kink of Huber's cost for differences.
         let fit = Fit::random(&mut random);
         let cost = |step: Vector3<f64>| {
@@ -505,13 +512,13 @@ fn kernel_weight(formula: Weight) -> Comparison {
 type Cost = fn(f64, f64) -> f64;
 
 fn huber_shift(formula: Cost) -> Comparison {
-    let against = "the cheapest of a million corrections";
+    let against = "the cheapest of 100,000 corrections";
     let mut comparison = Comparison::absolute(against, 1e-8, "");
     let mut random = Random::new(15);
     for _ in 0..50 {
         let (threshold, norm) = (random.uniform(0.5..3.0), random.uniform(0.0..8.0));
         let price = |correction: f64| 0.5 * (norm - correction).powi(2) + threshold * correction;
-        let corrections = (0..=1_000_000).map(|step| norm * f64::from(step) * 1e-6);
+        let corrections = (0..=100_000).map(|step| norm * f64::from(step) * 1e-5);
         let cheapest = corrections.map(price).fold(f64::INFINITY, f64::min);
         comparison.add(&[formula(threshold, norm)], &[cheapest]);
     }

@@ -26,12 +26,11 @@ use chapter::Chapter;
 type Register = fn(&mut Chapter);
 
 /// Every chapter of the book by its slug.
-const CHAPTERS: [(&str, Register); 2] =
-<<<<<<< HEAD
-    [("bearing", bearing::exhibits), ("manifold", manifold::exhibits)];
-=======
-    [("bearing", bearing::exhibits), ("least_squares", least_squares::exhibits)];
->>>>>>> 323bc07 (Least squares: the chapter's equations against oracles that do not share their derivations)
+const CHAPTERS: &[(&str, Register)] = &[
+    ("bearing", bearing::exhibits),
+    ("manifold", manifold::exhibits),
+    ("least_squares", least_squares::exhibits),
+];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-// ANCHOR: kernel
 /// The cost ρ of a whitened residual as a function of its norm s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kernel {
@@ -14,6 +13,7 @@ pub enum Kernel {
     Cauchy(f64),
 }
 
+// ANCHOR: kernel
 impl Kernel {
     /// The cost ρ(s).
     pub fn cost(&self, norm: f64) -> f64 {

@@ -162,17 +162,17 @@ struct Damping {
 }
 
 impl Damping {
-    /// After a step that was taken: less, the better the prediction.
-    fn relax(&mut self, gain_ratio: f64) {
-        let factor = (1.0 - (2.0 * gain_ratio - 1.0).powi(3)).max(1.0 / 3.0);
-        self.value = (self.value * factor).max(SMALLEST_DAMPING);
-        self.growth = 2.0;
-    }
-
-    /// After a step that was refused: more, and faster every time.
-    fn tighten(&mut self) {
-        self.value *= self.growth;
-        self.growth *= 2.0;
+    /// After a step that was taken with this gain, less of it, the better the prediction was.
+    /// After one that was refused, more, and faster every time.
+    fn learn(&mut self, gain: Option<f64>) {
+        if let Some(gain) = gain {
+            let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+            self.value = (self.value * factor).max(SMALLEST_DAMPING);
+            self.growth = 2.0;
+        } else {
+            self.value *= self.growth;
+            self.growth *= 2.0;
+        }
     }
 }
 // ANCHOR_END: damping
@@ -249,35 +249,27 @@ impl<V: Manifold> Search<'_, V> {
     // ANCHOR: levenberg_marquardt
     fn levenberg_marquardt(&mut self, options: &Options, initial: f64) -> Result<Stop, SolveError> {
         let mut damping = Damping { value: initial, growth: 2.0 };
-        loop {
+        while damping.value <= LARGEST_DAMPING {
             if let Some(stop) = self.before_step(options) {
                 return Ok(stop);
             }
-            if damping.value > LARGEST_DAMPING {
-                return Ok(Stop::Stalled);
-            }
             let Some(step) = self.system.step(damping.value) else {
-                damping.tighten();
+                damping.learn(None);
                 continue;
             };
             // Under strong damping every step is small; that says nothing about the minimum.
-            if damping.value <= 1.0
-                && let Some(stop) = self.after_step(&step, options)
-            {
+            if let Some(stop) = self.after_step(&step, options).filter(|_| damping.value <= 1.0) {
                 return Ok(stop);
             }
             let trial_cost = self.try_step(&step)?;
-            let gain_ratio =
-                self.gain_ratio(&step, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
-            self.record(damping.value, &step, trial_cost, gain_ratio.is_some());
-            match gain_ratio {
-                Some(gain_ratio) => {
-                    self.take_trial();
-                    damping.relax(gain_ratio);
-                }
-                None => damping.tighten(),
+            let gain = self.gain_ratio(&step, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
+            self.record(damping.value, &step, trial_cost, gain.is_some());
+            if gain.is_some() {
+                self.take_trial();
             }
+            damping.learn(gain);
         }
+        Ok(Stop::Stalled)
     }
     // ANCHOR_END: levenberg_marquardt
 

@@ -1,3 +1,16 @@
 //! The figures of the chapter.
+
+mod fence;
+mod kernels;
+mod posts;
+mod rate;
+
 use crate::chapter::Chapter;
-pub fn figures(_chapter: &mut Chapter) {}
+
+/// Registers the figures.
+pub fn figures(chapter: &mut Chapter) {
+    chapter.figure("posts", posts::posts);
+    chapter.figure("rate", rate::rate);
+    chapter.figure("fence", fence::fence_figure);
+    chapter.figure("kernels", kernels::kernels);
+}

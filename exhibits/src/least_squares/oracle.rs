@@ -120,9 +120,10 @@ impl Rotated {
     }
 
     pub fn cost(&self, rotation: &Rotation3<f64>) -> f64 {
-        let squares = self.directions.iter().map(|[body, world]| {
-            (self.whitener * (rotation * body - world)).norm_squared()
-        });
+        let squares = self
+            .directions
+            .iter()
+            .map(|[body, world]| (self.whitener * (rotation * body - world)).norm_squared());
         0.5 * squares.sum::<f64>()
     }
 
@@ -184,8 +185,7 @@ pub fn log_density(difference: &Vector2<f64>, covariance: &Matrix2<f64>) -> f64 
     let scalar = |x: f64, variance: f64| -0.5 * (x * x / variance + (TAU * variance).ln());
     let slope = covariance.m21 / covariance.m11;
     let given_first = covariance.m22 - slope * covariance.m12;
-    scalar(difference.x, covariance.m11)
-        + scalar(difference.y - slope * difference.x, given_first)
+    scalar(difference.x, covariance.m11) + scalar(difference.y - slope * difference.x, given_first)
 }
 
 /// Density, up to a factor, of a normal number whose precision is itself uncertain: gamma

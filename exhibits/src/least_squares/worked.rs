@@ -148,5 +148,32 @@ pub fn contraction(tapes: &[Tape], spot: &Vector2<f64>) -> Matrix2<f64> {
 
 /// The factor by which the distance to the estimate changes in the long run.
 pub fn rate(tapes: &[Tape], spot: &Vector2<f64>) -> f64 {
-    contraction(tapes, spot).complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+    contraction(tapes, spot)
+        .complex_eigenvalues()
+        .iter()
+        .map(|value| value.norm())
+        .fold(0.0, f64::max)
+}
+
+/// A start that is far from the minimum beside the fence.
+pub const FAR_FROM_FENCE: Vector2<f64> = Vector2::new(2.0, 2.0);
+
+/// A tape whose Jacobian has the wrong sign.
+pub struct Backwards(pub Tape);
+
+impl Residual<Vector2<f64>> for Backwards {
+    fn variables(&self) -> &[usize] {
+        &[0]
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
+        self.0.evaluate(values, into)?;
+        let direction = (values[0] - self.0.post).normalize();
+        into.jacobian(0, &(-direction.transpose() / self.0.sigma));
+        Ok(())
+    }
 }

@@ -1,0 +1,63 @@
+//! Estimates from other readings of the same tapes.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::worked::{self, Tape};
+use crate::random::Random;
+
+/// Estimates that lie around the one from the readings at hand, which stands for the truth.
+pub struct Cloud {
+    pub centre: Vector2<f64>,
+    /// To first order.
+    pub covariance: Matrix2<f64>,
+    pub estimates: Vec<Vector2<f64>>,
+}
+
+impl Cloud {
+    pub fn of(tapes: &[Tape], draws: usize, seed: u64) -> Self {
+        let centre = worked::estimate(tapes);
+        let hessian = worked::hessian(tapes, &centre);
+        let covariance = hessian.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+        let mut random = Random::new(seed);
+        let estimates = (0..draws).map(|_| {
+            let other = tapes.iter().map(|tape| {
+                let measured = tape.length_at(&centre) + random.normal(tape.sigma);
+                Tape { measured, ..*tape }
+            });
+            worked::estimate(&other.collect::<Vec<_>>())
+        });
+        Self { centre, covariance, estimates: estimates.collect() }
+    }
+
+    /// Scatter of one coordinate around the centre.
+    pub fn deviation(&self, axis: usize) -> f64 {
+        let squares = self.estimates.iter().map(|spot| (spot[axis] - self.centre[axis]).powi(2));
+        (squares.sum::<f64>() / self.estimates.len() as f64).sqrt()
+    }
+
+    /// How many percent lie within this many standard deviations, by the covariance.
+    pub fn inside_percent(&self, radius: f64) -> f64 {
+        let information = self.covariance.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+        let inside = self.estimates.iter().filter(|spot| {
+            let error = *spot - self.centre;
+            error.dot(&(information * error)) <= radius * radius
+        });
+        100.0 * inside.count() as f64 / self.estimates.len() as f64
+    }
+
+    /// The outline of that ellipse.
+    pub fn ellipse(&self, radius: f64) -> Vec<(f64, f64)> {
+        let root = self.covariance.cholesky().map_or(Matrix2::repeat(f64::NAN), |root| root.l());
+        let around = (0..=90).map(|step| {
+            let (sine, cosine) = (f64::from(step) * 4.0).to_radians().sin_cos();
+            let spot = self.centre + radius * root * Vector2::new(cosine, sine);
+            (spot.x, spot.y)
+        });
+        around.collect()
+    }
+}
+
+/// The radius, in standard deviations, that holds 95 % of a normal distribution in the plane.
+pub fn radius_of_95_percent() -> f64 {
+    (-2.0 * 0.05_f64.ln()).sqrt()
+}
