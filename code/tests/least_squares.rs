@@ -2,8 +2,8 @@
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{
-    DMatrix, Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, RowVector2, SMatrix, SVector,
-    Vector1, Vector2, Vector3, Vector6,
+    DMatrix, DVector, Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, RowVector2, SMatrix,
+    SVector, Vector1, Vector2, Vector3, Vector6,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -331,6 +331,57 @@ fn damping_solves_a_singular_system_and_the_report_tells() {
     assert!(matches!(covariance, Err(SolveError::Singular(_))));
 }
 
+#[test]
+fn the_variance_of_a_distance_is_the_same_whatever_is_held_fixed() {
+    let mut draws = Draws::new(10);
+    let points: Vec<Vector3<f64>> = (0..6).map(|_| draws.vector::<3>()).collect();
+    let between = points[5] - points[3];
+    let mut gradient = DVector::zeros(18);
+    gradient.fixed_rows_mut::<3>(9).copy_from(&-between.normalize());
+    gradient.fixed_rows_mut::<3>(15).copy_from(&between.normalize());
+    // Three coordinates of one point, two of a second and one of a third are just enough.
+    let variance = |held: [usize; 6]| {
+        let hessian = distances(&points).linearize(&points).unwrap().hessian;
+        let free: Vec<usize> = (0..18).filter(|row| !held.contains(row)).collect();
+        let covariance = hessian.select_rows(&free).select_columns(&free).try_inverse().unwrap();
+        let gradient = gradient.select_rows(&free);
+        gradient.dot(&(covariance * &gradient))
+    };
+    let first = variance([0, 1, 2, 3, 4, 6]);
+    assert_relative_eq!(first, variance([9, 10, 11, 13, 14, 16]), max_relative = 1e-8);
+    assert!(first > 0.1);
+}
+
+#[test]
+fn levenberg_marquardt_takes_the_same_path_in_every_unit() {
+    let in_unit = |unit: f64| {
+        let mut problem = Problem::new();
+        let spot = [problem.add_variable(unit * Vector2::new(20.0, -3.0))];
+        for (post, measured) in POSTS.into_iter().zip(MEASURED) {
+            let tape =
+                Tape { spot, post: unit * post, measured: unit * measured, sigma: unit * 0.05 };
+            problem.add_residual(tape, Kernel::Squared).unwrap();
+        }
+        problem.solve(&Options::default()).unwrap()
+    };
+    let (metres, millimetres) = (in_unit(1.0), in_unit(1000.0));
+    assert_relative_eq!(1000.0 * metres.values[0], millimetres.values[0], max_relative = 1e-8);
+    let pairs = metres.report.iterations.iter().zip(&millimetres.report.iterations);
+    for (metre, millimetre) in pairs.take(5) {
+        assert_relative_eq!(metre.cost, millimetre.cost, max_relative = 1e-8);
+        assert_relative_eq!(metre.step_norm, millimetre.step_norm, max_relative = 1e-8);
+    }
+}
+
+#[test]
+fn negating_every_jacobian_makes_an_undamped_step_raise_the_cost() {
+    let problem = scalar(2.0, |x| Some((x - 1.0, 1.0)));
+    let backwards = scalar(2.0, |x| Some((x - 1.0, -1.0)));
+    let once = Options { max_iterations: 1, ..Options::gauss_newton() };
+    assert_eq!(problem.solve(&once).unwrap().report.cost, 0.0);
+    assert_eq!(backwards.solve(&once).unwrap().report.cost, 2.0);
+}
+
 /// Distance between two points that are both unknown.
 struct Distance {
     points: [usize; 2],
@@ -641,7 +692,7 @@ fn an_empty_problem_is_an_error() {
 fn wrong_indices_and_wrong_kernels_are_refused() {
     let mut problem = Problem::new();
     let spot = problem.add_variable(Vector2::zeros());
-    let range = |spot| Tape { spot: [spot], post: Vector2::x(), measured: 1.0, sigma: 1.0 };
+    let tape = |spot| Tape { spot: [spot], post: Vector2::x(), measured: 1.0, sigma: 1.0 };
     let missing = ProblemError::NoSuchVariable { variable: 3, variables: 1 };
     assert_eq!(problem.add_residual(tape(3), Kernel::Squared), Err(missing));
     assert_eq!(problem.fix(3), Err(missing));

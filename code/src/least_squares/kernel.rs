@@ -15,7 +15,7 @@ pub enum Kernel {
 
 // ANCHOR: kernel
 impl Kernel {
-    /// The cost ρ(s).
+    /// The cost ρ(s). Implements {eq:huber-shift} and {eq:student-noise}.
     pub fn cost(&self, norm: f64) -> f64 {
         match *self {
             Self::Huber(threshold) if norm > threshold => threshold * (norm - 0.5 * threshold),
@@ -24,7 +24,8 @@ impl Kernel {
         }
     }
 
-    /// The weight ρ'(s)/s, by which the residual enters the normal equations.
+    /// The weight ρ'(s)/s, by which the residual enters the normal equations. Implements
+    /// {eq:kernel-weight}.
     pub fn weight(&self, norm: f64) -> f64 {
         match *self {
             Self::Huber(threshold) if norm > threshold => threshold / norm,

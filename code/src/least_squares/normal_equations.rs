@@ -16,9 +16,9 @@ const SUSPICIOUS_PIVOT: f64 = 1e-8;
 /// The normal equations of a problem at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalEquations {
-    /// Σ ρ(‖r‖).
+    /// Σ ρ(‖r‖): {eq:robust-cost}.
     pub cost: f64,
-    /// Σ w Jᵀ r, the gradient of the cost.
+    /// Σ w Jᵀ r, the gradient of the cost: {eq:cost-gradient}, with kernels {eq:kernel-weight}.
     pub gradient: DVector<f64>,
     /// Σ w Jᵀ J, symmetric.
     pub hessian: DMatrix<f64>,
@@ -84,7 +84,8 @@ impl NormalEquations {
 
     // ANCHOR: step
     /// The step δ that solves (H + λ diag H) δ = −g, for the damping λ. With no damping it is the
-    /// Gauss-Newton step. `None` when the matrix is singular to rounding.
+    /// Gauss-Newton step. `None` when the matrix is singular to rounding. Implements
+    /// {eq:damped-step}, {eq:normal-equations} and {eq:predicted-decrease}.
     pub fn step(&self, damping: f64) -> Option<Step> {
         let mut damped = self.scaled_hessian();
         for row in 0..self.scale.len() {
@@ -137,7 +138,7 @@ impl NormalEquations {
     // ANCHOR_END: free_directions
 
     // ANCHOR: covariance
-    /// The inverse of the Hessian.
+    /// The inverse of the Hessian. Implements {eq:estimate-covariance}.
     ///
     /// # Errors
     ///

@@ -69,7 +69,7 @@ pub struct Iteration {
     pub step_norm: f64,
     /// The cost after it, or `None` when a residual was undefined or not finite there.
     pub trial_cost: Option<f64>,
-    /// The decrease of the cost over the predicted one, where there is a cost.
+    /// The decrease of the cost over the predicted one, where there is a cost: {eq:gain-ratio}.
     pub gain_ratio: Option<f64>,
     /// Whether the step was taken.
     pub accepted: bool,

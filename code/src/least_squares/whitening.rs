@@ -5,7 +5,7 @@ use thiserror::Error;
 
 // ANCHOR: sqrt_information
 /// The lower triangular matrix W with Wᵀ W = Σ⁻¹. Multiplied from the left it whitens a residual
-/// of covariance Σ, and its Jacobian.
+/// of covariance Σ, and its Jacobian. Implements {eq:whitening}.
 ///
 /// # Errors
 ///

@@ -271,7 +271,9 @@ fn mistakes(chapter: &mut Chapter) {
     let stalled = problem.solve(&Options::default()).expect("the tapes are defined at the guess");
     assert_eq!(stalled.report.stop, Stop::Stalled, "the chapter says so");
     chapter.number("wrong_sign_cost", stalled.report.cost, "", 1);
-    let gauss_newton = problem.solve(&worked::unstopped(30)).expect("the step is determined");
+    const STEPS: usize = 30;
+    let gauss_newton = problem.solve(&worked::unstopped(STEPS)).expect("the step is determined");
+    chapter.number("wrong_sign_steps", STEPS as f64, "", 0);
     let away = gauss_newton.values[0] - estimate(&garden());
     chapter.number("wrong_sign_away", away.norm(), "m", 1);
 

@@ -63,7 +63,7 @@ pub fn fence_figure() -> Figure {
 
 fn across(drawing: &Drawing, searches: &[Search]) -> Drawn {
     let x_axis = ("iteration", -0.5..20.5, 6);
-    let mut chart = figure::axes(drawing, x_axis, ("across the fence (m)", -0.3..2.1, 5))?;
+    let mut chart = figure::axes(drawing, x_axis, ("across the fence (m)", -0.1..1.15, 5))?;
     let minimum = worked::estimate(&fence()).y;
     let level = vec![(-0.5, minimum), (20.5, minimum)];
     chart.draw_series([PathElement::new(level, INK.stroke_width(2))])?;
@@ -74,7 +74,7 @@ fn across(drawing: &Drawing, searches: &[Search]) -> Drawn {
         chart.draw_series([line])?;
         let marks = places.into_iter().map(|place| EmptyElement::at(place) + marker(index));
         chart.draw_series(marks)?;
-        let legend = (12.5, 1.85 - 0.3 * index as f64);
+        let legend = (12.5, 1.06 - 0.14 * index as f64);
         chart.draw_series([EmptyElement::at((6.2, legend.1)) + marker(index)])?;
         chart.draw_series([Text::new(search.name, legend, letters_around(SERIES[index]))])?;
     }

@@ -62,7 +62,7 @@ pub fn rate() -> Figure {
         ],
         rows: rows.collect(),
         svg: figure::draw(820, |drawing| {
-            let x_axis = ("iteration", -0.3..15.2, 8);
+            let x_axis = ("iteration", -0.3..14.2, 8);
             let y_axis = ("log\u{2081}\u{2080} of distance (m)", -14.5..0.5, 6);
             let mut chart = figure::axes(drawing, x_axis, y_axis)?;
             for (index, (factor, distances)) in FACTORS.into_iter().zip(&series).enumerate() {
@@ -70,13 +70,14 @@ pub fn rate() -> Figure {
                     let line = by_theorem(factor, distances);
                     chart.draw_series([PathElement::new(line, SERIES[index].stroke_width(4))])?;
                 }
-                let places = distances.iter().enumerate();
+                let mut places = distances.iter().enumerate();
                 let marks = places.clone().map(|(step, distance)| {
                     EmptyElement::at((step as f64, distance.log10())) + marker(index)
                 });
                 chart.draw_series(marks)?;
-                let (last, distance) = places.last().unwrap_or((0, &1.0));
-                let beside = (last as f64 + 0.4, distance.log10());
+                let (last, distance) = places.next_back().unwrap_or((0, &1.0));
+                let lower = if factor == 0.0 { 1.0 } else { 0.0 };
+                let beside = (last as f64 + 0.4 - 1.9 * lower, distance.log10() - lower);
                 let name =
                     if factor == 0.0 { "none".to_owned() } else { format!("{factor} \u{d7}") };
                 chart.draw_series([Text::new(name, beside, letters_right_of(SERIES[index]))])?;
