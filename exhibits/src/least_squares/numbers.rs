@@ -123,6 +123,8 @@ fn beside_the_fence(chapter: &mut Chapter) {
     let distance = |step: usize| 100.0 * (path[step].0 - minimum.y).abs();
     chapter.number("fence_after_1_cm", distance(1), "cm", 1);
     chapter.number("fence_after_5_cm", distance(5), "cm", 0);
+    let leap = stepped(&worked::two_tapes(), &worked::TWO_TAPE_STARTS[1]);
+    chapter.number("leap", (leap - worked::TWO_TAPE_STARTS[1]).norm(), "m", 0);
     let report = worked::solve(&fence(), fence_start(), &Options::default()).report;
     let refused = report.iterations.iter().filter(|iteration| !iteration.accepted).count();
     chapter.number("fence_lm_iterations", report.iterations.len() as f64, "", 0);
@@ -253,9 +255,11 @@ fn leverage(chapter: &mut Chapter) {
     points.push(Vector2::new(100.0, 0.0));
     chapter.number("line_points", COUNT as f64, "", 0);
     chapter.number("line_slope", SLOPE, "", 1);
-    chapter.number("line_squared", robust::slope(&points, KERNELS[0]), "", 2);
-    chapter.number("line_huber", robust::slope(&points, KERNELS[1]), "", 2);
-    chapter.number("line_cauchy", robust::slope(&points, KERNELS[2]), "", 2);
+    chapter.number("line_squared", robust::slope(&points, 0.0, KERNELS[0]), "", 2);
+    chapter.number("line_huber", robust::slope(&points, 0.0, KERNELS[1]), "", 2);
+    let from_truth = robust::slope(&points, SLOPE, KERNELS[2]);
+    chapter.number("line_cauchy_from_truth", from_truth, "", 2);
+    chapter.number("line_cauchy", robust::slope(&points, 0.0, KERNELS[2]), "", 2);
 }
 
 fn mistakes(chapter: &mut Chapter) {

@@ -67,10 +67,10 @@ pub fn location(readings: &[f64], start: f64, kernel: Kernel) -> (f64, f64) {
     (solution.values[0].x, solution.report.cost)
 }
 
-/// The slope of a line through points, searched from a level one through the origin.
-pub fn slope(points: &[Vector2<f64>], kernel: Kernel) -> f64 {
+/// The slope of a line through points, searched from a line through the origin.
+pub fn slope(points: &[Vector2<f64>], start: f64, kernel: Kernel) -> f64 {
     let residuals = points.iter().map(|point| Dot(*point)).collect();
-    solved(Vector2::zeros(), residuals, kernel).values[0].y
+    solved(Vector2::new(0.0, start), residuals, kernel).values[0].y
 }
 
 /// Ten good readings, spread like a standard normal distribution around zero.

@@ -77,6 +77,16 @@ pub fn fence() -> [Tape; 3] {
     tapes([2.95, 2.96, 8.0], [SIGMA, SIGMA, 10.0 * SIGMA])
 }
 
+/// The first two tapes alone.
+pub fn two_tapes() -> [Tape; 2] {
+    let [first, second, _] = garden();
+    [first, second]
+}
+
+/// Starts for a search with two tapes: good, and near the line between the posts on either side.
+pub const TWO_TAPE_STARTS: [Vector2<f64>; 3] =
+    [Vector2::new(2.0, -2.0), Vector2::new(5.0, 0.3), Vector2::new(8.0, -0.5)];
+
 /// The garden with its contradictions multiplied and its estimate left where it is.
 pub fn contradicting(factor: f64) -> [Tape; 3] {
     let spot = estimate(&garden());
