@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn, SymmetricEigen};
 use thiserror::Error;
 
 /// A direction counts as free when its eigenvalue of the Hessian, scaled to a unit diagonal, is
@@ -104,7 +104,7 @@ impl NormalEquations {
     // ANCHOR_END: step
 
     /// Looks at the eigenvalues only when a pivot asks for it.
-    fn may_be_singular(&self, factor: &Cholesky<f64, nalgebra::Dyn>) -> bool {
+    fn may_be_singular(&self, factor: &Cholesky<f64, Dyn>) -> bool {
         let smallest_pivot = factor.l_dirty().diagonal().min().powi(2);
         smallest_pivot < SUSPICIOUS_PIVOT && self.free_directions() > 0
     }
@@ -119,23 +119,27 @@ impl NormalEquations {
         eigenvalues.iter().filter(|eigenvalue| **eigenvalue <= threshold).count()
     }
 
-    /// The free directions, or `None` when the system determines every direction.
-    pub fn singular(&self) -> Option<SingularSystem> {
-        let SymmetricEigen { eigenvalues, eigenvectors } = self.scaled_hessian().symmetric_eigen();
-        let threshold = FREE_BELOW * eigenvalues.max();
-        let is_free = |column: &usize| eigenvalues[*column] <= threshold;
-        let free: Vec<usize> = (0..eigenvalues.len()).filter(is_free).collect();
+    /// The free directions of the scaled Hessian, or `None` when there are none.
+    fn free_part(&self, scaled: &SymmetricEigen<f64, Dyn>) -> Option<SingularSystem> {
+        let threshold = FREE_BELOW * scaled.eigenvalues.max();
+        let dimension = self.scale.len();
+        let is_free = |column: &usize| scaled.eigenvalues[*column] <= threshold;
+        let free: Vec<usize> = (0..dimension).filter(is_free).collect();
         if free.is_empty() {
             return None;
         }
         // A null vector of the scaled matrix, scaled once more, is one of the Hessian.
-        let null = DMatrix::from_fn(self.scale.len(), free.len(), |row, column| {
-            self.scale[row] * eigenvectors[(row, free[column])]
+        let null = DMatrix::from_fn(dimension, free.len(), |row, column| {
+            self.scale[row] * scaled.eigenvectors[(row, free[column])]
         });
-        let dimension = self.scale.len();
         Some(SingularSystem { free: free.len(), dimension, basis: null.qr().q() })
     }
     // ANCHOR_END: free_directions
+
+    /// The free directions, or `None` when the system determines every direction.
+    pub fn singular(&self) -> Option<SingularSystem> {
+        self.free_part(&self.scaled_hessian().symmetric_eigen())
+    }
 
     // ANCHOR: covariance
     /// The inverse of the Hessian. Implements {eq:estimate-covariance}.
@@ -144,15 +148,15 @@ impl NormalEquations {
     ///
     /// [`SingularSystem`] when some direction is free: its variance would be infinite.
     pub fn covariance(&self) -> Result<DMatrix<f64>, SingularSystem> {
-        if let Some(singular) = self.singular() {
+        let scaled = self.scaled_hessian().symmetric_eigen();
+        if let Some(singular) = self.free_part(&scaled) {
             return Err(singular);
         }
-        let dimension = self.scale.len();
-        let factor = Cholesky::new(self.scaled_hessian());
-        let inverse =
-            factor.map_or(DMatrix::from_element(dimension, dimension, f64::NAN), |f| f.inverse());
-        let unscaled = |row, column| self.scale[row] * inverse[(row, column)] * self.scale[column];
-        Ok(DMatrix::from_fn(dimension, dimension, unscaled))
+        // V Λ⁻¹ Vᵀ, of which the unscaled rows of V and the roots of Λ⁻¹ make one square.
+        let root = DMatrix::from_fn(self.scale.len(), self.scale.len(), |row, column| {
+            self.scale[row] * scaled.eigenvectors[(row, column)] / scaled.eigenvalues[column].sqrt()
+        });
+        Ok(&root * root.transpose())
     }
     // ANCHOR_END: covariance
 }
