@@ -79,10 +79,10 @@ impl Pinhole {
     /// Implements {eq:projection-jacobian}.
     pub fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
         self.project_cam(point_in_camera)?;
-        let depth = point_in_camera.z;
-        let (x, y) = (point_in_camera.x / depth, point_in_camera.y / depth);
-        let (fx, fy) = (self.fx / depth, self.fy / depth);
-        Some(Matrix2x3::new(fx, 0.0, -fx * x, 0.0, fy, -fy * y))
+        let inverse_depth = point_in_camera.z.recip();
+        let slope = inverse_depth * point_in_camera.xy();
+        let (fx, fy) = (self.fx * inverse_depth, self.fy * inverse_depth);
+        Some(Matrix2x3::new(fx, 0.0, -fx * slope.x, 0.0, fy, -fy * slope.y))
     }
     // ANCHOR_END: projection_jacobian
 
@@ -143,17 +143,22 @@ impl Projection {
         rotation: &Matrix3<f64>,
         point_in_world: &Vector3<f64>,
     ) -> Option<Self> {
-        let by_point = by_camera_point * rotation;
         // A row a of the point block times -[P]× is P × a: no matrix [P]× is needed.
-        let [u, v] = [0, 1].map(|row| by_point.row(row).transpose());
+        let [x, y, z] = [0, 1, 2].map(|row| rotation.row(row).transpose());
+        let [u, v] = [0, 1].map(|row| {
+            let a = by_camera_point.row(row);
+            a[0] * x + a[1] * y + a[2] * z
+        });
         let (turn_u, turn_v) = (point_in_world.cross(&u), point_in_world.cross(&v));
         #[rustfmt::skip]
         let by_pose = Matrix2x6::new(
             u.x, u.y, u.z, turn_u.x, turn_u.y, turn_u.z,
             v.x, v.y, v.z, turn_v.x, turn_v.y, turn_v.z,
         );
-        // A sum has no finite value when one of its terms has none.
-        (pixel.sum() + by_pose.sum()).is_finite().then_some(Self { pixel, by_pose, by_point })
+        // Without a branch for each entry the processor tests several at once.
+        let is_finite = by_pose.iter().fold(true, |all, entry| all & entry.is_finite());
+        let by_point = Matrix2x3::new(u.x, u.y, u.z, v.x, v.y, v.z);
+        is_finite.then_some(Self { pixel, by_pose, by_point })
     }
     // ANCHOR_END: blocks
 }

@@ -1,0 +1,25 @@
+//! The worked example of the chapter, and a real lens.
+
+use nalgebra::Vector3;
+use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
+
+pub const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
+
+/// In the world and, as the camera stands at its origin, in the camera.
+pub const POINT: Vector3<f64> = Vector3::new(0.2, -0.1, 5.0);
+
+/// Columns and rows of an image of the EuRoC data set.
+pub const EUROC_SIZE: (f64, f64) = (752.0, 480.0);
+
+/// The left camera of the EuRoC data set, as its authors calibrated it.
+pub fn euroc() -> DistortedPinhole {
+    let pinhole = Pinhole { fx: 458.654, fy: 457.296, cx: 367.215, cy: 248.375 };
+    let lens = RadialTangential::new(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0);
+    DistortedPinhole { pinhole, lens: lens.expect("finite coefficients") }
+}
+
+/// The same lens with only its first coefficient, as one would fit to the middle of the image.
+pub fn one_coefficient() -> RadialTangential {
+    let [k1, ..] = euroc().lens.coefficients();
+    RadialTangential::new(k1, 0.0, 0.0, 0.0, 0.0).expect("a finite coefficient")
+}
