@@ -16,6 +16,8 @@ mod manifold;
 mod random;
 mod record;
 mod report;
+mod reprojection;
+mod scene;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -30,6 +32,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("bearing", bearing::exhibits),
     ("manifold", manifold::exhibits),
     ("least_squares", least_squares::exhibits),
+    ("reprojection", reprojection::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

@@ -14,9 +14,7 @@ use nalgebra::{
     Vector3, Vector6,
 };
 use vislam::manifold::{se3, so3};
-use vislam::reprojection::{
-    LinearizedReproj, Pinhole, Projection, RadialTangential, ReprojFactor,
-};
+use vislam::reprojection::{LinearizedReproj, Pinhole, Projection, RadialTangential, ReprojFactor};
 
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -30,8 +28,10 @@ const STATES: usize = 500;
 const STEP: f64 = 1e-3;
 
 /// Stand for the Jacobians of a formula that gives none; no comparison accepts them.
-const NO_POSE_BLOCK: Matrix2x6<f64> = Matrix2x6::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 6]));
-const NO_POINT_BLOCK: Matrix2x3<f64> = Matrix2x3::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 3]));
+const NO_POSE_BLOCK: Matrix2x6<f64> =
+    Matrix2x6::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 6]));
+const NO_POINT_BLOCK: Matrix2x3<f64> =
+    Matrix2x3::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 3]));
 
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
@@ -66,11 +66,12 @@ fn matrix_of(pose: &Isometry3<f64>) -> Matrix3<f64> {
 }
 
 fn noise(chapter: &mut Chapter) {
-    let formula: PixelLikelihood = |e, sigma| {
-        0.5 * e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln()
-    };
+    let formula: PixelLikelihood =
+        |e, sigma| 0.5 * e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln();
     let mutants: [(_, PixelLikelihood); 4] = [
-        ("half dropped", |e, sigma| e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln()),
+        ("half dropped", |e, sigma| {
+            e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln()
+        }),
         ("normalized in one dimension", |e, sigma| {
             0.5 * e.norm_squared() + 0.5 * (std::f64::consts::TAU * sigma * sigma).ln()
         }),
@@ -112,9 +113,7 @@ fn projection(chapter: &mut Chapter) {
         ("focal lengths exchanged", |k, p| {
             Pinhole { fx: k.fy, fy: k.fx, ..*k }.projection_jacobian(p)
         }),
-        ("distance for depth", |k, p| {
-            k.projection_jacobian(&Vector3::new(p.x, p.y, p.norm()))
-        }),
+        ("distance for depth", |k, p| k.projection_jacobian(&Vector3::new(p.x, p.y, p.norm()))),
     ];
     let formula = Pinhole::projection_jacobian;
     chapter.equation("projection-jacobian", projection_jacobian, formula, &mutants);
@@ -200,7 +199,7 @@ fn blocks(chapter: &mut Chapter) {
 
 /// The 3×6 matrix of two 3×3 ones side by side.
 fn beside(left: &Matrix3<f64>, right: &Matrix3<f64>) -> SMatrix<f64, 3, 6> {
-    let mut both = SMatrix::zeros();
+    let mut both = SMatrix::<f64, 3, 6>::zeros();
     both.fixed_columns_mut::<3>(0).copy_from(left);
     both.fixed_columns_mut::<3>(3).copy_from(right);
     both
@@ -313,7 +312,8 @@ fn reading(chapter: &mut Chapter) {
     let formula: TurnToStep = |p| (p.x * p.x + p.z * p.z) / p.x.abs();
     chapter.equation("turn-to-step", turn_to_step, formula, &mutants);
 
-    let formula: NullSpace = |t, p| pose_null_space(p, &t.inverse_transform_vector(&in_camera(t, p)));
+    let formula: NullSpace =
+        |t, p| pose_null_space(p, &t.inverse_transform_vector(&in_camera(t, p)));
     let mutants: [(_, NullSpace); 4] = [
         ("sign of the skew", |t, p| {
             pose_null_space(&-p, &t.inverse_transform_vector(&in_camera(t, p)))
@@ -347,7 +347,7 @@ fn turn_to_step(formula: TurnToStep) -> Comparison {
 
 /// Four twists as columns: three turns about the point, and a step along its ray.
 fn pose_null_space(point: &Vector3<f64>, ray_in_world: &Vector3<f64>) -> SMatrix<f64, 6, 4> {
-    let mut basis = SMatrix::zeros();
+    let mut basis = SMatrix::<f64, 6, 4>::zeros();
     basis.fixed_view_mut::<3, 3>(0, 0).copy_from(&so3::hat(point));
     basis.fixed_view_mut::<3, 3>(3, 0).copy_from(&Matrix3::identity());
     basis.fixed_view_mut::<3, 1>(0, 3).copy_from(ray_in_world);
@@ -461,7 +461,8 @@ fn distortion(formula: Distort) -> Comparison {
 type LensJacobian = fn(&RadialTangential, &Vector2<f64>) -> Matrix2<f64>;
 
 fn distortion_jacobian(formula: LensJacobian) -> Comparison {
-    let mut comparison = Comparison::absolute("central differences of the distorted point", 1e-9, "");
+    let mut comparison =
+        Comparison::absolute("central differences of the distorted point", 1e-9, "");
     let mut random = Random::new(10);
     for _ in 0..STATES {
         let (lens, ideal) = (random_lens(&mut random), random_slope(&mut random));
@@ -533,7 +534,9 @@ fn undistorted_noise(formula: UndistortedNoise) -> Comparison {
         let (mut scatter, draws) = (Matrix2::zeros(), 20_000);
         for _ in 0..draws {
             let noise = Vector2::new(random.normal(sigma), random.normal(sigma));
-            let off = euroc.undistort(&(shown + noise)).map_or(Vector2::repeat(f64::NAN), |found| found - ideal);
+            let off = euroc
+                .undistort(&(shown + noise))
+                .map_or(Vector2::repeat(f64::NAN), |found| found - ideal);
             scatter += off * off.transpose() / f64::from(draws);
         }
         comparison.add(formula(&euroc, &ideal, sigma).as_slice(), scatter.as_slice());

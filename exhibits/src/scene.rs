@@ -68,8 +68,8 @@ fn looking_at(target: &Vector3<f64>, index: usize) -> Isometry3<f64> {
     let centre = RADIUS * Vector3::new(cosine, sine, 0.0);
     let forward = (target - centre).normalize();
     // The shortest turn from the world's z axis to the view.
-    let world_from_camera = Rotation3::rotation_between(&Vector3::z(), &forward)
-        .expect("no camera looks backwards");
+    let world_from_camera =
+        Rotation3::rotation_between(&Vector3::z(), &forward).expect("no camera looks backwards");
     let pose = Isometry3::from_parts(Point3::from(centre).into(), world_from_camera.into());
     pose.inverse()
 }

@@ -42,9 +42,8 @@ impl DistortedPinhole {
 
     // ANCHOR: distorted_jacobian
     /// The 2×3 Jacobian of the pixel by the point in camera coordinates, in pixels per
-    /// metre, or `None` as in [`DistortedPinhole::project_cam`].
-    ///
-    /// Implements {eq:distorted-jacobian}.
+    /// metre, or `None` as in [`DistortedPinhole::project_cam`]. The Jacobian of the lens,
+    /// {eq:distortion-jacobian}, stands between focal lengths and perspective.
     pub fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
         self.project_cam(point_in_camera)?;
         let depth = point_in_camera.z;

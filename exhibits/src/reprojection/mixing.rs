@@ -1,0 +1,318 @@
+//! What an optimizer does whose Jacobian was derived for one convention and whose retraction
+//! belongs to the other.
+
+use std::sync::OnceLock;
+
+use nalgebra::{Isometry3, Matrix2x6, Rotation3, Vector3, Vector6};
+use vislam::least_squares::{
+    Evaluation, Kernel, Options, PoseOrPoint, Problem, Residual, Solution, Undefined,
+};
+use vislam::manifold::{se3, so3};
+use vislam::reprojection::{LinearizedReproj, Pinhole, ReprojFactor};
+
+use crate::random::Random;
+use crate::scene::Ring;
+
+/// Cameras that stay where they are: two, so that the scale is fixed as well.
+const PINNED: [usize; 2] = [0, 4];
+
+/// For which perturbation the pose block was derived. The step is always taken on the right.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Convention {
+    /// The right one.
+    Consistent,
+    /// The left one.
+    Mixed,
+    /// The right one with the left one's skew matrix.
+    SkewOnly,
+}
+
+struct Observation {
+    camera: Pinhole,
+    factor: ReprojFactor,
+    convention: Convention,
+    variables: [usize; 2],
+}
+
+impl Residual<PoseOrPoint> for Observation {
+    fn variables(&self) -> &[usize] {
+        &self.variables
+    }
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn evaluate(&self, values: &[PoseOrPoint], into: &mut Evaluation) -> Result<(), Undefined> {
+        let [pose, point] = self.variables.map(|variable| &values[variable]);
+        let (pose, point) = (pose.pose().ok_or(Undefined)?, point.point().ok_or(Undefined)?);
+        let predicted = self.camera.project_with_jacobians(pose, point).ok_or(Undefined)?;
+        let linearized = self.factor.linearize(&predicted);
+        into.residual(&linearized.residual);
+        into.jacobian(0, &self.convention.pose_block(&linearized, pose, point));
+        into.jacobian(1, &linearized.by_point);
+        Ok(())
+    }
+}
+
+impl Convention {
+    // ANCHOR: mixed_block
+    /// The pose block that an optimizer of this convention works with.
+    fn pose_block(
+        self,
+        factor: &LinearizedReproj,
+        pose: &Isometry3<f64>,
+        point: &Vector3<f64>,
+    ) -> Matrix2x6<f64> {
+        match self {
+            Self::Consistent => factor.by_pose,
+            Self::Mixed => factor.by_pose * se3::adjoint(&pose.inverse()),
+            Self::SkewOnly => {
+                let in_camera = pose.transform_point(&(*point).into()).coords;
+                let mut block = factor.by_pose;
+                let turn = -factor.by_point * so3::hat(&in_camera);
+                block.fixed_columns_mut::<3>(3).copy_from(&turn);
+                block
+            }
+        }
+    }
+    // ANCHOR_END: mixed_block
+}
+
+/// A ring with a place to begin.
+pub struct Experiment {
+    pub ring: Ring,
+    start: Vec<PoseOrPoint>,
+}
+
+impl Experiment {
+    /// The ring with this noise in pixels, in a world frame from which a free camera is turned by
+    /// `largest_angle` degrees and none by more. It begins `off` metres and radians from the
+    /// truth.
+    pub fn new(noise: f64, largest_angle: f64, off: f64) -> Self {
+        let ring = turned_by(&Ring::new(noise), largest_angle.to_radians());
+        let mut random = Random::new(42);
+        let poses = ring.poses.iter().enumerate().map(|(index, pose)| {
+            let (step, turn) = (random.direction(off), random.direction(0.3 * off));
+            let xi = Vector6::new(step.x, step.y, step.z, turn.x, turn.y, turn.z);
+            let moved = if PINNED.contains(&index) { *pose } else { se3::retract(pose, &xi) };
+            PoseOrPoint::Pose(moved)
+        });
+        let mut start: Vec<_> = poses.collect();
+        let mut random = Random::new(43);
+        let points =
+            ring.points.iter().map(|point| PoseOrPoint::Point(point + random.direction(off)));
+        start.extend(points);
+        Self { ring, start }
+    }
+
+    /// The values without any error.
+    pub fn truth(&self) -> Vec<PoseOrPoint> {
+        let poses = self.ring.poses.iter().map(|pose| PoseOrPoint::Pose(*pose));
+        poses.chain(self.ring.points.iter().map(|point| PoseOrPoint::Point(*point))).collect()
+    }
+
+    fn problem(&self, convention: Convention, values: &[PoseOrPoint]) -> Problem<PoseOrPoint> {
+        let mut problem = Problem::new();
+        for value in values {
+            problem.add_variable(*value);
+        }
+        for pinned in PINNED {
+            problem.fix(pinned).expect("it was added");
+        }
+        for factor in &self.ring.factors {
+            let variables = [factor.keyframe, self.ring.poses.len() + factor.point];
+            let camera = self.ring.camera;
+            let observation = Observation { camera, factor: *factor, convention, variables };
+            problem.add_residual(observation, Kernel::Squared).expect("its variables were added");
+        }
+        problem
+    }
+
+    /// What the library's solver makes of it.
+    pub fn solve(&self, convention: Convention, options: &Options) -> Solution<PoseOrPoint> {
+        let problem = self.problem(convention, &self.start);
+        problem.solve(options).expect("the start is sound and two cameras are pinned")
+    }
+
+    /// So many Gauss-Newton steps.
+    pub fn run(&self, convention: Convention, steps: usize) -> Solution<PoseOrPoint> {
+        self.solve(convention, &to_the_last_digit(steps))
+    }
+
+    /// The minimum of the cost, to rounding.
+    pub fn optimum(&self) -> Vec<PoseOrPoint> {
+        self.run(Convention::Consistent, 20).values
+    }
+
+    /// Distances from `reference` of the free cameras together, in metres and radians, before
+    /// every one of so many Gauss-Newton steps and after the last; fewer when one has failed.
+    pub fn errors(
+        &self,
+        convention: Convention,
+        reference: &[PoseOrPoint],
+        steps: usize,
+    ) -> Vec<f64> {
+        let mut values = self.start.clone();
+        let mut errors = vec![distance(&values, reference)];
+        for _ in 0..steps {
+            let problem = self.problem(convention, &values);
+            let Ok(solution) = problem.solve(&to_the_last_digit(1)) else { break };
+            values = solution.values;
+            errors.push(distance(&values, reference));
+        }
+        errors
+    }
+
+    /// Root of the mean squared distance between a measured pixel and the predicted one.
+    pub fn rmse(&self, cost: f64) -> f64 {
+        (2.0 * cost / self.ring.factors.len() as f64).sqrt()
+    }
+
+    /// The length of the true gradient in units of its own noise, whatever convention led there.
+    pub fn gradient_norm(&self, values: &[PoseOrPoint]) -> f64 {
+        let problem = self.problem(Convention::Consistent, values);
+        problem.linearize(values).map_or(f64::NAN, |system| system.gradient_norm())
+    }
+}
+
+/// Gauss-Newton that stops for no tolerance.
+pub fn to_the_last_digit(steps: usize) -> Options {
+    Options {
+        max_iterations: steps,
+        gradient_tolerance: 0.0,
+        step_tolerance: 0.0,
+        decrease_tolerance: 0.0,
+        ..Options::gauss_newton()
+    }
+}
+
+/// Metres between the centre of a camera and its centre in `reference`, the largest.
+pub fn largest_shift(values: &[PoseOrPoint], reference: &[PoseOrPoint]) -> f64 {
+    let centre = |value: &PoseOrPoint| Some(value.pose()?.inverse().translation.vector);
+    let pairs = values.iter().zip(reference);
+    let shifts = pairs.filter_map(|(value, other)| Some((centre(value)? - centre(other)?).norm()));
+    shifts.fold(0.0, f64::max)
+}
+
+/// Distance of all cameras together from those of `reference`, in metres and radians.
+fn distance(values: &[PoseOrPoint], reference: &[PoseOrPoint]) -> f64 {
+    let pairs = values.iter().zip(reference);
+    let squares = pairs.filter_map(|(value, reference)| {
+        Some(se3::local(reference.pose()?, value.pose()?).norm_squared())
+    });
+    squares.sum::<f64>().sqrt()
+}
+
+/// The largest angle by which a camera that is not pinned is turned from the world.
+pub fn largest_angle(ring: &Ring) -> f64 {
+    let free = ring.poses.iter().enumerate().filter(|(index, _)| !PINNED.contains(index));
+    free.map(|(_, pose)| pose.rotation.angle()).fold(0.0, f64::max)
+}
+
+/// The ring in a world frame that is turned about its x axis so far that the largest angle of a
+/// free camera is `angle`.
+fn turned_by(ring: &Ring, angle: f64) -> Ring {
+    let turned = |by: f64| ring.in_world(&Rotation3::new(by * Vector3::x()));
+    let (mut low, mut high) = (0.0, std::f64::consts::PI - largest_angle(ring));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if largest_angle(&turned(middle)) < angle {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    turned(high)
+}
+
+/// The factor by which the error of the mixed optimizer shrinks in a Gauss-Newton step, the mean
+/// over the second half of a run that begins close to the optimum of noiseless data.
+pub fn measured_rate(largest_angle: f64) -> f64 {
+    let experiment = Experiment::new(0.0, largest_angle, 1e-6);
+    let errors = experiment.errors(Convention::Mixed, &experiment.optimum(), 40);
+    // Below this the error is made of rounding.
+    let last = errors.iter().rposition(|error| *error > 1e-12).unwrap_or(0);
+    let middle = last / 2;
+    (errors[last] / errors[middle]).powf(1.0 / (last - middle) as f64)
+}
+
+/// What Levenberg-Marquardt made of the ring with a pixel of noise.
+pub struct Outcome {
+    pub iterations: usize,
+    pub rmse: f64,
+    /// The length of the true gradient, as [`Experiment::gradient_norm`] gives it.
+    pub gradient_norm: f64,
+    /// Metres between a camera's centre and its centre at the optimum, the largest.
+    pub distance: f64,
+}
+
+/// Runs Levenberg-Marquardt from a tenth of a metre away.
+pub fn outcome(noise: f64, largest_angle: f64, convention: Convention) -> Outcome {
+    let experiment = Experiment::new(noise, largest_angle, FAR_START);
+    let options = Options { max_iterations: 600, ..Options::default() };
+    let solution = experiment.solve(convention, &options);
+    Outcome {
+        iterations: solution.report.iterations.len(),
+        rmse: experiment.rmse(solution.report.cost),
+        gradient_norm: experiment.gradient_norm(&solution.values),
+        distance: largest_shift(&solution.values, &experiment.optimum()),
+    }
+}
+
+/// How far from the truth the runs that a reader sees begin, in metres; a third of it in radians.
+pub const FAR_START: f64 = 0.1;
+
+/// Angles at which the rate is measured, in degrees.
+pub const RATE_ANGLES: [f64; 8] = [14.1, 25.0, 40.0, 50.0, 55.0, 65.0, 70.0, 80.0];
+
+/// Angles at which Levenberg-Marquardt is tried, in degrees.
+pub const OUTCOME_ANGLES: [f64; 8] = [14.1, 30.0, 50.0, 65.0, 75.0, 80.0, 100.0, 120.0];
+
+/// The measured rates, computed once.
+pub fn rates() -> &'static [f64; 8] {
+    static RATES: OnceLock<[f64; 8]> = OnceLock::new();
+    RATES.get_or_init(|| RATE_ANGLES.map(measured_rate))
+}
+
+/// What the mixed Levenberg-Marquardt made of a pixel of noise at each angle, computed once.
+pub fn outcomes() -> &'static [Outcome; 8] {
+    static OUTCOMES: OnceLock<[Outcome; 8]> = OnceLock::new();
+    OUTCOMES.get_or_init(|| OUTCOME_ANGLES.map(|angle| outcome(1.0, angle, Convention::Mixed)))
+}
+
+/// The rate that the theory predicts for an angle in degrees.
+pub fn predicted_rate(angle: f64) -> f64 {
+    2.0 * (angle.to_radians() / 2.0).sin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Convention, Experiment, largest_angle, measured_rate, predicted_rate};
+
+    #[test]
+    fn the_world_is_turned_by_as_much_as_was_asked_for() {
+        for angle in [14.1, 40.0, 120.0] {
+            let ring = Experiment::new(0.0, angle, 0.0).ring;
+            assert!((largest_angle(&ring).to_degrees() - angle).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_error_of_mixed_conventions_shrinks_as_the_theory_says() {
+        for angle in [14.1, 40.0, 55.0, 70.0] {
+            let ratio = measured_rate(angle) / predicted_rate(angle);
+            assert!((ratio - 1.0).abs() < 0.04, "{angle}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn mixed_conventions_have_the_same_optimum_and_the_wrong_skew_has_not() {
+        let experiment = Experiment::new(1.0, 14.1, 0.1);
+        let optimum = experiment.optimum();
+        let end = |convention| *experiment.errors(convention, &optimum, 40).last().unwrap();
+        assert!(end(Convention::Consistent) < 1e-12);
+        assert!(end(Convention::Mixed) < 1e-12);
+        assert!(end(Convention::SkewOnly) > 1e-3);
+    }
+}

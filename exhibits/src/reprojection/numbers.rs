@@ -1,0 +1,193 @@
+//! The numbers that the chapter quotes.
+
+use nalgebra::{DMatrix, Isometry3, Matrix2, Vector2, Vector3};
+use vislam::bearing::back_project;
+
+use super::mixing::{
+    Convention, Experiment, FAR_START, OUTCOME_ANGLES, RATE_ANGLES, largest_shift, outcome,
+    outcomes, predicted_rate, rates,
+};
+use super::worked::{CAMERA, EUROC_SIZE, POINT, euroc, one_coefficient};
+use super::{NO_POINT_BLOCK, NO_POSE_BLOCK, inverse_of};
+use crate::chapter::Chapter;
+
+/// Registers the numbers.
+pub fn numbers(chapter: &mut Chapter) {
+    worked_example(chapter);
+    reading(chapter);
+    ranks(chapter);
+    bent_image(chapter);
+    folded_image(chapter);
+    mixed_rates(chapter);
+    mixed_outcomes(chapter);
+}
+
+fn worked_example(chapter: &mut Chapter) {
+    chapter.number("fx", CAMERA.fx, "px", 0);
+    chapter.number("cx", CAMERA.cx, "px", 0);
+    chapter.number("cy", CAMERA.cy, "px", 0);
+    chapter.number("x", POINT.x, "m", 1);
+    chapter.number("y", POINT.y, "m", 1);
+    chapter.number("z", POINT.z, "m", 0);
+    let jacobian = CAMERA.projection_jacobian(&POINT).unwrap_or(NO_POINT_BLOCK);
+    chapter.number("focal_over_depth", jacobian[(0, 0)], "px/m", 0);
+    chapter.number("u_by_z", jacobian[(0, 2)], "px/m", 1);
+    chapter.number("v_by_z", jacobian[(1, 2)], "px/m", 1);
+    let block = pose_block(&POINT);
+    chapter.number("u_by_turn_x", block[(0, 3)], "px/rad", 2);
+    chapter.number("u_by_turn_y", block[(0, 4)], "px/rad", 2);
+    chapter.number("u_by_turn_z", block[(0, 5)], "px/rad", 2);
+    chapter.number("v_by_turn_x", block[(1, 3)], "px/rad", 2);
+    chapter.number("v_by_turn_y", block[(1, 4)], "px/rad", 2);
+    chapter.number("v_by_turn_z", block[(1, 5)], "px/rad", 2);
+}
+
+fn pose_block(point: &Vector3<f64>) -> nalgebra::Matrix2x6<f64> {
+    CAMERA.jacobians(&Isometry3::identity(), point).map_or(NO_POSE_BLOCK, |both| both.0)
+}
+
+fn reading(chapter: &mut Chapter) {
+    let block = pose_block(&POINT);
+    let (turn, forward) = (block.column(4), block.column(2));
+    chapter.number("milliradian_px", 1e-3 * turn.x, "px", 2);
+    chapter.number("centimetre_u_px", 1e-2 * forward.x.abs(), "px", 3);
+    chapter.number("centimetre_px", 1e-2 * forward.norm(), "px", 3);
+    let ratio = turn.x / forward.x.abs();
+    chapter.number("ratio", ratio, "m/rad", 0);
+    chapter.number("ratio_to_centimetre", ratio * 1e-3 / 1e-2, "cm/mrad", 1);
+    let far = pose_block(&(10.0 * POINT));
+    chapter.number("ratio_far", far[(0, 4)] / far[(0, 2)].abs(), "m/rad", 0);
+    let offset = Vector3::new(POINT.x, POINT.y, 10.0 * POINT.z);
+    let far = pose_block(&offset);
+    chapter.number("ratio_far_offset", far[(0, 4)] / far[(0, 2)].abs(), "m/rad", 0);
+    chapter.number("far_z", offset.z, "m", 0);
+    // f/1000 = f/(100 Z), on the axis.
+    chapter.number("equal_depth", 1e-2 / 1e-3, "m", 0);
+    chapter.number("equal_depth_tenth", 0.1 * 1e-2 / 1e-3, "m", 0);
+    chapter.number("equal_depth_ten_times", 10.0 * 1e-2 / 1e-3, "m", 0);
+}
+
+/// Ranks of the pose blocks of one, two, three and four points, stacked.
+fn ranks(chapter: &mut Chapter) {
+    let pixels =
+        [(100.0, 80.0, 4.0), (500.0, 120.0, 7.0), (260.0, 400.0, 5.0), (480.0, 380.0, 6.0)];
+    let names = ["rank_1", "rank_2", "rank_3", "rank_4"];
+    let mut stacked = DMatrix::<f64>::zeros(0, 6);
+    for (name, (u, v, depth)) in names.into_iter().zip(pixels) {
+        let block = pose_block(&back_project(&CAMERA, &Vector2::new(u, v), depth));
+        let rows = stacked.nrows();
+        stacked = stacked.insert_rows(rows, 2, 0.0);
+        stacked.rows_mut(rows, 2).copy_from(&block);
+        chapter.number(name, stacked.rank(1e-6) as f64, "", 0);
+    }
+    let both = CAMERA.jacobians(&Isometry3::identity(), &POINT);
+    let (by_pose, by_point) = both.unwrap_or((NO_POSE_BLOCK, NO_POINT_BLOCK));
+    let mut together = DMatrix::<f64>::zeros(2, 9);
+    together.columns_mut(0, 6).copy_from(&by_pose);
+    together.columns_mut(6, 3).copy_from(&by_point);
+    chapter.number("free_of_nine", 9.0 - together.rank(1e-6) as f64, "", 0);
+}
+
+fn bent_image(chapter: &mut Chapter) {
+    let camera = euroc();
+    let corner = Vector2::zeros();
+    let ideal = camera.unproject(&corner).unwrap_or(Vector2::repeat(f64::NAN));
+    let undistorted = Vector2::new(
+        camera.pinhole.fx * ideal.x + camera.pinhole.cx,
+        camera.pinhole.fy * ideal.y + camera.pinhole.cy,
+    );
+    chapter.number("corner_move_px", (undistorted - corner).norm(), "px", 0);
+    chapter.number("corner_angle_deg", ideal.norm().atan().to_degrees(), "°", 0);
+    let focal = Matrix2::new(camera.pinhole.fx, 0.0, 0.0, camera.pinhole.fy);
+    let growth = focal * inverse_of(&camera.lens.jacobian(&ideal)) * inverse_of(&focal);
+    let along = growth.singular_values();
+    chapter.number("corner_noise_radial", along.max(), "px", 1);
+    chapter.number("corner_noise_across", along.min(), "px", 1);
+}
+
+fn folded_image(chapter: &mut Chapter) {
+    let (camera, lens) = (euroc(), one_coefficient());
+    let [k1, k2, ..] = camera.lens.coefficients();
+    chapter.number("k1", k1, "", 3);
+    chapter.number("k2", k2, "", 3);
+    let fold = lens.monotonic_radius();
+    chapter.number("fold_radius", fold, "", 3);
+    chapter.number("fold_deg", fold.atan().to_degrees(), "°", 0);
+    let shown = lens.distort(&Vector2::new(fold, 0.0)).x;
+    chapter.number("fold_shown", shown, "", 3);
+
+    let (width, height) = EUROC_SIZE;
+    let (mut outside, mut all) = (0.0, 0.0);
+    for u in 0..width as usize {
+        for v in 0..height as usize {
+            let x = (u as f64 - camera.pinhole.cx) / camera.pinhole.fx;
+            let y = (v as f64 - camera.pinhole.cy) / camera.pinhole.fy;
+            all += 1.0;
+            if x.hypot(y) > shown {
+                outside += 1.0;
+            }
+        }
+    }
+    chapter.number("fold_outside_percent", 100.0 * outside / all, "%", 0);
+
+    let ghost_deg: f64 = 60.0;
+    let ghost = lens.distort(&Vector2::new(ghost_deg.to_radians().tan(), 0.0)).x;
+    chapter.number("ghost_deg", ghost_deg, "°", 0);
+    chapter.number("ghost_px", camera.pinhole.fx * ghost, "px", 0);
+}
+
+fn mixed_rates(chapter: &mut Chapter) {
+    let named = [
+        (0, "angle_14", "predicted_14", "measured_14"),
+        (2, "angle_40", "predicted_40", "measured_40"),
+        (4, "angle_55", "predicted_55", "measured_55"),
+        (6, "angle_70", "predicted_70", "measured_70"),
+    ];
+    for (index, angle, predicted, measured) in named {
+        chapter.number(angle, RATE_ANGLES[index], "°", 0);
+        chapter.number(predicted, predicted_rate(RATE_ANGLES[index]), "", 2);
+        chapter.number(measured, rates()[index], "", 2);
+    }
+    chapter.number("critical_deg", 2.0 * 0.5_f64.asin().to_degrees(), "°", 0);
+    let steps_for_a_digit = -1.0 / predicted_rate(RATE_ANGLES[4]).log10();
+    chapter.number("steps_for_digit_55", steps_for_a_digit, "", 0);
+    let experiment = Experiment::new(0.0, RATE_ANGLES[0], FAR_START);
+    let errors = experiment.errors(Convention::Consistent, &experiment.optimum(), 6);
+    let steps = errors.iter().position(|error| *error < 1e-9).unwrap_or(errors.len());
+    chapter.number("consistent_steps", steps as f64, "", 0);
+    chapter.number("start_cm", 100.0 * FAR_START, "cm", 0);
+}
+
+fn mixed_outcomes(chapter: &mut Chapter) {
+    let consistent = outcome(1.0, OUTCOME_ANGLES[0], Convention::Consistent);
+    chapter.number("optimum_rmse", consistent.rmse, "px", 3);
+    chapter.number("optimum_steps", consistent.iterations as f64, "", 0);
+    let slow = &outcomes()[3];
+    chapter.number("slow_deg", OUTCOME_ANGLES[3], "°", 0);
+    chapter.number("slow_steps", slow.iterations as f64, "", 0);
+    chapter.number("slow_rmse", slow.rmse, "px", 3);
+    let stalled = &outcomes()[5];
+    chapter.number("stall_deg", OUTCOME_ANGLES[5], "°", 0);
+    chapter.number("stall_rmse", stalled.rmse, "px", 2);
+    chapter.number("stall_steps", stalled.iterations as f64, "", 0);
+    chapter.number("stall_gradient", stalled.gradient_norm, "", 0);
+    chapter.number("stall_cm", 100.0 * stalled.distance, "cm", 0);
+    let noiseless = outcome(0.0, OUTCOME_ANGLES[5], Convention::Mixed);
+    chapter.number("stall_noiseless_rmse", noiseless.rmse, "px", 2);
+    let last = &outcomes()[4];
+    chapter.number("last_converged_deg", OUTCOME_ANGLES[4], "°", 0);
+    chapter.number("last_converged_steps", last.iterations as f64, "", 0);
+    let truth = Experiment::new(1.0, OUTCOME_ANGLES[0], FAR_START);
+    let noise_itself = largest_shift(&truth.optimum(), &truth.truth());
+    chapter.number("noise_mm", 1e3 * noise_itself, "mm", 0);
+
+    for (angle, rmse, off) in
+        [(14.1, "skew_rmse_14", "skew_mm_14"), (70.0, "skew_rmse_70", "skew_mm_70")]
+    {
+        let experiment = Experiment::new(1.0, angle, FAR_START);
+        let optimum = experiment.optimum();
+        let end = experiment.run(Convention::SkewOnly, 60);
+        chapter.number(off, 1e3 * largest_shift(&end.values, &optimum), "mm", 0);
+        chapter.number(rmse, experiment.rmse(end.report.cost), "px", 3);
+    }
+}
