@@ -61,10 +61,12 @@ fn reading(chapter: &mut Chapter) {
     let far = pose_block(&offset);
     chapter.number("ratio_far_offset", far[(0, 4)] / far[(0, 2)].abs(), "m/rad", 0);
     chapter.number("far_z", offset.z, "m", 0);
-    // f/1000 = f/(100 Z), on the axis.
-    chapter.number("equal_depth", 1e-2 / 1e-3, "m", 0);
-    chapter.number("equal_depth_tenth", 0.1 * 1e-2 / 1e-3, "m", 0);
-    chapter.number("equal_depth_ten_times", 10.0 * 1e-2 / 1e-3, "m", 0);
+    // On the axis the turn does the same at every depth, the step what it does at a metre, over Z.
+    let axis = pose_block(&Vector3::z());
+    let equal_depth = (1e-2 * axis[(0, 0)]) / (1e-3 * axis[(0, 4)]);
+    chapter.number("equal_depth", equal_depth, "m", 0);
+    chapter.number("equal_depth_tenth", 0.1 * equal_depth, "m", 0);
+    chapter.number("equal_depth_ten_times", 10.0 * equal_depth, "m", 0);
 }
 
 /// Ranks of the pose blocks of one, two, three and four points, stacked.

@@ -1,5 +1,7 @@
 //! What a real lens does to a square grid, and where a model of it folds over.
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::series::LineSeries;
@@ -10,6 +12,17 @@ use crate::figure::{
     self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around, letters_right_of,
 };
 use crate::reprojection::worked::{EUROC_SIZE, euroc, one_coefficient};
+
+/// The part of the image plane that is drawn, in pixels.
+const COLUMNS_DRAWN: Range<f64> = -60.0..812.0;
+const ROWS_DRAWN: Range<f64> = -70.0..565.0;
+
+/// Lines of the grid to each side of the middle, and between them the distance in the ideal plane.
+const COLUMNS: i32 = 8;
+const ROWS: i32 = 5;
+const SPACING: f64 = 0.15;
+const GRID_WIDTH: f64 = SPACING * COLUMNS as f64;
+const GRID_HEIGHT: f64 = SPACING * ROWS as f64;
 
 /// Largest radius of an ideal point that is drawn.
 const LARGEST: f64 = 1.6;
@@ -31,8 +44,8 @@ pub fn lens() -> Figure {
             "radius shown by its first coefficient alone",
         ],
         rows: rows.collect(),
-        svg: figure::draw(1500, |drawing| {
-            let (above, below) = drawing.split_vertically(840);
+        svg: figure::draw(1540, |drawing| {
+            let (above, below) = drawing.split_vertically(880);
             bent_grid(&above)?;
             folded_radius(&below)
         }),
@@ -43,31 +56,35 @@ pub fn lens() -> Figure {
 fn bent_grid(drawing: &Drawing) -> Drawn {
     let camera = euroc();
     let pinhole = camera.pinhole;
-    let x_axis = ("u (px)", -60.0..812.0, 5);
-    let mut chart = figure::axes(drawing, x_axis, ("v (px)", 520.0..-40.0, 5))?;
+    let x_axis = ("u (px)", COLUMNS_DRAWN, 5);
+    let mut chart = figure::axes(drawing, x_axis, ("v (px)", ROWS_DRAWN.end..ROWS_DRAWN.start, 5))?;
     let (width, height) = EUROC_SIZE;
     let border = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)];
     chart.draw_series([PathElement::new(border, INK.stroke_width(4))])?;
     let pixel = |x: f64, y: f64| (pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy);
-    let inside = |(u, v): &(f64, f64)| (-60.0..=812.0).contains(u) && (-40.0..=520.0).contains(v);
-    for line in -8..=8 {
-        let across = f64::from(line) * 0.15;
-        for upright in [false, true] {
-            let along = (-60..=60).map(|step| f64::from(step) * 0.02);
-            let places = along.map(|along| if upright { (across, along) } else { (along, across) });
-            let places: Vec<_> = places.collect();
-            let ideal: Vec<_> = places.iter().map(|&(x, y)| pixel(x, y)).filter(inside).collect();
-            let shown = places.iter().map(|&(x, y)| {
-                let bent = camera.lens.distort(&Vector2::new(x, y));
-                pixel(bent.x, bent.y)
-            });
-            let shown: Vec<_> = shown.filter(inside).collect();
-            chart.draw_series([PathElement::new(ideal, GRID.stroke_width(3))])?;
-            chart.draw_series([PathElement::new(shown, SERIES[0].stroke_width(4))])?;
+    let bent = |x: f64, y: f64| {
+        let shown = camera.lens.distort(&Vector2::new(x, y));
+        pixel(shown.x, shown.y)
+    };
+    let fractions = || (0..=60).map(|step| f64::from(step) / 30.0 - 1.0);
+    for column in -COLUMNS..=COLUMNS {
+        let x = SPACING * f64::from(column);
+        let line: Vec<_> = fractions().map(|along| bent(x, GRID_HEIGHT * along)).collect();
+        chart.draw_series([PathElement::new(line, SERIES[0].stroke_width(4))])?;
+    }
+    for row in -ROWS..=ROWS {
+        let y = SPACING * f64::from(row);
+        let line: Vec<_> = fractions().map(|along| bent(GRID_WIDTH * along, y)).collect();
+        chart.draw_series([PathElement::new(line, SERIES[0].stroke_width(4))])?;
+        for column in -COLUMNS..=COLUMNS {
+            let (u, v) = pixel(SPACING * f64::from(column), y);
+            if (COLUMNS_DRAWN.contains(&u)) && (ROWS_DRAWN.contains(&v)) {
+                let way = [(u, v), bent(SPACING * f64::from(column), y)];
+                chart.draw_series([PathElement::new(way, SERIES[1].stroke_width(4))])?;
+                chart.draw_series([Circle::new(way[0], 7, SERIES[1].filled())])?;
+            }
         }
     }
-    let centre = (pinhole.cx, pinhole.cy);
-    chart.draw_series([Circle::new(centre, 9, INK.filled())])?;
     Ok(())
 }
 
@@ -75,12 +92,12 @@ fn folded_radius(drawing: &Drawing) -> Drawn {
     let x_axis = ("ideal radius", 0.0..LARGEST, 8);
     let mut chart = figure::axes(drawing, x_axis, ("shown radius", 0.0..1.25, 5))?;
     let series = [
-        (euroc().lens, SERIES[0], "EuRoC, k1 and k2", (0.95, 1.0)),
-        (one_coefficient(), SERIES[1], "k1 alone", (1.3, 0.53)),
+        (euroc().lens, SERIES[0], "EuRoC, k1 and k2", (1.2, 0.83)),
+        (one_coefficient(), SERIES[1], "k1 alone", (1.18, 0.56)),
     ];
     let end = 1.25;
     chart.draw_series([PathElement::new([(0.0, 0.0), (end, end)], GRID.stroke_width(4))])?;
-    chart.draw_series([Text::new("no lens", (0.72, 0.95), letters_around(INK))])?;
+    chart.draw_series([Text::new("no lens", (0.5, 0.72), letters_around(INK))])?;
     for (lens, colour, name, place) in series {
         let curve = (0..=80).map(|step| {
             let radius = LARGEST * f64::from(step) / 80.0;

@@ -51,12 +51,12 @@ fn rate_panel(drawing: &Drawing) -> Drawn {
     let mut chart = figure::axes(drawing, ("largest angle (°)", 0.0..125.0, 6), y_axis)?;
     chart.draw_series([PathElement::new([(0.0, 1.0), (125.0, 1.0)], INK.stroke_width(3))])?;
     chart.draw_series([PathElement::new([(60.0, 0.0), (60.0, 1.6)], GRID.stroke_width(4))])?;
-    let curve = (0..=108).map(f64::from).map(|angle| (angle, predicted_rate(angle)));
+    let curve = (0..=104).map(f64::from).map(|angle| (angle, predicted_rate(angle)));
     chart.draw_series(LineSeries::new(curve, SERIES[0].stroke_width(5)))?;
     let measured = RATE_ANGLES.iter().zip(rates());
     chart.draw_series(measured.map(|(x, y)| EmptyElement::at((*x, *y)) + marker(1)))?;
-    chart.draw_series([Text::new("shrinks", (30.0, 1.12), letters_around(INK))])?;
-    chart.draw_series([Text::new("grows", (90.0, 0.87), letters_around(INK))])?;
+    chart.draw_series([Text::new("shrinks", (90.0, 0.87), letters_around(INK))])?;
+    chart.draw_series([Text::new("grows", (30.0, 1.12), letters_around(INK))])?;
     Ok(())
 }
 
@@ -69,6 +69,6 @@ fn outcome_panel(drawing: &Drawing) -> Drawn {
     chart.draw_series([Text::new("the optimum", (98.0, 2.3), letters_around(ESTIMATED))])?;
     let ends = OUTCOME_ANGLES.iter().zip(outcomes());
     let ends: Vec<_> = ends.map(|(angle, outcome)| (*angle, outcome.rmse)).collect();
-    chart.draw_series(ends.iter().map(|place| EmptyElement::at(*place) + marker(1)))?;
+    chart.draw_series(ends.iter().map(|place| EmptyElement::at(*place) + marker(2)))?;
     Ok(())
 }

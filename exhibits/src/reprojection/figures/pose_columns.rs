@@ -14,8 +14,8 @@ const NEAR: f64 = 3.0;
 const FAR: f64 = 12.0;
 
 /// The step that is drawn, in metres and radians; its arrows are not longer than the image bears.
-const STEP: f64 = 0.3;
-const TURN: f64 = 0.1;
+const STEP: f64 = 0.28;
+const TURN: f64 = 0.08;
 
 const NAMES: [&str; 6] = [
     "step along x",

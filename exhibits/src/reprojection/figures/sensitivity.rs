@@ -56,7 +56,7 @@ fn draw() -> String {
     let second_lines = ["", "", "same bearing", "same offset"];
     figure::draw(900, |drawing| {
         let x_axis = ("depth (m)", (0.9..520.0).log_scale(), 3);
-        let y_axis = ("move of the column (px)", (0.0002..10.0).log_scale(), 5);
+        let y_axis = ("move of the column (px)", (0.0001..10.0).log_scale(), 5);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for index in 0..4 {
             let line = DEPTHS.map(|depth| (depth, moves(depth)[index]));
