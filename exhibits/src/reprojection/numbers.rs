@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, Isometry3, Matrix2, Vector2, Vector3};
 use vislam::bearing::back_project;
 
 use super::mixing::{
-    Convention, Experiment, FAR_START, OUTCOME_ANGLES, RATE_ANGLES, largest_shift, outcome,
-    outcomes, predicted_rate, rates,
+    Convention, Experiment, FAR_START, OUTCOME_ANGLES, RATE_ANGLES, consistent_and_noiseless,
+    largest_shift, outcomes, predicted_rate, rates, skewed,
 };
 use super::worked::{CAMERA, EUROC_SIZE, POINT, euroc, one_coefficient};
 use super::{NO_POINT_BLOCK, NO_POSE_BLOCK, inverse_of};
@@ -154,42 +154,34 @@ fn mixed_rates(chapter: &mut Chapter) {
     let steps_for_a_digit = -1.0 / predicted_rate(RATE_ANGLES[4]).log10();
     chapter.number("steps_for_digit_55", steps_for_a_digit, "", 0);
     let experiment = Experiment::new(0.0, RATE_ANGLES[0], FAR_START);
-    let errors = experiment.errors(Convention::Consistent, &experiment.optimum(), 6);
+    let errors = experiment.errors(Convention::Consistent, &experiment.truth(), 6);
     let steps = errors.iter().position(|error| *error < 1e-9).unwrap_or(errors.len());
     chapter.number("consistent_steps", steps as f64, "", 0);
     chapter.number("start_cm", 100.0 * FAR_START, "cm", 0);
 }
 
 fn mixed_outcomes(chapter: &mut Chapter) {
-    let consistent = outcome(1.0, OUTCOME_ANGLES[0], Convention::Consistent);
+    let (consistent, noiseless) = consistent_and_noiseless(4);
     chapter.number("optimum_rmse", consistent.rmse, "px", 3);
     chapter.number("optimum_steps", consistent.iterations as f64, "", 0);
     let slow = &outcomes()[3];
     chapter.number("slow_deg", OUTCOME_ANGLES[3], "°", 0);
     chapter.number("slow_steps", slow.iterations as f64, "", 0);
     chapter.number("slow_rmse", slow.rmse, "px", 3);
-    let stalled = &outcomes()[5];
-    chapter.number("stall_deg", OUTCOME_ANGLES[5], "°", 0);
+    let stalled = &outcomes()[4];
+    chapter.number("stall_deg", OUTCOME_ANGLES[4], "°", 0);
     chapter.number("stall_rmse", stalled.rmse, "px", 2);
     chapter.number("stall_steps", stalled.iterations as f64, "", 0);
     chapter.number("stall_gradient", stalled.gradient_norm, "", 0);
     chapter.number("stall_cm", 100.0 * stalled.distance, "cm", 0);
-    let noiseless = outcome(0.0, OUTCOME_ANGLES[5], Convention::Mixed);
     chapter.number("stall_noiseless_rmse", noiseless.rmse, "px", 2);
-    let last = &outcomes()[4];
-    chapter.number("last_converged_deg", OUTCOME_ANGLES[4], "°", 0);
-    chapter.number("last_converged_steps", last.iterations as f64, "", 0);
     let truth = Experiment::new(1.0, OUTCOME_ANGLES[0], FAR_START);
     let noise_itself = largest_shift(&truth.optimum(), &truth.truth());
     chapter.number("noise_mm", 1e3 * noise_itself, "mm", 0);
 
-    for (angle, rmse, off) in
-        [(14.1, "skew_rmse_14", "skew_mm_14"), (70.0, "skew_rmse_70", "skew_mm_70")]
-    {
-        let experiment = Experiment::new(1.0, angle, FAR_START);
-        let optimum = experiment.optimum();
-        let end = experiment.run(Convention::SkewOnly, 60);
-        chapter.number(off, 1e3 * largest_shift(&end.values, &optimum), "mm", 0);
-        chapter.number(rmse, experiment.rmse(end.report.cost), "px", 3);
+    let names = [("skew_mm_14", "skew_rmse_14"), ("skew_mm_70", "skew_rmse_70")];
+    for ((shift, rmse), (shift_name, rmse_name)) in skewed().iter().zip(names) {
+        chapter.number(shift_name, 1e3 * shift, "mm", 0);
+        chapter.number(rmse_name, *rmse, "px", 3);
     }
 }

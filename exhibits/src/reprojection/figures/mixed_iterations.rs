@@ -39,7 +39,7 @@ pub fn mixed_iterations() -> Figure {
 
 fn run(angle: f64, convention: Convention) -> Vec<f64> {
     let experiment = Experiment::new(0.0, angle, FAR_START);
-    experiment.errors(convention, &experiment.optimum(), STEPS)
+    experiment.errors(convention, &experiment.truth(), STEPS)
 }
 
 fn draw(consistent: &[f64], mixed: &[Vec<f64>; 4]) -> String {

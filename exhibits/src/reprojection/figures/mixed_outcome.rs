@@ -9,7 +9,7 @@ use crate::figure::{
     self, Drawing, Drawn, ESTIMATED, Figure, GRID, INK, SERIES, letters_around, marker,
 };
 use crate::reprojection::mixing::{
-    Convention, OUTCOME_ANGLES, RATE_ANGLES, outcome, outcomes, predicted_rate, rates,
+    OUTCOME_ANGLES, RATE_ANGLES, consistent_and_noiseless, outcomes, predicted_rate, rates,
 };
 
 pub fn mixed_outcome() -> Figure {
@@ -63,7 +63,7 @@ fn rate_panel(drawing: &Drawing) -> Drawn {
 fn outcome_panel(drawing: &Drawing) -> Drawn {
     let y_axis = ("RMSE (px)", 0.0..14.0, 5);
     let mut chart = figure::axes(drawing, ("largest angle (°)", 0.0..125.0, 6), y_axis)?;
-    let optimum = outcome(1.0, OUTCOME_ANGLES[0], Convention::Consistent).rmse;
+    let optimum = consistent_and_noiseless(4).0.rmse;
     let line = [(0.0, optimum), (125.0, optimum)];
     chart.draw_series([PathElement::new(line, ESTIMATED.stroke_width(5))])?;
     chart.draw_series([Text::new("the optimum", (98.0, 2.3), letters_around(ESTIMATED))])?;
