@@ -66,12 +66,12 @@ fn list() -> Result<(), String> {
 }
 
 fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
-    let chapters = chapters()?;
-    let Some(chapter) = chapters.iter().find(|chapter| chapter.slug == slug) else {
+    let Some((slug, register)) = CHAPTERS.iter().find(|(known, _)| *known == slug) else {
         let known: Vec<&str> = CHAPTERS.iter().map(|(slug, _)| *slug).collect();
         return Err(format!("there is no chapter `{slug}`; there is {}", known.join(", ")));
     };
-    report::write_chapter(chapter, folder)
+    let chapter = Chapter::registered(slug, *register)?;
+    report::write_chapter(&chapter, folder)
         .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
 }
 
