@@ -188,15 +188,6 @@ fn cost_left(formula: Left) -> Comparison {
 }
 
 fn gauss_newton(chapter: &mut Chapter) {
-    let formula: DirectionJacobian = |rotation, d| -rotation.matrix() * so3::hat(d);
-    let mutants: [(_, DirectionJacobian); 4] = [
-        ("sign", |rotation, d| rotation.matrix() * so3::hat(d)),
-        ("left for right", |rotation, d| -so3::hat(&(rotation * d))),
-        ("rotation transposed", |rotation, d| -rotation.matrix().transpose() * so3::hat(d)),
-        ("rotation dropped", |_, d| -so3::hat(d)),
-    ];
-    chapter.equation("direction-jacobian", direction_jacobian, formula, &mutants);
-
     let formula: Gradient = |problem| problem.gradient(|r, d| -r.matrix() * so3::hat(d));
     let mutants: [(_, Gradient); 4] = [
         ("sign", |problem| problem.gradient(|r, d| r.matrix() * so3::hat(d))),
@@ -219,21 +210,6 @@ fn gauss_newton(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("full-hessian", full_hessian, formula, &mutants);
-}
-
-type DirectionJacobian = fn(&Rotation3<f64>, &Vector3<f64>) -> Matrix3<f64>;
-
-fn direction_jacobian(formula: DirectionJacobian) -> Comparison {
-    let against = "central differences of the turned direction";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(5);
-    for _ in 0..STATES {
-        let (rotation, direction) = (random.rotation(3.0), random.direction(1.0));
-        let turned = |step: Vector3<f64>| rotation * Rotation3::new(step) * direction;
-        let oracle = oracle::jacobian(turned);
-        comparison.add(formula(&rotation, &direction).as_slice(), oracle.as_slice());
-    }
-    comparison
 }
 
 type Gradient = fn(&Rotated) -> Vector3<f64>;
