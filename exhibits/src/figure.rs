@@ -25,11 +25,16 @@ pub const INK: RGBColor = RGBColor(1, 0, 0);
 pub const GRID: RGBColor = RGBColor(2, 0, 0);
 pub const MEASURED: RGBColor = RGBColor(4, 0, 0);
 pub const ESTIMATED: RGBColor = RGBColor(5, 0, 0);
-pub const SERIES: [RGBColor; 4] =
-    [RGBColor(6, 0, 0), RGBColor(7, 0, 0), RGBColor(8, 0, 0), RGBColor(9, 0, 0)];
+pub const SERIES: [RGBColor; 5] = [
+    RGBColor(6, 0, 0),
+    RGBColor(7, 0, 0),
+    RGBColor(8, 0, 0),
+    RGBColor(9, 0, 0),
+    RGBColor(10, 0, 0),
+];
 
 /// What the page puts in the place of each colour that a figure draws with.
-const MEANING: [(RGBColor, &str); 8] = [
+const MEANING: [(RGBColor, &str); 9] = [
     (INK, "currentColor"),
     (GRID, "var(--grid)"),
     (MEASURED, "var(--measured)"),
@@ -38,6 +43,7 @@ const MEANING: [(RGBColor, &str); 8] = [
     (SERIES[1], "var(--series-2)"),
     (SERIES[2], "var(--series-3)"),
     (SERIES[3], "var(--series-4)"),
+    (SERIES[4], "var(--series-5)"),
 ];
 
 /// Width of every figure in units of its view box. A page shows it at a quarter to a half of that.
@@ -137,7 +143,8 @@ pub fn marker(series: usize) -> Polygon<(i32, i32)> {
         0 => disc(14.0),
         1 => vec![(0, -17), (15, 11), (-15, 11)],
         2 => vec![(-12, -12), (12, -12), (12, 12), (-12, 12)],
-        _ => vec![(0, -18), (18, 0), (0, 18), (-18, 0)],
+        3 => vec![(0, -18), (18, 0), (0, 18), (-18, 0)],
+        _ => vec![(0, 17), (15, -11), (-15, -11)],
     };
     Polygon::new(corners, SERIES[series].filled())
 }

@@ -18,6 +18,14 @@ pub const AXIS: Vector3<f64> = Vector3::new(0.48, 0.6, 0.64);
 /// A translation that is neither along nor across it.
 const RHO: Vector3<f64> = Vector3::new(0.7, -0.2, 0.4);
 
+/// Relative errors of exponentials.
+#[derive(Clone, Copy)]
+pub struct ExpErrors {
+    /// With the coefficients of Rodrigues' formula as they are printed.
+    pub textbook: f64,
+    pub library: f64,
+}
+
 /// Relative errors of logarithms.
 #[derive(Clone, Copy)]
 pub struct LogErrors {
@@ -34,6 +42,14 @@ pub struct JacobianErrors {
     pub textbook_diagonal: f64,
     pub textbook_corner: f64,
     pub library: f64,
+}
+
+/// The largest errors at three angles around this one.
+pub fn exp_errors_near(angle: f64) -> ExpErrors {
+    around(angle).map(exp_errors).fold(exp_errors(angle), |a, b| ExpErrors {
+        textbook: a.textbook.max(b.textbook),
+        library: a.library.max(b.library),
+    })
 }
 
 /// The largest errors at three angles around this one.
@@ -64,6 +80,15 @@ fn worse_of_logs(a: LogErrors, b: LogErrors) -> LogErrors {
         textbook_angle: a.textbook_angle.max(b.textbook_angle),
         textbook: a.textbook.max(b.textbook),
         library: a.library.max(b.library),
+    }
+}
+
+fn exp_errors(angle: f64) -> ExpErrors {
+    let phi = angle * AXIS;
+    let truth = series::<3>(&cross(&phi), 0);
+    ExpErrors {
+        textbook: relative(&textbook_exp(&phi), &truth),
+        library: relative(so3::exp(&phi).matrix(), &truth),
     }
 }
 
@@ -98,6 +123,11 @@ fn relative<const R: usize, const C: usize>(
 ) -> f64 {
     let error = (computed - truth).amax() / truth.amax();
     if computed.iter().all(|entry| entry.is_finite()) { error.min(1.0) } else { 1.0 }
+}
+
+fn textbook_exp(phi: &Vector3<f64>) -> Matrix3<f64> {
+    let (turn, t) = (cross(phi), phi.norm());
+    Matrix3::identity() + t.sin() / t * turn + (1.0 - t.cos()) / t.powi(2) * turn * turn
 }
 
 fn textbook_angle(rotation: &Rotation3<f64>) -> f64 {

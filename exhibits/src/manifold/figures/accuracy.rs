@@ -6,7 +6,7 @@ use plotters::style::Color;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 use crate::manifold::accuracy::{
-    LogErrors, jacobian_errors_near, log_errors_near, log_errors_near_half_turn,
+    LogErrors, exp_errors_near, jacobian_errors_near, log_errors_near, log_errors_near_half_turn,
 };
 
 /// Decimal logarithms of the angles and of their distances from π.
@@ -43,6 +43,7 @@ pub fn accuracy() -> Figure {
             "of its Jacobian",
             "of its corner Q",
             "of its log",
+            "of its exp",
             "of the library",
             "of the textbook's log as far from a half turn",
             "of the library's there",
@@ -56,13 +57,15 @@ pub fn accuracy() -> Figure {
     }
 }
 
-fn small_angles() -> [Curve; 5] {
+fn small_angles() -> [Curve; 6] {
     let angles = || exponents().map(|exponent| (exponent, 10_f64.powf(exponent)));
     let logs: Vec<_> = angles().map(|(e, angle)| (e, log_errors_near(angle))).collect();
     let jacobians: Vec<_> = angles().map(|(e, angle)| (e, jacobian_errors_near(angle))).collect();
+    let exps: Vec<_> = angles().map(|(_, angle)| exp_errors_near(angle)).collect();
     let of_logs = |sizes: Vec<f64>| logs.iter().map(|(e, _)| *e).zip(sizes).collect::<Vec<_>>();
-    let both = logs.iter().zip(&jacobians);
-    let library = both.map(|((_, log), (_, jacobian))| log.library.max(jacobian.library));
+    let all = logs.iter().zip(&jacobians).zip(&exps);
+    let library =
+        all.map(|(((_, l), (_, jacobian)), exp)| l.library.max(jacobian.library).max(exp.library));
     let curve = |name, series, name_at, errors: Vec<f64>| {
         let sizes = of_logs(errors.into_iter().map(size).collect());
         Curve { name, series, name_at, sizes }
@@ -82,6 +85,7 @@ fn small_angles() -> [Curve; 5] {
             jacobians.iter().map(|j| j.1.textbook_corner).collect(),
         ),
         curve("log", Some(3), (-9.6, -1.0), logs.iter().map(|l| l.1.textbook).collect()),
+        curve("exp", Some(4), (-6.6, -17.1), exps.iter().map(|e| e.textbook).collect()),
         curve("the library", None, (-7.3, -14.4), library.collect()),
     ]
 }
