@@ -86,9 +86,15 @@ pub fn publish(pages: &Path, theme: &Theme, api: &Path, library: &str) -> Result
         } else {
             path
         };
-        let content = match to.extension().is_some_and(|end| end == "html") {
-            true => addressed(&files::read(&from)?, to.components().count()).into_bytes(),
-            false => bytes(&from)?,
+        let content = if to.extension().is_some_and(|end| end == "html") {
+            let page = files::read(&from)?;
+            // Where a private module would have shown what is public elsewhere; nothing leads there.
+            if page.contains("<title>Redirection</title>") {
+                continue;
+            }
+            addressed(&page, to.components().count()).into_bytes()
+        } else {
+            bytes(&from)?
         };
         files::write(&api.join(&to), &content)?;
         there.insert(to);
