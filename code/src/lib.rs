@@ -16,3 +16,4 @@ pub mod bearing;
 pub mod least_squares;
 pub mod manifold;
 pub mod reprojection;
+pub mod two_views;
