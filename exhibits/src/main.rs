@@ -16,6 +16,7 @@ mod manifold;
 mod random;
 mod record;
 mod report;
+mod two_views;
 mod reprojection;
 mod scene;
 
@@ -33,6 +34,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("manifold", manifold::exhibits),
     ("least_squares", least_squares::exhibits),
     ("reprojection", reprojection::exhibits),
+    ("two_views", two_views::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
