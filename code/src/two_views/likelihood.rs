@@ -37,8 +37,7 @@ const LARGEST_CONDITION: f64 = 1e12;
 ///
 /// # Errors
 ///
-/// [`TriangulationError`] when `start` lies behind a camera, the pictures do not fix the
-/// point, or the steps do not come to rest.
+/// [`TriangulationError`] when there is no such point, or no steps lead to it.
 pub fn refine(views: &[View], start: &Vector3<f64>) -> Result<Triangulated, TriangulationError> {
     check(views)?;
     let (mut point, mut here) = (*start, Linearized::at(views, start)?);
@@ -143,6 +142,8 @@ fn bias(
     Ok(-covariance * pull)
 }
 
+// ANCHOR_END: bias
+// ANCHOR: mean_pixel_shift
 /// By how many pixels the mean pixel of a cloud of points lies from the pixel of their mean:
 /// half the trace of covariance times second derivatives.
 fn mean_pixel_shift(view: &View, point: &Vector3<f64>, covariance: &Matrix3<f64>) -> Vector2<f64> {
@@ -152,4 +153,4 @@ fn mean_pixel_shift(view: &View, point: &Vector3<f64>, covariance: &Matrix3<f64>
     let along = |axis: usize| (p[axis] / p.z * spread.m33 - spread[(axis, 2)]) / p.z.powi(2);
     Vector2::new(view.camera.fx * along(0), view.camera.fy * along(1))
 }
-// ANCHOR_END: bias
+// ANCHOR_END: mean_pixel_shift

@@ -83,17 +83,12 @@ pub fn triangulate(
     check(views)?;
     let world = Normalization::of(views)?;
     let angle = widest_parallax(views);
+    let too_small = TriangulationError::Parallax { angle, least: least_parallax };
     if angle.is_nan() || angle < least_parallax {
-        return Err(TriangulationError::Parallax { angle, least: least_parallax });
+        return Err(too_small);
     }
-    let point = linear_point(views, &world)
-        .ok_or(TriangulationError::Parallax { angle, least: least_parallax })?;
-    for (view, seen) in views.iter().enumerate() {
-        let depth = seen.in_camera(&point).z;
-        if depth.is_nan() || depth <= Z_MIN {
-            return Err(TriangulationError::Behind { view, depth });
-        }
-    }
+    let point = linear_point(views, &world).ok_or(too_small)?;
+    refuse_behind(views, &point)?;
     Ok(point)
 }
 // ANCHOR_END: triangulate
@@ -117,7 +112,9 @@ fn linear_point(views: &[View], world: &Normalization) -> Option<Vector3<f64>> {
     let point = world.centre + world.length * homogeneous.xyz() / homogeneous.w;
     (homogeneous.w.abs() > AT_INFINITY).then_some(point)
 }
+// ANCHOR_END: linear_point
 
+// ANCHOR: linear_rows
 /// The two rows that one view gives: the pixel's slopes times the depth, less the lateral
 /// coordinates. They are divided by the noise of a slope, so that sharper views count more.
 fn linear_rows(view: &View, world: &Normalization) -> Matrix2x4<f64> {
@@ -130,7 +127,18 @@ fn linear_rows(view: &View, world: &Normalization) -> Matrix2x4<f64> {
     };
     Matrix2x4::from_rows(&[row(0, view.camera.fx), row(1, view.camera.fy)])
 }
-// ANCHOR_END: linear_point
+// ANCHOR_END: linear_rows
+
+/// That no view has the point behind it, or nearer than a camera can see.
+fn refuse_behind(views: &[View], point: &Vector3<f64>) -> Result<(), TriangulationError> {
+    for (view, seen) in views.iter().enumerate() {
+        let depth = seen.in_camera(point).z;
+        if depth.is_nan() || depth <= Z_MIN {
+            return Err(TriangulationError::Behind { view, depth });
+        }
+    }
+    Ok(())
+}
 
 // ANCHOR: normalization
 /// A world in which the cameras lie around the origin at a distance of about one, so that

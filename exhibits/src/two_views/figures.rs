@@ -7,6 +7,8 @@ mod epipolar;
 mod five_solutions;
 mod parallax;
 
+pub use clouds::NINETY_FIVE;
+
 use crate::chapter::Chapter;
 
 /// Registers the figures.

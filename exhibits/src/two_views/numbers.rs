@@ -9,6 +9,7 @@ use vislam::two_views::{
 
 use super::NOWHERE;
 use super::draws::{Draws, mean_error, rms_error};
+use super::figures::NINETY_FIVE;
 use super::five_points::{self, JUDGES, SCENES, STARTS, Solution};
 use super::worked::{BASELINE, CAMERA, POINT, approach, second_from_first, side_by_side};
 use crate::chapter::Chapter;
@@ -77,11 +78,12 @@ fn worked_information(chapter: &mut Chapter) {
 pub const NOISE: f64 = 0.5;
 
 fn five(chapter: &mut Chapter) {
-    let scenes = five_points::all_scenes(0.0);
+    let found = (0..SCENES as u64).map(|seed| five_points::Scene::random(seed, 0.0).solutions());
+    let (scenes, last_starts): (Vec<_>, Vec<_>) = found.unzip();
     chapter.number("five_scenes", SCENES as f64, "", 0);
     chapter.number("five_starts", STARTS as f64, "", 0);
-    let last = (0..SCENES as u64).map(|seed| five_points::Scene::random(seed, 0.0).solutions().1);
-    chapter.number("five_last_start", last.max().unwrap_or(0) as f64, "", 0);
+    let last = last_starts.into_iter().max().unwrap_or(0);
+    chapter.number("five_last_start", last as f64, "", 0);
     let counts = |counts: &dyn Fn(&Solution) -> bool| -> (f64, f64) {
         let counted = scenes.iter().map(|s| s.iter().filter(|solution| counts(solution)).count());
         let counted: Vec<usize> = counted.collect();
@@ -121,19 +123,18 @@ fn driving(chapter: &mut Chapter) {
     let last = views[views.len() - 1].centre();
     chapter.number("drive_far", point.z - first.z, "m", 0);
     chapter.number("drive_near", point.z - last.z, "m", 0);
+    chapter.number("drive_weight", (point.z - first.z) / (point.z - last.z), "", 0);
     chapter.number("drive_side_cm", 100.0 * point.x, "cm", 0);
     chapter.number("drive_views", views.len() as f64, "", 0);
+    chapter.number("ellipse_percent", 100.0 * (1.0 - (-0.5 * NINETY_FIVE.powi(2)).exp()), "%", 0);
     chapter.number("drive_draws", 2.0 * DRIVING_DRAWS as f64, "", 0);
     let [linear, likely] =
         [&draws.linear, &draws.likely].map(|points| rms_error(points, &point, 2));
     chapter.number("drive_linear_cm", 100.0 * linear, "cm", 1);
     chapter.number("drive_likely_cm", 100.0 * likely, "cm", 1);
-    chapter.number("drive_ratio", linear / likely, "", 1);
     if let Ok(found) = refine(&views, &point) {
         chapter.number("drive_sigma_cm", 100.0 * found.covariance.m33.sqrt(), "cm", 1);
     }
-    let bias = mean_error(&draws.linear, &point, 2);
-    chapter.number("drive_linear_bias_cm", 100.0 * bias, "cm", 1);
 }
 
 fn angles(chapter: &mut Chapter) {
@@ -166,6 +167,8 @@ fn long_range(chapter: &mut Chapter) {
         chapter.number(predicted, first_order.powi(2) / depth, "m", 2);
         chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", 2);
     }
+    let near = depth_sigma(&CAMERA, BASELINE, 10.0, disparity_sigma(1.0, 1.0));
+    chapter.number("bias_pairs", (10.0 / near).powi(2), "", 0);
     chapter.number("range_draws", 2.0 * LONG_RANGE_DRAWS as f64, "", 0);
 }
 
@@ -181,6 +184,8 @@ fn ruler(chapter: &mut Chapter) {
 }
 
 const TURNED_PAIRS: usize = 1000;
+/// Metres.
+const TURNED_DEEPEST: f64 = 20.0;
 
 fn turning(chapter: &mut Chapter) {
     let degrees: f64 = 10.0;
@@ -192,7 +197,8 @@ fn turning(chapter: &mut Chapter) {
     let mut noisy =
         |pixel: Vector2<f64>| pixel + Vector2::new(random.normal(1.0), random.normal(1.0));
     let mut points = Random::new(52);
-    let pairs: Vec<_> = std::iter::repeat_with(|| points.point(2.0..20.0))
+    chapter.number("turn_deepest", TURNED_DEEPEST, "m", 0);
+    let pairs: Vec<_> = std::iter::repeat_with(|| points.point(2.0..TURNED_DEEPEST))
         .map(|point| {
             let seen = |pose| CAMERA.project(pose, &point).unwrap_or(NOWHERE);
             (noisy(seen(&Isometry3::identity())), noisy(seen(&pose)))

@@ -1,6 +1,6 @@
 //! Ways to the chapter's results that do not use its formulas.
 
-use nalgebra::{Isometry3, Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use vislam::reprojection::Pinhole;
 use vislam::two_views::View;
 
@@ -41,7 +41,22 @@ pub fn nudged<const N: usize>(views: &[View; N], coordinate: usize, change: f64)
 pub fn meeting_in_plane(first_angle: f64, second_angle: f64, start: Vector2<f64>) -> Vector2<f64> {
     let [first, second] =
         [first_angle, second_angle].map(|angle| Vector2::new(angle.sin(), angle.cos()));
-    let rays = nalgebra::Matrix2::from_columns(&[first, -second]);
+    let rays = Matrix2::from_columns(&[first, -second]);
     let lengths = rays.lu().solve(&start).unwrap_or(Vector2::repeat(f64::NAN));
     lengths.x * first
+}
+
+/// The information about a point, by central differences.
+pub fn information<const N: usize>(views: &[View; N], point: &Vector3<f64>) -> Matrix3<f64> {
+    let of_view = |view: &View| {
+        let pixel = |axis: usize, step: f64| -> Vector2<f64> {
+            let moved = point + step * Vector3::ith(axis, 1.0);
+            seen(&view.camera, &view.camera_from_world, &moved)
+        };
+        let step = 1e-5 * point.norm();
+        let columns = [0, 1, 2].map(|axis| (pixel(axis, step) - pixel(axis, -step)) / (2.0 * step));
+        let jacobian = Matrix2x3::from_columns(&columns) / view.sigma;
+        jacobian.tr_mul(&jacobian)
+    };
+    views.iter().map(of_view).sum()
 }

@@ -11,8 +11,10 @@ use crate::two_views::worked::approach;
 
 const PAIRS: usize = 400;
 const SEED: u64 = 61;
+/// How many errors are shown.
+const DOTS: usize = 300;
 /// Standard deviations at which an ellipse holds 95 % of a plane normal distribution.
-const NINETY_FIVE: f64 = 2.4477;
+pub const NINETY_FIVE: f64 = 2.4477;
 
 pub fn clouds() -> Figure {
     let (point, views) = approach();
@@ -80,7 +82,7 @@ fn panel(
 ) -> Drawn {
     let depth = ("error in depth (cm)", -23.0..23.0, 5);
     let mut chart = figure::axes(drawing, depth, (side, -9.0..9.0, ticks))?;
-    chart.draw_series(points.iter().filter_map(|found| {
+    chart.draw_series(points.iter().take(DOTS).filter_map(|found| {
         let error = 100.0 * error_in_plane(found, truth);
         let is_shown = error.x.abs() < 23.0 && error.y.abs() < 9.0;
         is_shown.then(|| Circle::new((error.x, error.y), 5, colour.mix(0.45).filled()))

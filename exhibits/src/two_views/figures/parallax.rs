@@ -8,7 +8,7 @@ use vislam::two_views::{point_condition, ray_sigma};
 
 use crate::figure::{self, Figure, SERIES, marker};
 use crate::two_views::draws::{Draws, rms_error};
-use crate::two_views::points::information;
+use crate::two_views::oracle::information;
 use crate::two_views::worked::{CAMERA, facing};
 
 /// Degrees.
