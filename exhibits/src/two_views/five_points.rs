@@ -1,7 +1,8 @@
 //! All motions that five correspondences allow, looked for by Newton's method from many starts.
 
 use nalgebra::{
-    Isometry3, Matrix3, Matrix5, Quaternion, UnitQuaternion, Vector2, Vector3, Vector5,
+    Const, Isometry3, Matrix3, Matrix5, Quaternion, SMatrix, UnitQuaternion, Vector2, Vector3,
+    Vector5,
 };
 use vislam::bearing::bearing;
 use vislam::manifold::so3;
@@ -41,12 +42,21 @@ pub struct Solution {
 impl Scene {
     /// A random scene with noise of `sigma` pixels in each coordinate.
     pub fn random(seed: u64, sigma: f64) -> Self {
+        Self::of(seed, sigma, |point| point)
+    }
+
+    /// A random scene without noise, all of it on one slanted plane.
+    pub fn on_plane(seed: u64) -> Self {
+        Self::of(seed, 0.0, |point| point * (5.0 / Vector3::new(0.3, 0.2, 1.0).dot(&point)))
+    }
+
+    fn of(seed: u64, sigma: f64, place: fn(Vector3<f64>) -> Vector3<f64>) -> Self {
         let mut random = Random::new(700 + seed);
         let truth =
             Isometry3::from_parts(random.direction(1.0).into(), random.rotation(0.4).into());
         let mut points = Vec::new();
         while points.len() < 5 + JUDGES {
-            let point = random.point(3.0..8.0);
+            let point = place(random.point(3.0..8.0));
             let second = truth.rotation * point + truth.translation.vector;
             if second.z > 1.0 {
                 points.push((point, second));
@@ -58,6 +68,18 @@ impl Scene {
         };
         let pixels = points.iter().map(|(first, second)| (noisy(first), noisy(second))).collect();
         Self { truth, pixels }
+    }
+
+    /// How many directions the linear equations of all pairs leave free.
+    pub fn free_directions(&self) -> usize {
+        let products = self.directions().into_iter().map(|(first, second)| {
+            // One row of the linear equations for the nine entries, times its own transpose.
+            let row = (second * first.transpose()).reshape_generic(Const::<9>, Const::<1>);
+            row * row.transpose()
+        });
+        let sum: SMatrix<f64, 9, 9> = products.sum();
+        let eigenvalues = sum.symmetric_eigenvalues();
+        eigenvalues.iter().filter(|value| **value < 1e-12 * eigenvalues.max()).count()
     }
 
     fn directions(&self) -> Vec<(Vector3<f64>, Vector3<f64>)> {

@@ -101,6 +101,18 @@ fn five(chapter: &mut Chapter) {
     let odd = scenes.iter().filter(|solutions| solutions.len() % 2 == 1).count();
     chapter.number("five_odd", odd as f64, "", 0);
 
+    let planes = (0..SCENES as u64).map(five_points::Scene::on_plane);
+    let planes = planes.map(|scene| {
+        let (solutions, _) = scene.solutions();
+        let fits = solutions.iter().filter(|s| s.in_front && s.all_others < 1e-6).count();
+        (fits, scene.free_directions())
+    });
+    let (fits, free): (Vec<usize>, Vec<usize>) = planes.unzip();
+    chapter.number("plane_fewest", fits.iter().copied().min().unwrap_or(0) as f64, "", 0);
+    chapter.number("plane_most", fits.iter().copied().max().unwrap_or(0) as f64, "", 0);
+    chapter.number("plane_free", free.iter().copied().min().unwrap_or(0) as f64, "", 0);
+    chapter.number("plane_pairs", (5 + JUDGES) as f64, "", 0);
+
     let wrong = scenes.iter().flat_map(|s| &s[1..]).filter(|solution| solution.in_front);
     let nearest = wrong.map(|solution| solution.sixth).fold(f64::INFINITY, f64::min);
     chapter.number("sixth_nearest_px", nearest, "px", 2);
@@ -164,8 +176,8 @@ fn long_range(chapter: &mut Chapter) {
         chapter.number(range, depth, "m", 0);
         let first_order = depth_sigma(&CAMERA, BASELINE, depth, disparity_sigma(1.0, 1.0));
         chapter.number(sigma, first_order, "m", 2);
-        chapter.number(predicted, first_order.powi(2) / depth, "m", 2);
-        chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", 2);
+        chapter.number(predicted, first_order.powi(2) / depth, "m", 3);
+        chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", 3);
     }
     let near = depth_sigma(&CAMERA, BASELINE, 10.0, disparity_sigma(1.0, 1.0));
     chapter.number("bias_pairs", (10.0 / near).powi(2), "", 0);

@@ -55,8 +55,8 @@ pub fn epipolar() -> Figure {
             "c (px)",
         ],
         rows: rows.collect(),
-        svg: figure::draw(1000, |drawing| {
-            let (above, below) = drawing.split_vertically(500);
+        svg: figure::draw(1240, |drawing| {
+            let (above, below) = drawing.split_vertically(620);
             panel(&above, "image 0", &first, &second, &first_by_second, &first_epipole)?;
             panel(&below, "image 1", &second, &first, &second_by_first, &second_epipole)
         }),
@@ -97,9 +97,11 @@ fn panel(
         let place = (pixel.x, -pixel.y);
         chart.draw_series([EmptyElement::at(place) + marker(index)])?;
     }
-    let place = (epipole.x, -epipole.y);
-    chart.draw_series([Cross::new(place, 14, ESTIMATED.stroke_width(6))])?;
-    let below = (place.0, place.1 - 40.0);
+    let (place, in_margin) = ((epipole.x, -epipole.y), (-0.5 * side, -130.0));
+    for place in [place, in_margin] {
+        chart.draw_series([Cross::new(place, 16, ESTIMATED.stroke_width(7))])?;
+    }
+    let below = (in_margin.0, in_margin.1 - 40.0);
     chart.draw_series([Text::new("epipole", below, letters_around(ESTIMATED))])?;
     Ok(())
 }

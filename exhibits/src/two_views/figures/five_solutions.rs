@@ -4,9 +4,7 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, EmptyElement, Text};
 use plotters::style::Color;
 
-use crate::figure::{
-    self, Drawing, Drawn, ESTIMATED, Figure, GRID, INK, SERIES, letters_right_of, marker,
-};
+use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_right_of, marker};
 use crate::two_views::five_points::{Solution, all_scenes};
 use crate::two_views::numbers::NOISE;
 
@@ -61,7 +59,7 @@ fn panel(drawing: &Drawing, scenes: &[Vec<Solution>], (title, name): (&str, &str
             EmptyElement::at(place(other)) + mark(other.in_front, colour)
         }))?;
         let truth = place(&solutions[0]);
-        chart.draw_series([Circle::new(truth, 13, ESTIMATED.filled())])?;
+        chart.draw_series([Circle::new(truth, 13, INK.filled())])?;
     }
     chart.draw_series([Text::new(name.to_owned(), (0.7, 2500.0), letters_right_of(INK))])?;
     Ok(())

@@ -66,9 +66,9 @@ fn draw() -> String {
         let mut chart = figure::axes(&above, ("", angles(), 3), errors)?;
         let line = curve().map(|angle| (angle, formulas(angle).0));
         chart.draw_series(LineSeries::new(line, SERIES[0].stroke_width(5)))?;
-        chart.draw_series(
-            ANGLES.map(|angle| EmptyElement::at((angle, measured(angle).0)) + marker(0)),
-        )?;
+        let marks = ANGLES.map(|angle| (angle, measured(angle).0));
+        let shown = marks.into_iter().filter(|(_, error)| *error < 100.0);
+        chart.draw_series(shown.map(|place| EmptyElement::at(place) + marker(0)))?;
         let conditions = ("condition number", (1.0..100_000.0).log_scale(), 6);
         let mut chart = figure::axes(&below, ("parallax (degrees)", angles(), 3), conditions)?;
         let line = curve().map(|angle| (angle, formulas(angle).1));
