@@ -441,6 +441,59 @@ fn a_view_from_the_other_side_is_named_when_the_point_is_behind_it() {
     assert!(error.to_string().contains("do not show one point"));
 }
 
+#[test]
+fn numbers_at_the_end_of_their_range_are_refused_and_nothing_hangs() {
+    let extremes = [1e200, -1e200, 1e308, 1e-320, f64::MIN_POSITIVE];
+    for extreme in extremes {
+        for change in [
+            |view: &mut View, value: f64| view.pixel.x = value,
+            |view: &mut View, value: f64| view.sigma = value.abs(),
+            |view: &mut View, value: f64| view.camera_from_world.translation.y = value,
+            |view: &mut View, value: f64| view.camera.fx = value.abs(),
+        ] {
+            let mut views = views_of(&point(), 0.5);
+            change(&mut views[1], extreme);
+            let points = [
+                triangulate(&views, LEAST_PARALLAX),
+                triangulate(&views, 0.0),
+                refine(&views, &point()).map(|found| found.point),
+            ];
+            for found in points.into_iter().flatten() {
+                assert!(found.iter().all(|coordinate| coordinate.is_finite()), "{extreme}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_that_diverge_lead_to_a_point_without_depth() {
+    let mut views = views_of(&point(), 0.5);
+    views[1].pixel.x = views[0].pixel.x + 1.0;
+    let error = refine(&views, &point()).unwrap_err();
+    assert!(matches!(error, TriangulationError::Undetermined { condition } if condition > 1e12));
+}
+
+#[test]
+fn pixels_that_contradict_each_other_are_given_up_on_in_time() {
+    let mut random = random();
+    let mut given_up = 0;
+    for _ in 0..1000 {
+        let (point, mut views) = three_views(&mut random);
+        for view in &mut views {
+            view.pixel += 300.0 * Vector2::new(normal(&mut random), normal(&mut random));
+        }
+        match refine(&views, &point) {
+            Ok(found) => assert!(found.iterations < 50),
+            Err(TriangulationError::NotConverged { iterations, step }) => {
+                assert!(iterations == 50 && step > 1e-9);
+                given_up += 1;
+            }
+            Err(error) => assert!(matches!(error, TriangulationError::Undetermined { .. })),
+        }
+    }
+    assert!(given_up > 0);
+}
+
 /// Half the sum of squared whitened residuals, computed apart from the library.
 fn cost(views: &[View], point: &Vector3<f64>) -> f64 {
     let squares = views.iter().map(|view| {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
-use super::triangulation::{TriangulationError, View, check};
+use super::triangulation::{TriangulationError, View, check, is_finite};
 
 // ANCHOR: triangulated
 /// A point and what is known about it.
@@ -97,15 +97,21 @@ impl Linearized {
         }
         Ok(sum)
     }
+    // ANCHOR_END: linearized
 
+    // ANCHOR: point_covariance
+    /// The inverse of the information, unless there is not enough of it.
     fn covariance(&self) -> Result<Matrix3<f64>, TriangulationError> {
+        if !is_finite(&self.information) {
+            return Err(TriangulationError::Undetermined { condition: f64::NAN });
+        }
         let eigenvalues = self.information.symmetric_eigenvalues();
         let condition = eigenvalues.max() / eigenvalues.min();
         let inverse = self.information.try_inverse();
         let is_fixed = condition > 0.0 && condition < LARGEST_CONDITION;
         inverse.filter(|_| is_fixed).ok_or(TriangulationError::Undetermined { condition })
     }
-    // ANCHOR_END: linearized
+    // ANCHOR_END: point_covariance
 }
 
 /// Where a view sees the point, and the 2×3 Jacobian by the point in the world.

@@ -1,6 +1,6 @@
 //! A point from two or more views whose poses are known.
 
-use nalgebra::{Isometry3, Matrix2x4, Matrix4, Matrix6x4, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2x4, Matrix4, Matrix6x4, SMatrix, Vector2, Vector3};
 use thiserror::Error;
 
 use crate::bearing::{back_project, parallax};
@@ -107,10 +107,13 @@ fn linear_point(views: &[View], world: &Normalization) -> Option<Vector3<f64>> {
         stacked.fixed_rows_mut::<2>(4).copy_from(&linear_rows(view, world));
         triangle = stacked.qr().r();
     }
+    if !is_finite(&triangle) {
+        return None;
+    }
     let right_vectors = triangle.try_svd(false, true, f64::EPSILON, 200)?.v_t?;
     let homogeneous = right_vectors.row(3).transpose();
     let point = world.centre + world.length * homogeneous.xyz() / homogeneous.w;
-    (homogeneous.w.abs() > AT_INFINITY).then_some(point)
+    (homogeneous.w.abs() > AT_INFINITY && is_finite(&point)).then_some(point)
 }
 // ANCHOR_END: linear_point
 
@@ -180,6 +183,11 @@ fn widest_parallax(views: &[View]) -> f64 {
 }
 // ANCHOR_END: widest_parallax
 
+/// Whether all entries are; the routines below would not return from one that is not.
+pub(super) fn is_finite<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> bool {
+    matrix.iter().all(|entry| entry.is_finite())
+}
+
 /// That there are views and that their numbers are numbers.
 pub(super) fn check(views: &[View]) -> Result<(), TriangulationError> {
     if views.len() < 2 {
@@ -195,8 +203,8 @@ pub(super) fn check(views: &[View]) -> Result<(), TriangulationError> {
         }
         let Pinhole { fx, fy, cx, cy } = view.camera;
         let is_camera = Pinhole::new(fx, fy, cx, cy).is_ok();
-        let pose = view.camera_from_world.to_homogeneous();
-        if !(is_camera && pose.iter().all(|entry| entry.is_finite())) {
+        let is_pose = is_finite(&view.camera_from_world.to_homogeneous());
+        if !(is_camera && is_pose) {
             return Err(TriangulationError::Camera { view: index });
         }
     }

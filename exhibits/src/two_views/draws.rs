@@ -15,6 +15,8 @@ pub struct Draws {
     pub likely: Vec<Vector3<f64>>,
     /// How many copies gave no point.
     pub without_point: usize,
+    /// Steps to the most likely points, all together.
+    pub steps: usize,
 }
 
 impl Draws {
@@ -36,10 +38,11 @@ impl Draws {
 
     fn add(&mut self, noisy: &[View]) {
         let linear = triangulate(noisy, 0.0);
-        match linear.and_then(|linear| Ok((linear, refine(noisy, &linear)?.point))) {
+        match linear.and_then(|linear| Ok((linear, refine(noisy, &linear)?))) {
             Ok((linear, likely)) => {
                 self.linear.push(linear);
-                self.likely.push(likely);
+                self.likely.push(likely.point);
+                self.steps += likely.iterations;
             }
             Err(_) => self.without_point += 1,
         }

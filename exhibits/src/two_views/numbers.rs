@@ -135,6 +135,8 @@ fn driving(chapter: &mut Chapter) {
     let last = views[views.len() - 1].centre();
     chapter.number("drive_far", point.z - first.z, "m", 0);
     chapter.number("drive_near", point.z - last.z, "m", 0);
+    let steps = draws.steps as f64 / draws.likely.len() as f64;
+    chapter.number("drive_steps", steps, "", 1);
     chapter.number("drive_weight", (point.z - first.z) / (point.z - last.z), "", 0);
     chapter.number("drive_side_cm", 100.0 * point.x, "cm", 0);
     chapter.number("drive_views", views.len() as f64, "", 0);
@@ -166,18 +168,18 @@ fn angles(chapter: &mut Chapter) {
 const LONG_RANGE_DRAWS: usize = 20_000;
 
 fn long_range(chapter: &mut Chapter) {
-    for (range, sigma, predicted, measured, depth) in [
-        ("near_range", "near_sigma", "near_bias", "near_bias_drawn", 10.0),
-        ("far_range", "far_sigma", "far_bias", "far_bias_drawn", 40.0),
+    for (range, sigma, predicted, measured, depth, decimals) in [
+        ("near_range", "near_sigma", "near_bias", "near_bias_drawn", 10.0, 3),
+        ("far_range", "far_sigma", "far_bias", "far_bias_drawn", 40.0, 1),
     ] {
         let point = depth / POINT.z * POINT;
         let views = side_by_side(&point, BASELINE);
         let draws = Draws::of(&views, LONG_RANGE_DRAWS, 42);
         chapter.number(range, depth, "m", 0);
         let first_order = depth_sigma(&CAMERA, BASELINE, depth, disparity_sigma(1.0, 1.0));
-        chapter.number(sigma, first_order, "m", 2);
-        chapter.number(predicted, first_order.powi(2) / depth, "m", 3);
-        chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", 3);
+        chapter.number(sigma, first_order, "m", decimals);
+        chapter.number(predicted, first_order.powi(2) / depth, "m", decimals);
+        chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", decimals);
     }
     let near = depth_sigma(&CAMERA, BASELINE, 10.0, disparity_sigma(1.0, 1.0));
     chapter.number("bias_pairs", (10.0 / near).powi(2), "", 0);

@@ -80,14 +80,14 @@ fn panel(
     (name, colour): (&str, RGBColor),
     (side, ticks): (&str, usize),
 ) -> Drawn {
-    let depth = ("error in depth (cm)", -23.0..23.0, 5);
-    let mut chart = figure::axes(drawing, depth, (side, -9.0..9.0, ticks))?;
+    let depth = ("error in depth (cm)", -21.0..21.0, 5);
+    let mut chart = figure::axes(drawing, depth, (side, -7.0..7.0, ticks))?;
     chart.draw_series(points.iter().take(DOTS).filter_map(|found| {
         let error = 100.0 * error_in_plane(found, truth);
-        let is_shown = error.x.abs() < 23.0 && error.y.abs() < 9.0;
+        let is_shown = error.x.abs() < 21.0 && error.y.abs() < 7.0;
         is_shown.then(|| Circle::new((error.x, error.y), 5, colour.mix(0.45).filled()))
     }))?;
     chart.draw_series([PathElement::new(outline.to_vec(), INK.stroke_width(5))])?;
-    chart.draw_series([Text::new(name.to_owned(), (-11.0, 8.0), letters_around(colour))])?;
+    chart.draw_series([Text::new(name.to_owned(), (-11.0, 6.2), letters_around(colour))])?;
     Ok(())
 }
