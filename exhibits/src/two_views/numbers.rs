@@ -76,6 +76,8 @@ fn worked_information(chapter: &mut Chapter) {
 
 /// Pixels of noise in the scenes of five points that have any.
 pub const NOISE: f64 = 0.5;
+/// Distance of two essential matrices of length one from which they tell of different motions.
+const FAR_FROM_TRUTH: f64 = 0.2;
 
 fn five(chapter: &mut Chapter) {
     let found = (0..SCENES as u64).map(|seed| five_points::Scene::random(seed, 0.0).solutions());
@@ -121,6 +123,9 @@ fn five(chapter: &mut Chapter) {
     chapter.number("five_noise_px", NOISE, "px", 1);
     let decided = five_points::decided(&noisy, |s| s.sixth);
     chapter.number("sixth_decides_noisy", decided as f64, "", 0);
+    let lost = noisy.iter().filter(|solutions| solutions[0].error > FAR_FROM_TRUTH).count();
+    chapter.number("five_far", FAR_FROM_TRUTH, "", 1);
+    chapter.number("five_lost_noisy", lost as f64, "", 0);
     chapter.number("judges", JUDGES as f64, "", 0);
     let decided = five_points::decided(&noisy, |s| s.all_others);
     chapter.number("judges_decide_noisy", decided as f64, "", 0);

@@ -34,10 +34,10 @@ fn means(baseline: f64, range: f64) -> (f64, f64, f64) {
 }
 
 pub fn depth_bias() -> Figure {
+    let means = BASELINES.map(|baseline| RANGES.map(|range| means(baseline, range)));
     let mut rows = Vec::new();
-    for baseline in BASELINES {
-        for range in RANGES {
-            let (linear, likely, without) = means(baseline, range);
+    for (baseline, means) in BASELINES.into_iter().zip(means) {
+        for (range, (linear, likely, without)) in RANGES.into_iter().zip(means) {
             rows.push(vec![
                 format!("{baseline}"),
                 format!("{range}"),
@@ -60,11 +60,11 @@ pub fn depth_bias() -> Figure {
             "draws without a point (%)",
         ],
         rows,
-        svg: draw(),
+        svg: draw(&means),
     }
 }
 
-fn draw() -> String {
+fn draw(means: &[[(f64, f64, f64); RANGES.len()]; BASELINES.len()]) -> String {
     figure::draw(860, |drawing| {
         let x_axis = ("depth (m)", (1.7..110.0).log_scale(), 3);
         let y_axis = ("mean depth error (m)", (5e-5..90.0).log_scale(), 6);
@@ -72,8 +72,8 @@ fn draw() -> String {
         for (index, baseline) in BASELINES.into_iter().enumerate() {
             let line = RANGES.map(|range| (range, formula(range, sigma(baseline, range))));
             chart.draw_series(LineSeries::new(line, SERIES[index].stroke_width(5)))?;
-            let marks = RANGES.map(|range| (range, means(baseline, range)));
-            let shown = marks.iter().filter(|(_, mean)| mean.2 < MOST_WITHOUT_POINT);
+            let marks = RANGES.iter().zip(&means[index]);
+            let shown = marks.filter(|(_, mean)| mean.2 < MOST_WITHOUT_POINT);
             chart.draw_series(
                 shown.map(|(range, mean)| EmptyElement::at((*range, mean.1)) + marker(index)),
             )?;

@@ -34,8 +34,9 @@ fn measured(angle: f64) -> (f64, f64) {
 }
 
 pub fn parallax() -> Figure {
-    let rows = ANGLES.map(|angle| {
-        let ((error, condition), (scatter, of_information)) = (formulas(angle), measured(angle));
+    let measured = ANGLES.map(measured);
+    let rows = ANGLES.iter().zip(&measured).map(|(angle, (scatter, of_information))| {
+        let (error, condition) = formulas(*angle);
         vec![
             format!("{angle}"),
             format!("{error:.3}"),
@@ -52,12 +53,12 @@ pub fn parallax() -> Figure {
             "condition number by the formula",
             "condition number of the information",
         ],
-        rows: rows.to_vec(),
-        svg: draw(),
+        rows: rows.collect(),
+        svg: draw(&measured),
     }
 }
 
-fn draw() -> String {
+fn draw(measured: &[(f64, f64); ANGLES.len()]) -> String {
     let angles = || (0.4..110.0).log_scale();
     let curve = || (0..=100).map(|step| 0.5 * 180.0_f64.powf(f64::from(step) / 100.0));
     figure::draw(1240, |drawing| {
@@ -66,16 +67,15 @@ fn draw() -> String {
         let mut chart = figure::axes(&above, ("", angles(), 3), errors)?;
         let line = curve().map(|angle| (angle, formulas(angle).0));
         chart.draw_series(LineSeries::new(line, SERIES[0].stroke_width(5)))?;
-        let marks = ANGLES.map(|angle| (angle, measured(angle).0));
-        let shown = marks.into_iter().filter(|(_, error)| *error < 100.0);
+        let marks = ANGLES.into_iter().zip(measured.map(|(error, _)| error));
+        let shown = marks.filter(|(_, error)| *error < 100.0);
         chart.draw_series(shown.map(|place| EmptyElement::at(place) + marker(0)))?;
         let conditions = ("condition number", (1.0..100_000.0).log_scale(), 6);
         let mut chart = figure::axes(&below, ("parallax (degrees)", angles(), 3), conditions)?;
         let line = curve().map(|angle| (angle, formulas(angle).1));
         chart.draw_series(LineSeries::new(line, SERIES[1].stroke_width(5)))?;
-        chart.draw_series(
-            ANGLES.map(|angle| EmptyElement::at((angle, measured(angle).1)) + marker(1)),
-        )?;
+        let marks = ANGLES.into_iter().zip(measured.map(|(_, condition)| condition));
+        chart.draw_series(marks.map(|place| EmptyElement::at(place) + marker(1)))?;
         Ok(())
     })
 }
