@@ -16,9 +16,9 @@ mod manifold;
 mod random;
 mod record;
 mod report;
-mod two_views;
 mod reprojection;
 mod scene;
+mod two_views;
 
 use std::path::Path;
 use std::process::ExitCode;
