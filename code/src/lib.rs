@@ -13,6 +13,7 @@
 #![deny(missing_docs)]
 
 pub mod bearing;
+pub mod bundle_adjustment;
 pub mod least_squares;
 pub mod manifold;
 pub mod reprojection;

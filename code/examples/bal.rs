@@ -1,0 +1,81 @@
+//! Solves a problem of the "Bundle Adjustment in the Large" data sets.
+//!
+//! `cargo run --release -p vislam --example bal -- FILE [--fix-intrinsics] [--huber D] [--iterations N]`
+//!
+//! prints the iterations and, in its last line, how many there were, the cost at the end
+//! (half the sum of squares over all observations) and the time of an iteration. A solve
+//! is repeated from the same start until a second has passed, and the median counts.
+//! With `--fix-intrinsics` only the poses move, and the first one is held.
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, TinyBa, read_bal};
+
+const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let file = arguments.next().ok_or(USAGE)?;
+    let (mut fix_intrinsics, mut huber) = (false, None);
+    let mut options = Options::default();
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--fix-intrinsics" => fix_intrinsics = true,
+            "--huber" => huber = Some(arguments.next().ok_or(USAGE)?.parse()?),
+            "--iterations" => options.iterations = arguments.next().ok_or(USAGE)?.parse()?,
+            unknown => return Err(format!("{unknown} is not an option; {USAGE}").into()),
+        }
+    }
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
+    if fix_intrinsics {
+        let mut problem = read_bal::<6>(&text)?;
+        problem.fixed.iter_mut().take(1).for_each(|fixed| *fixed = true);
+        solve(TinyBa { huber, ..problem }, &options)
+    } else {
+        solve(TinyBa { huber, ..read_bal::<9>(&text)? }, &options)
+    }
+}
+
+fn solve<C: Camera<D>, const D: usize>(
+    problem: TinyBa<C, D>,
+    options: &Options,
+) -> Result<(), Box<dyn Error>> {
+    let mut times = Vec::new();
+    let began = Instant::now();
+    let report = loop {
+        let mut solver = Solver::new(&problem, options)?;
+        let start = Instant::now();
+        let stop = loop {
+            if let Some(stop) = solver.iterate() {
+                break stop;
+            }
+        };
+        let iterations = solver.trace().len().max(1);
+        times.push(1e3 * start.elapsed().as_secs_f64() / iterations as f64);
+        if began.elapsed() > Duration::from_secs(1) && times.len() > 2 {
+            break solver.report(stop);
+        }
+    };
+    println!("iteration  cost            gradient    damping    gain");
+    for (number, step) in report.trace.iter().enumerate() {
+        let verdict = if step.accepted { "" } else { "  rejected" };
+        println!(
+            "{number:9}  {:.8e}  {:.3e}  {:.3e}  {:6.3}{verdict}",
+            step.cost, step.gradient, step.damping, step.gain
+        );
+    }
+    println!("{} unknowns, {} after elimination", report.full_dim, report.reduced_dim);
+    println!("{:?}; stopped because {}", report.dropped, report.stop);
+    times.sort_by(f64::total_cmp);
+    println!(
+        "iterations {}  cost {:.8e}  ms_per_iteration {:.4}",
+        report.trace.len(),
+        report.cost,
+        times[times.len() / 2]
+    );
+    Ok(())
+}
+
+// Both cameras are the same type; how much of it moves is the second argument of `TinyBa`.
+const _: fn(&str) -> Result<TinyBa<BalCamera, 9>, vislam::bundle_adjustment::BalError> = read_bal;
