@@ -83,9 +83,8 @@ where
 {
     let mut lines = Lines { lines: text.lines(), number: 0 };
     let [cameras, points, observations] = lines.header()?;
-    let factors = (0..observations)
-        .map(|_| lines.observation(cameras, points))
-        .collect::<Result<_, _>>()?;
+    let factors =
+        (0..observations).map(|_| lines.observation(cameras, points)).collect::<Result<_, _>>()?;
     let cameras = (0..cameras).map(|_| lines.camera()).collect::<Result<_, _>>()?;
     let points = (0..points)
         .map(|_| lines.numbers("a coordinate of a point").map(Vector3::from))

@@ -158,8 +158,8 @@ impl Camera<9> for BalCamera {
         // By x and y, a symmetric matrix, and then by the point in camera coordinates.
         let (uu, uv) = (f * (distortion + slope * x * x), f * slope * x * y);
         let vv = f * (distortion + slope * y * y);
-        let by_point_in_camera = inverse_depth
-            * Matrix2x3::new(uu, uv, uu * x + uv * y, uv, vv, uv * x + vv * y);
+        let by_point_in_camera =
+            inverse_depth * Matrix2x3::new(uu, uv, uu * x + uv * y, uv, vv, uv * x + vv * y);
         let by_point = by_point_in_camera * self.rotation.matrix();
         let mut by_camera = SMatrix::<f64, 2, 9>::zeros();
         by_camera.fixed_columns_mut::<6>(0).copy_from(&by_twist(&by_point, point_in_world));
@@ -187,8 +187,7 @@ impl Camera<6> for BalCamera {
     }
 
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
-        let View { pixel, by_camera, by_point } =
-            Camera::<9>::differentiate(self, point_in_world)?;
+        let View { pixel, by_camera, by_point } = Camera::<9>::differentiate(self, point_in_world)?;
         Some(View { pixel, by_camera: by_camera.fixed_columns::<6>(0).into_owned(), by_point })
     }
 

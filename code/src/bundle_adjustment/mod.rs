@@ -192,6 +192,9 @@ pub enum BaError {
         /// Which point.
         point: usize,
     },
+    /// A derivative is too large for a number.
+    #[error("a derivative overflows; check focal lengths and the unit of the points")]
+    Overflow,
     /// Cameras and points together move without changing a pixel.
     #[error("no pixel changes in {} of the directions in which the cameras move: {free}", free.count())]
     RankDeficient {

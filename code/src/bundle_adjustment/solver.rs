@@ -94,6 +94,15 @@ const SMALLEST_CURVATURE: f64 = 1e-6;
 /// Beyond this damping a step is too short to matter.
 const LARGEST_DAMPING: f64 = 1e16;
 
+/// What has no inverse.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Singular {
+    /// The 3×3 block of this point.
+    Point(usize),
+    /// The reduced system.
+    Rigs,
+}
+
 // ANCHOR: solver
 /// A problem taken apart and ready for steps, with all the memory they need.
 #[derive(Debug, Clone)]
@@ -122,6 +131,8 @@ pub(super) struct System<const D: usize> {
     pub rhs: Vec<[f64; D]>,
     /// What damping added to the diagonal.
     damping: Vec<[f64; D]>,
+    /// Pivots must be above this.
+    smallest: Vec<[f64; D]>,
     /// The diagonal before anything was added or eliminated.
     pub curvature: Vec<[f64; D]>,
     /// The right-hand side before elimination.
@@ -209,22 +220,18 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR: attempt
     /// Computes a step and where it leads: the decrease that the linearized problem
     /// promises, and the cost at its end.
-    fn attempt(&mut self, damping: f64) -> Result<(f64, f64), BaError> {
+    fn attempt(&mut self, damping: f64) -> Result<(f64, f64), Singular> {
         self.eliminate(damping)?;
-        let forward = self.solve()?;
-        for (k, row) in self.layout.row_of.iter().enumerate() {
-            if let Some(row) = row {
-                let change = SVector::from(self.system.rhs[*row]);
-                self.trial_cameras[k] = self.cameras[k].retract(&change);
-            }
-        }
+        self.factorize()?;
+        let forward = self.solve();
+        self.move_cameras();
         Ok(self.back_substitute(forward))
     }
     // ANCHOR_END: attempt
 
     // ANCHOR: eliminate
     /// Linearizes and eliminates landmark by landmark, straight into the reduced system.
-    pub(super) fn eliminate(&mut self, damping: f64) -> Result<(), BaError> {
+    pub(super) fn eliminate(&mut self, damping: f64) -> Result<(), Singular> {
         let Self { layout, system, cameras, points, huber, .. } = self;
         system.clear();
         for (index, landmark) in layout.landmarks.iter().enumerate() {
@@ -237,7 +244,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             let slots = &layout.slots[landmark.slots.clone()];
             system.add_cameras(sightings, slots);
             if !system.eliminate_point(index, damping) {
-                return Err(BaError::Ray { point: landmark.point });
+                return Err(Singular::Point(landmark.point));
             }
             let inverse_factor = &system.eliminated[index].inverse_factor;
             let couplings = &mut system.couplings[landmark.slots.clone()];
@@ -250,23 +257,35 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR_END: eliminate
 
     // ANCHOR: solve_reduced
+    /// Factors the reduced system in place. Pivots that are mere rounding errors of the
+    /// curvature that was there before elimination are refused.
+    pub(super) fn factorize(&mut self) -> Result<(), Singular> {
+        let System { reduced, curvature, damping, smallest, .. } = &mut self.system;
+        for (row, smallest) in smallest.iter_mut().enumerate() {
+            *smallest =
+                std::array::from_fn(|axis| ROUNDING * (curvature[row][axis] + damping[row][axis]));
+        }
+        reduced.factorize(smallest).map_err(|_| Singular::Rigs)
+    }
+
     /// Solves the reduced system in place. Returns the squared length of the right-hand
     /// side in the coordinates of the factor, which is twice what the rigs contribute to
     /// the promised decrease.
-    fn solve(&mut self) -> Result<f64, BaError> {
-        let System { reduced, rhs, curvature, damping, .. } = &mut self.system;
-        for (smallest, added) in curvature.iter_mut().zip(damping.iter()) {
-            for axis in 0..D {
-                smallest[axis] = ROUNDING * (smallest[axis] + added[axis]);
-            }
-        }
-        if reduced.factorize(curvature).is_err() {
-            return Err(self.rank_deficient());
-        }
+    fn solve(&mut self) -> f64 {
+        let System { reduced, rhs, .. } = &mut self.system;
         reduced.solve_lower(rhs);
         let forward = rhs.iter().map(|z| dot(z, z)).sum();
         reduced.solve_upper(rhs);
-        Ok(forward)
+        forward
+    }
+
+    fn move_cameras(&mut self) {
+        for (camera, row) in self.layout.row_of.iter().enumerate() {
+            if let Some(row) = row {
+                let change = SVector::from(self.system.rhs[*row]);
+                self.trial_cameras[camera] = self.cameras[camera].retract(&change);
+            }
+        }
     }
     // ANCHOR_END: solve_reduced
 
@@ -325,7 +344,16 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         if !(damping.is_finite() && damping >= 0.0) {
             return Err(BaError::Damping { value: damping });
         }
-        let (promised, cost) = self.attempt(damping)?;
+        self.eliminate(damping).map_err(|singular| self.explain(singular))?;
+        self.factorize().map_err(|singular| self.explain(singular))?;
+        let forward = self.solve();
+        Ok(self.complete_step(forward))
+    }
+
+    /// Completes a step of which the rigs' part is known.
+    pub(super) fn complete_step(&mut self, forward: f64) -> Step<D> {
+        self.move_cameras();
+        let (promised, cost) = self.back_substitute(forward);
         let change =
             |row: &Option<usize>| row.map_or(SVector::zeros(), |row| self.system.rhs[row].into());
         let cameras = self.layout.row_of.iter().map(change).collect();
@@ -334,7 +362,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             let point = landmark.point;
             points[point] = self.trial_points[point] - self.points[point];
         }
-        Ok(Step { cameras, points, promised, cost })
+        Step { cameras, points, promised, cost }
     }
 
     /// The cost where the solver stands.
@@ -401,6 +429,7 @@ impl<const D: usize> System<D> {
             reduced: Reduced::new(layout.first_columns()),
             rhs: zeros.clone(),
             damping: zeros.clone(),
+            smallest: zeros.clone(),
             curvature: zeros.clone(),
             gradient: zeros,
             eliminated: vec![Eliminated::empty(); layout.landmarks.len()],

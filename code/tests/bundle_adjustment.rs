@@ -1,0 +1,640 @@
+//! Worked examples of bundle adjustment.
+
+use std::collections::BTreeSet;
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use nalgebra::{DMatrix, DVector, Isometry3, SVector, Vector2, Vector3, Vector6};
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{
+    BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole,
+    ReprojFactor, Solver, StopReason, TinyBa, read_bal,
+};
+use vislam::manifold::{se3, so3};
+use vislam::reprojection::Pinhole;
+
+type Ba = TinyBa<PosedPinhole, 6>;
+
+fn solver(problem: &Ba) -> Solver<PosedPinhole, 6> {
+    Solver::new(problem, &Options::default()).expect("a problem")
+}
+
+/// The whole system H δ = g, cameras first, without any elimination, for least squares.
+/// The rows and columns of cameras that are fixed stay empty.
+fn full_system<C: Camera<D>, const D: usize>(
+    problem: &TinyBa<C, D>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (cameras, points) = (problem.cameras.len(), problem.points.len());
+    let size = D * cameras + 3 * points;
+    let (mut h, mut g) = (DMatrix::zeros(size, size), DVector::zeros(size));
+    for factor in &problem.factors {
+        let view = problem.cameras[factor.camera].differentiate(&problem.points[factor.point]);
+        let view = view.expect("a pixel");
+        let mut jacobian = DMatrix::zeros(2, size);
+        if !problem.fixed[factor.camera] {
+            let rig = problem.rig[factor.camera];
+            jacobian.view_mut((0, D * rig), (2, D)).copy_from(&view.by_camera);
+        }
+        jacobian.view_mut((0, D * cameras + 3 * factor.point), (2, 3)).copy_from(&view.by_point);
+        jacobian *= factor.inv_sigma;
+        h += jacobian.transpose() * &jacobian;
+        g += jacobian.transpose() * (factor.inv_sigma * (factor.pixel - view.pixel));
+    }
+    (h, g)
+}
+
+/// The damped step of the whole system.
+fn full_step(problem: &Ba, damping: f64) -> DVector<f64> {
+    let (mut h, g) = full_system(problem);
+    for i in 0..h.nrows() {
+        h[(i, i)] += damping * h[(i, i)];
+        if h[(i, i)] == 0.0 {
+            h[(i, i)] = 1.0; // a fixed camera
+        }
+    }
+    h.cholesky().expect("positive definite").solve(&g)
+}
+
+#[test]
+fn the_ring_is_solved_to_the_noise() {
+    let mut problem = Scene::ring(8, 40, 1.0, 1).problem;
+    let report = problem.solve(&Options::default()).unwrap();
+    assert_eq!((report.full_dim, report.reduced_dim), (162, 42));
+    assert!(matches!(report.stop, StopReason::SmallDecrease | StopReason::SmallPromise));
+    // 640 numbers of variance one, of which 161 are used up: 162 unknowns but one for scale.
+    let expected = (479.0_f64 / 320.0).sqrt();
+    assert_abs_diff_eq!(report.rmse_px, expected, epsilon = 0.15);
+    assert_relative_eq!(report.cost, 160.0 * report.rmse_px.powi(2), max_relative = 1e-12);
+    let (first, last) = (report.trace[0], report.trace.last().unwrap());
+    assert!(last.gradient < 1e-4 * first.gradient);
+}
+
+// ANCHOR: worked_example
+#[test]
+fn eliminating_the_points_does_not_change_the_step() {
+    for seed in 0..20 {
+        let problem = Scene::ring(8, 40, 1.0, seed).problem;
+        for damping in [1e-4, 1e-2, 1.0] {
+            let step = solver(&problem).step(damping).unwrap();
+            let full = full_step(&problem, damping);
+            let mut eliminated = DVector::zeros(full.len());
+            for (k, change) in step.cameras.iter().enumerate() {
+                eliminated.rows_mut(6 * k, 6).copy_from(change);
+            }
+            for (j, change) in step.points.iter().enumerate() {
+                eliminated.rows_mut(48 + 3 * j, 3).copy_from(change);
+            }
+            assert!((&eliminated - &full).norm() < 1e-10 * full.norm());
+        }
+    }
+}
+// ANCHOR_END: worked_example
+
+#[test]
+fn a_rig_of_two_cameras_takes_the_step_of_the_whole_system_too() {
+    let problem = Scene::stereo_ring(6, 25, 0.1, 1.0, 3).problem;
+    let step = solver(&problem).step(0.0).unwrap();
+    let full = full_step(&problem, 0.0);
+    for camera in 0..12 {
+        let expected = full.rows(6 * (camera / 2), 6);
+        assert!((step.cameras[camera] - expected).norm() < 1e-8 * full.norm());
+    }
+    for point in 0..25 {
+        assert!((step.points[point] - full.rows(72 + 3 * point, 3)).norm() < 1e-8 * full.norm());
+    }
+}
+
+#[test]
+fn an_undamped_step_lowers_the_cost_as_promised() {
+    for seed in 0..20 {
+        let problem = Scene::stereo_ring(8, 40, 0.1, 1.0, seed).problem;
+        let mut solver = solver(&problem);
+        let step = solver.step(0.0).unwrap();
+        assert!(step.cost < solver.cost());
+        // The promise of the linearized problem is half g·δ.
+        let (_, g) = full_system(&problem);
+        let full = full_step(&problem, 0.0);
+        assert_relative_eq!(step.promised, 0.5 * g.dot(&full), max_relative = 1e-9);
+    }
+}
+
+#[test]
+fn a_damped_promise_is_that_of_the_undamped_model() {
+    let problem = Scene::ring(8, 40, 1.0, 4).problem;
+    let step = solver(&problem).step(0.1).unwrap();
+    let (h, g) = full_system(&problem);
+    let full = full_step(&problem, 0.1);
+    let promised = g.dot(&full) - 0.5 * full.dot(&(&h * &full));
+    assert_relative_eq!(step.promised, promised, max_relative = 1e-9);
+}
+
+#[test]
+fn the_reduced_system_is_as_sparse_as_covisibility() {
+    let problem = Scene::street(30, 2.5, 1.0, 5).problem;
+    let mut solver = solver(&problem);
+    let (reduced, _) = solver.reduced_system(0.0).unwrap();
+    let rows = solver.rows().to_vec();
+    let mut seen_by = vec![BTreeSet::new(); problem.points.len()];
+    for factor in &problem.factors {
+        seen_by[factor.point].extend(rows[factor.camera]);
+    }
+    seen_by.iter_mut().filter(|cameras| cameras.len() < 2).for_each(BTreeSet::clear);
+    let count = rows.iter().flatten().count();
+    let mut pairs = 0;
+    for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+        let covisible = seen_by.iter().any(|cameras| cameras.contains(&i) && cameras.contains(&j));
+        let block = reduced.view((6 * i, 6 * j), (6, 6));
+        assert_eq!(block.iter().any(|entry| *entry != 0.0), covisible, "cameras {i} and {j}");
+        pairs += usize::from(covisible);
+    }
+    assert!(pairs < count * count / 3);
+}
+
+#[test]
+fn the_number_of_block_products_is_what_covisibility_predicts() {
+    let mut problem = Scene::street(30, 2.5, 1.0, 6).problem;
+    let mut moving = vec![0; problem.points.len()];
+    for factor in problem.factors.iter().filter(|factor| factor.camera != 0) {
+        moving[factor.point] += 1;
+    }
+    let predicted: usize = moving.iter().map(|n| n * (n + 1) / 2).sum();
+    assert_eq!(problem.solve(&Options::default()).unwrap().block_products, predicted);
+    let mut ring = Scene::ring(8, 40, 1.0, 6).problem;
+    assert_eq!(ring.solve(&Options::default()).unwrap().block_products, 40 * 28);
+}
+
+#[test]
+fn growing_the_scene_about_the_fixed_camera_changes_no_pixel() {
+    let scene = Scene::ring(8, 40, 0.0, 7);
+    let problem = Ba {
+        cameras: scene.true_cameras.clone(),
+        points: scene.true_points.clone(),
+        ..scene.problem
+    };
+    let (h, _) = full_system(&problem);
+    let fixed = problem.cameras[0].centre();
+    let mut growth = DVector::zeros(h.nrows());
+    for (k, camera) in problem.cameras.iter().enumerate().skip(1) {
+        // The camera's centre is moved by −ρ when the world is.
+        growth.rows_mut(6 * k, 3).copy_from(&(fixed - camera.centre()));
+    }
+    for (j, point) in problem.points.iter().enumerate() {
+        growth.rows_mut(48 + 3 * j, 3).copy_from(&(point - fixed));
+    }
+    assert!((&h * &growth).norm() < 1e-12 * h.norm() * growth.norm());
+    let (reduced, _) = solver(&problem).reduced_system(0.0).unwrap();
+    let growth = growth.rows(6, 42);
+    assert!((&reduced * growth).norm() < 1e-12 * h.norm() * growth.norm());
+}
+
+#[test]
+fn a_single_moving_camera_does_not_know_scale_and_the_error_says_so() {
+    let mut problem = Scene::ring(8, 40, 1.0, 8).problem;
+    let error = solver(&problem).step(0.0).unwrap_err();
+    let free = FreeDirections { scale: 1, ..FreeDirections::default() };
+    assert_eq!(error, BaError::RankDeficient { free });
+    assert_eq!(
+        error.to_string(),
+        "no pixel changes in 1 of the directions in which the cameras move: scale is free: \
+         pin one more thing, add stereo or an IMU"
+    );
+    assert_eq!(solver(&problem).covariance().unwrap_err(), error);
+
+    problem.fixed[0] = false;
+    let error = solver(&problem).step(0.0).unwrap_err();
+    let free = FreeDirections { position: 3, orientation: 3, scale: 1, other: 0 };
+    assert_eq!(error, BaError::RankDeficient { free });
+    assert!(error.to_string().contains("position, orientation, scale are free"));
+}
+
+#[test]
+fn a_stereo_rig_knows_scale_and_not_where_it_is() {
+    let mut problem = Scene::stereo_ring(8, 40, 0.1, 1.0, 9).problem;
+    assert!(solver(&problem).step(0.0).is_ok());
+    assert_eq!(solver(&problem).free_directions().unwrap().count(), 0);
+    problem.fixed.fill(false);
+    let free = FreeDirections { position: 3, orientation: 3, ..FreeDirections::default() };
+    assert_eq!(solver(&problem).step(0.0).unwrap_err(), BaError::RankDeficient { free });
+}
+
+#[test]
+fn a_second_fixed_camera_fixes_scale() {
+    let scene = Scene::ring(8, 40, 1.0, 10);
+    let mut problem = scene.problem;
+    problem.cameras[1] = scene.true_cameras[1];
+    problem.fixed[1] = true;
+    let report = problem.solve(&Options::default()).unwrap();
+    assert_eq!(report.reduced_dim, 36);
+    assert!(solver(&problem).covariance().is_ok());
+}
+
+#[test]
+fn damping_and_minimal_norm_agree_on_all_that_pixels_see() {
+    let problem = Scene::ring(8, 40, 1.0, 11).problem;
+    let minimal = solver(&problem).minimal_norm_step().unwrap();
+    let damped = solver(&problem).step(1e-9).unwrap();
+    let stack = |cameras: &[Vector6<f64>]| {
+        DVector::from_iterator(42, cameras[1..].iter().flat_map(|c| c.iter().copied()))
+    };
+    let difference = stack(&minimal.cameras) - stack(&damped.cameras);
+    let null_space = solver(&problem).null_space().unwrap();
+    let scale = null_space.column(0).normalize();
+    let unseen = &scale * scale.dot(&difference);
+    assert!((&difference - unseen).norm() < 1e-5 * stack(&minimal.cameras).norm());
+    assert_abs_diff_eq!(scale.dot(&stack(&minimal.cameras)), 0.0, epsilon = 1e-8);
+    assert_relative_eq!(minimal.promised, damped.promised, max_relative = 1e-6);
+}
+
+#[test]
+fn covariances_are_blocks_of_the_inverse_of_the_whole_system() {
+    let problem = Scene::stereo_ring(5, 20, 0.2, 1.0, 12).problem;
+    let covariance = solver(&problem).covariance().unwrap();
+    let (mut h, _) = full_system(&problem);
+    for i in 0..h.nrows() {
+        if h[(i, i)] == 0.0 {
+            h[(i, i)] = 1.0;
+        }
+    }
+    let inverse = h.try_inverse().unwrap();
+    assert_eq!(covariance.camera(0), None);
+    assert_eq!(covariance.camera(99), None);
+    for camera in 2..10 {
+        let block = inverse.fixed_view::<6, 6>(6 * (camera / 2), 6 * (camera / 2));
+        let difference = covariance.camera(camera).unwrap() - block;
+        assert!(difference.norm() < 1e-8 * block.norm());
+    }
+    for point in 0..20 {
+        let block = inverse.fixed_view::<3, 3>(60 + 3 * point, 60 + 3 * point);
+        let difference = covariance.point(point).unwrap() - block;
+        assert!(difference.norm() < 1e-8 * block.norm());
+    }
+}
+
+/// The estimate grown about the fixed camera until it has the size of the truth.
+fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<PosedPinhole> {
+    let fixed = truth[0].centre();
+    let (mut product, mut square) = (0.0, 0.0);
+    for (estimated, true_camera) in estimate.iter().zip(truth) {
+        let arm = estimated.centre() - fixed;
+        product += arm.dot(&(true_camera.centre() - fixed));
+        square += arm.norm_squared();
+    }
+    let grow = |camera: &PosedPinhole| {
+        let centre = fixed + product / square * (camera.centre() - fixed);
+        let rotation = camera.camera_from_world.rotation;
+        let translation = -(rotation * centre);
+        let camera_from_world = Isometry3::from_parts(translation.into(), rotation);
+        PosedPinhole { camera_from_world, ..*camera }
+    };
+    estimate.iter().map(grow).collect()
+}
+
+#[test]
+fn the_errors_of_500_rings_are_as_large_as_their_covariances_say() {
+    // With camera 0 fixed and scale taken from the truth, 41 directions are left.
+    let (runs, degrees) = (500, 41.0);
+    let mut errors = Vec::new();
+    for seed in 0..runs {
+        let mut scene = Scene::ring(8, 40, 1.0, seed);
+        let options = Options { relative_decrease: 1e-10, ..Options::default() };
+        scene.problem.solve(&options).unwrap();
+        scene.problem.cameras = at_true_scale(&scene.problem.cameras, &scene.true_cameras);
+        // The information is singular along scale, so what is left of that error is ignored.
+        let truth =
+            Ba { points: scene.true_points, cameras: scene.true_cameras, ..scene.problem.clone() };
+        let (information, _) = solver(&truth).reduced_system(0.0).unwrap();
+        let pairs = truth.cameras.iter().zip(&scene.problem.cameras).skip(1);
+        let error = DVector::from_iterator(
+            42,
+            pairs.flat_map(|(truth, estimate)| {
+                let error = se3::local(&truth.camera_from_world, &estimate.camera_from_world);
+                error.iter().copied().collect::<Vec<_>>()
+            }),
+        );
+        errors.push(error.dot(&(&information * &error)));
+    }
+    let mean = errors.iter().sum::<f64>() / runs as f64;
+    // The mean of 500 has 20500 degrees of freedom: nearly normal. 3.29 sigma are 99.9 %.
+    let band = 3.29 * (2.0 * degrees / runs as f64).sqrt();
+    println!("mean normalized error {mean:.2} of {degrees} ± {band:.2}");
+    assert!((mean - degrees).abs() < band, "mean {mean}");
+    // The 2.5 % and 97.5 % quantiles of chi-square with 41 degrees of freedom.
+    let inside = errors.iter().filter(|error| (25.215..60.561).contains(*error)).count();
+    let share = inside as f64 / runs as f64;
+    println!("{share:.3} of the runs in their 95 % band");
+    assert!((0.93..=0.97).contains(&share), "{share}");
+}
+
+#[test]
+fn huber_keeps_outliers_from_bending_the_ring() {
+    for seed in 0..5 {
+        let scene = Scene::ring(8, 40, 1.0, seed).with_outliers(0.1, 30.0, seed + 100);
+        assert!((15..60).contains(&scene.outliers.len()));
+        let worst = |huber| {
+            let mut problem = Ba { huber, ..scene.problem.clone() };
+            problem.solve(&Options { iterations: 100, ..Options::default() }).unwrap();
+            let cameras = at_true_scale(&problem.cameras, &scene.true_cameras);
+            let errors = cameras.iter().zip(&scene.true_cameras);
+            errors.map(|(e, t)| (e.centre() - t.centre()).norm()).fold(0.0, f64::max)
+        };
+        let (squared, robust) = (worst(None), worst(Some(1.5)));
+        assert!(robust < 0.6 * squared, "{robust} against {squared}");
+    }
+}
+
+#[test]
+fn every_accepted_step_lowers_the_cost_also_with_huber() {
+    for huber in [None, Some(1.5)] {
+        let scene = Scene::ring(8, 40, 1.0, 13).with_outliers(0.1, 30.0, 14);
+        let mut problem = Ba { huber, ..scene.problem };
+        let report = problem.solve(&Options::default()).unwrap();
+        assert!(report.trace.iter().filter(|step| step.accepted).all(|s| s.trial_cost < s.cost));
+        assert!(report.trace.windows(2).all(|pair| pair[1].cost <= pair[0].cost));
+        assert!(report.cost <= report.trace.last().unwrap().cost);
+        assert!(report.trace.len() < 30);
+    }
+}
+
+#[test]
+fn the_iteration_limit_is_kept_and_named() {
+    let mut problem = Scene::ring(8, 40, 1.0, 15).problem;
+    let report = problem.solve(&Options { iterations: 1, ..Options::default() }).unwrap();
+    assert_eq!((report.trace.len(), report.stop), (1, StopReason::IterationLimit));
+    let before = problem.clone();
+    let report = problem.solve(&Options { iterations: 0, ..Options::default() }).unwrap();
+    assert_eq!((report.trace.len(), report.cost), (0, solver(&before).cost()));
+    assert_eq!(problem, before);
+}
+
+#[test]
+fn the_truth_is_a_minimum_of_noiseless_pixels() {
+    let scene = Scene::ring(8, 40, 0.0, 16);
+    let mut problem = scene.problem;
+    problem.solve(&Options { relative_decrease: 1e-12, ..Options::default() }).unwrap();
+    let cameras = at_true_scale(&problem.cameras, &scene.true_cameras);
+    for (camera, truth) in cameras.iter().zip(&scene.true_cameras) {
+        assert_abs_diff_eq!(camera.centre(), truth.centre(), epsilon = 1e-6);
+    }
+}
+
+/// Derivatives by central differences, and those of the camera.
+fn assert_derivatives<C: Camera<D>, const D: usize>(camera: &C, point: &Vector3<f64>) {
+    let view = camera.differentiate(point).unwrap();
+    assert_abs_diff_eq!(view.pixel, camera.project(point).unwrap(), epsilon = 1e-10);
+    let step = 1e-5;
+    for axis in 0..D {
+        let moved = |sign: f64| {
+            let change =
+                SVector::<f64, D>::from_fn(|i, _| if i == axis { sign * step } else { 0.0 });
+            camera.retract(&change).project(point).unwrap()
+        };
+        let difference = (moved(1.0) - moved(-1.0)) / (2.0 * step);
+        let column = view.by_camera.column(axis).into_owned();
+        assert_abs_diff_eq!(column, difference, epsilon = 1e-5 * (1.0 + difference.norm()));
+    }
+    for axis in 0..3 {
+        let moved =
+            |sign: f64| camera.project(&(point + sign * step * Vector3::ith(axis, 1.0))).unwrap();
+        let difference = (moved(1.0) - moved(-1.0)) / (2.0 * step);
+        let column = view.by_point.column(axis).into_owned();
+        assert_abs_diff_eq!(column, difference, epsilon = 1e-5 * (1.0 + difference.norm()));
+    }
+}
+
+#[test]
+fn derivatives_of_both_cameras_agree_with_differences() {
+    let pose = se3::exp(&Vector6::new(0.3, -0.2, 0.5, 0.4, -0.6, 0.2));
+    let intrinsics = Pinhole::new(400.0, 420.0, 320.0, 240.0).unwrap();
+    let pinhole = PosedPinhole { intrinsics, camera_from_world: pose };
+    let bal = BalCamera {
+        rotation: so3::exp(&Vector3::new(0.4, -0.6, 0.2)),
+        translation: Vector3::new(0.3, -0.2, 0.5),
+        focal_length: 400.0,
+        radial: [-0.3, 0.1],
+    };
+    for point in [Vector3::new(0.4, -0.3, 4.0), Vector3::new(-1.0, 0.6, 3.0)] {
+        assert_derivatives::<_, 6>(&pinhole, &point);
+        for point in [point, -point] {
+            assert_derivatives::<_, 9>(&bal, &point);
+            assert_derivatives::<_, 6>(&bal, &point);
+        }
+    }
+}
+
+#[test]
+fn a_pinhole_has_no_derivative_where_it_has_no_pixel() {
+    let camera = Scene::ring(8, 40, 1.0, 17).true_cameras[0];
+    let behind = camera.centre() * 2.0;
+    assert_eq!(camera.project(&behind), None);
+    assert_eq!(camera.differentiate(&behind), None);
+}
+
+fn factor(camera: usize, point: usize) -> ReprojFactor {
+    ReprojFactor { camera, point, pixel: Vector2::new(320.0, 240.0), inv_sigma: 1.0 }
+}
+
+#[test]
+fn bad_input_is_an_error_that_names_it() {
+    let good = Scene::ring(8, 40, 1.0, 18).problem;
+    let options = Options::default();
+    let check = |change: &dyn Fn(&mut Ba), message: &str| {
+        let mut problem = good.clone();
+        change(&mut problem);
+        let before = format!("{problem:?}");
+        let error = problem.solve(&options).unwrap_err();
+        assert_eq!(error.to_string(), message);
+        assert_eq!(format!("{problem:?}"), before);
+    };
+    check(
+        &|p| p.factors[17].pixel.x = f64::NAN,
+        &format!(
+            "observation 17: pixel is (NaN, {}); remove the observation",
+            good.factors[17].pixel.y
+        ),
+    );
+    check(
+        &|p| p.factors[17].camera = 8,
+        "observation 17: there is no camera 8, only 8; count from zero",
+    );
+    check(
+        &|p| p.factors[17].point = usize::MAX,
+        "observation 17: there is no point 18446744073709551615, only 40; count from zero",
+    );
+    check(
+        &|p| p.factors[17].inv_sigma = 0.0,
+        "observation 17: inv_sigma is 0; give a positive, finite number",
+    );
+    check(
+        &|p| p.points[3].y = f64::INFINITY,
+        "point 3 is not finite at the start; remove it or triangulate it again",
+    );
+    check(
+        &|p| p.huber = Some(-1.0),
+        "the Huber threshold is -1; give a positive number of standard deviations",
+    );
+    check(
+        &|p| drop(p.fixed.pop()),
+        "`fixed` has 7 entries for 8 cameras; give one for each camera",
+    );
+    check(&|p| p.rig.push(1), "`rig` has 9 entries for 8 cameras; give one for each camera");
+    check(
+        &|p| p.rig[1] = 0,
+        "rig 0 has a fixed camera and a moving one; fix all of its cameras or none",
+    );
+    check(
+        &|p| p.factors.clear(),
+        "there is nothing to adjust: 0 observations were given and none can be used; every point \
+         needs two",
+    );
+    let mut empty = Ba::new(Vec::new(), Vec::new(), Vec::new());
+    assert_eq!(empty.solve(&options).unwrap_err(), BaError::Empty { observations: 0 });
+    let damping = Options { damping: f64::NAN, ..options };
+    assert!(matches!(Solver::new(&good, &damping).unwrap_err(), BaError::Damping { .. }));
+    assert_eq!(solver(&good).step(-1.0).unwrap_err(), BaError::Damping { value: -1.0 });
+}
+
+#[test]
+fn what_cannot_be_used_is_left_out_and_counted() {
+    let mut problem = Scene::ring(8, 40, 1.0, 19).problem;
+    let reference = problem.clone().solve(&Options::default()).unwrap();
+    let outside = problem.cameras[3].centre() * 3.0;
+    // Point 40 is seen once, point 41 never, point 42 lies behind cameras 3 and 4, and
+    // camera 8 sees nothing but it.
+    let centre = Vector3::zeros();
+    problem.points.extend([centre, centre, outside]);
+    problem.cameras.push(problem.cameras[3]);
+    problem.fixed.push(false);
+    problem.rig.push(8);
+    problem.factors.extend([factor(5, 40), factor(3, 42), factor(4, 42), factor(8, 42)]);
+    let (camera, points) = (problem.cameras[8], problem.points[40..].to_vec());
+    let report = problem.solve(&Options::default()).unwrap();
+    assert_eq!(report.dropped.seen_once, 1);
+    assert_eq!(report.dropped.without_pixel, 3);
+    assert_eq!(report.dropped.points, 3);
+    assert_eq!(report.dropped.cameras, 1);
+    assert_eq!((report.full_dim, report.reduced_dim), (162, 42));
+    assert_relative_eq!(report.cost, reference.cost, max_relative = 1e-9);
+    assert_eq!((problem.cameras[8], &problem.points[40..]), (camera, &points[..]));
+}
+
+#[test]
+fn a_camera_that_is_not_finite_sees_nothing_and_is_counted() {
+    let mut problem = Scene::ring(8, 40, 1.0, 20).problem;
+    problem.cameras[4].camera_from_world.translation.x = f64::NAN;
+    let report = problem.solve(&Options::default()).unwrap();
+    assert_eq!((report.dropped.cameras, report.dropped.without_pixel), (1, 40));
+}
+
+#[test]
+fn a_point_on_one_ray_only_is_named_when_nothing_damps_it() {
+    let mut problem = Scene::stereo_ring(8, 40, 0.1, 1.0, 21).problem;
+    problem.points.push(Vector3::zeros());
+    problem.factors.extend([factor(4, 40), factor(4, 40)]);
+    let error = solver(&problem).step(0.0).unwrap_err();
+    assert_eq!(error, BaError::Ray { point: 40 });
+    assert_eq!(solver(&problem).covariance().unwrap_err(), error);
+    assert_eq!(solver(&problem).free_directions().unwrap_err(), error);
+    assert!(problem.solve(&Options::default()).is_ok());
+}
+
+#[test]
+fn two_sightings_by_one_camera_count_twice() {
+    let mut problem = Scene::ring(8, 40, 1.0, 22).problem;
+    let again = problem.factors[10];
+    problem.factors.push(again);
+    let step = solver(&problem).step(0.01).unwrap();
+    let full = full_step(&problem, 0.01);
+    assert!((step.cameras[5] - full.rows(30, 6)).norm() < 1e-10 * full.norm());
+}
+
+#[test]
+fn with_all_cameras_fixed_the_points_are_triangulated() {
+    let scene = Scene::ring(8, 40, 0.0, 23);
+    let mut problem = Ba { cameras: scene.true_cameras, ..scene.problem };
+    problem.fixed.fill(true);
+    let report = problem.solve(&Options::default()).unwrap();
+    assert_eq!((report.full_dim, report.reduced_dim, report.block_products), (120, 0, 0));
+    for (point, truth) in problem.points.iter().zip(&scene.true_points) {
+        assert_abs_diff_eq!(*point, *truth, epsilon = 1e-6);
+    }
+    let mut solver = solver(&problem);
+    assert_eq!(solver.free_directions().unwrap().count(), 0);
+    assert!(solver.covariance().unwrap().point(0).is_some());
+}
+
+#[test]
+fn a_start_too_bad_to_save_ends_without_a_panic() {
+    for seed in 0..20 {
+        let mut problem = Scene::ring(8, 40, 1.0, seed).problem;
+        for (j, point) in problem.points.iter_mut().enumerate() {
+            *point *= 1.0 + (seed as f64) * (j as f64 - 20.0);
+        }
+        problem.factors.iter_mut().step_by(7).for_each(|factor| factor.pixel *= -1e9);
+        let report = problem.solve(&Options::default()).unwrap();
+        assert!(report.cost <= report.trace[0].cost);
+    }
+}
+
+#[test]
+fn scenes_depend_on_their_seed_only() {
+    let pixels = |seed| Scene::street(10, 3.0, 1.0, seed).problem.factors;
+    assert_eq!(pixels(1), pixels(1));
+    assert_ne!(pixels(1), pixels(2));
+}
+
+/// Two cameras, two points, four observations.
+const BAL: &str = "2 2 4\n0 0 1.5 -2.5\n1 0 2 3\n0 1 4e0 5\n1 1 6 7\n\
+    0\n0\n0\n0\n0\n0\n500\n0.1\n0.01\n0.1\n0.2\n0.3\n1\n2\n3\n600\n0\n0\n\
+    0.5\n-0.5\n-5\n1\n0\n-6\n";
+
+#[test]
+fn a_bal_file_is_read_as_it_stands() {
+    let problem: TinyBa<BalCamera, 9> = read_bal(BAL).unwrap();
+    assert_eq!((problem.cameras.len(), problem.points.len(), problem.factors.len()), (2, 2, 4));
+    assert_eq!(problem.factors[2].pixel, Vector2::new(4.0, 5.0));
+    assert_eq!((problem.factors[2].camera, problem.factors[2].point), (0, 1));
+    assert_eq!(problem.cameras[1].focal_length, 600.0);
+    assert_eq!(problem.cameras[0].radial, [0.1, 0.01]);
+    assert_eq!(problem.points[1], Vector3::new(1.0, 0.0, -6.0));
+    // x = y = 0.1 without the sign of y, r² = 0.02.
+    let pixel = problem.cameras[0].project(&problem.points[0]).unwrap();
+    let scale = 500.0 * (1.0 + 0.02 * 0.1 + 0.02 * 0.02 * 0.01);
+    assert_abs_diff_eq!(pixel, scale * Vector2::new(0.1, -0.1), epsilon = 1e-12);
+    assert!(read_bal::<6>(&BAL.replace('\n', "\r\n")).is_ok());
+}
+
+#[test]
+fn a_bal_camera_has_pixels_behind_it_too() {
+    let problem: TinyBa<BalCamera, 9> = read_bal(BAL).unwrap();
+    assert!(problem.cameras[0].project(&Vector3::new(0.1, 0.1, 5.0)).is_some());
+    assert_eq!(problem.cameras[0].project(&Vector3::new(0.1, 0.1, 0.0)), None);
+}
+
+#[test]
+fn every_malformed_line_of_a_bal_file_is_named() {
+    let fault = |text: &str| read_bal::<9>(text).unwrap_err();
+    let lines: Vec<&str> = BAL.lines().collect();
+    for number in 1..=lines.len() {
+        // The file ends early.
+        let error = fault(&lines[..number - 1].join("\n"));
+        assert!(matches!(error, BalError { line, fault: BalFault::End { .. } } if line == number));
+        for bad in ["x", "nan nan nan nan", "1 2", ""] {
+            let mut changed = lines.clone();
+            changed[number - 1] = bad;
+            let error = fault(&changed.join("\n"));
+            assert_eq!(error.line, number, "{error}");
+            assert!(error.to_string().starts_with(&format!("line {number}: ")));
+        }
+    }
+    assert_eq!(
+        fault(&BAL.replace("1 1 6 7", "1 2 6 7")).to_string(),
+        "line 5: there is no point 2, the header announces 2; they count from zero"
+    );
+    assert_eq!(
+        fault(&BAL.replace("500", "inf")).to_string(),
+        "line 12: `inf` is not a finite number"
+    );
+    assert_eq!(fault(&BAL.replace("2 2 4", "2 -2 4")).line, 1);
+    assert_eq!(fault(&format!("{BAL}7\n")).line, lines.len() + 1);
+    assert_eq!(fault("99999999999999999 1 99999999999999999\n").line, 2);
+    assert_eq!(fault("").line, 1);
+}
