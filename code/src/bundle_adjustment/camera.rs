@@ -48,10 +48,12 @@ pub struct PosedPinhole {
 }
 
 impl Camera<6> for PosedPinhole {
+    #[inline]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.intrinsics.project(&self.camera_from_world, point_in_world)
     }
 
+    #[inline]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         let point = rotation * point_in_world + self.camera_from_world.translation.vector;
@@ -84,6 +86,7 @@ impl PosedPinhole {
 /// The twist moves the world before the camera looks at it: the point P becomes
 /// P + ρ + φ × P. So the first three columns are those of the point, and the derivative by
 /// φ of a row a is a (φ × P) = φ (P × a).
+#[inline]
 fn by_twist(by_point: &Matrix2x3<f64>, point_in_world: &Vector3<f64>) -> SMatrix<f64, 2, 6> {
     let u = by_point.row(0).transpose();
     let v = by_point.row(1).transpose();
@@ -118,6 +121,7 @@ pub struct BalCamera {
 
 impl BalCamera {
     /// x and y on the plane z = −1, and −1/z.
+    #[inline]
     fn image_plane(&self, point_in_world: &Vector3<f64>) -> (f64, f64, f64) {
         let point = self.rotation * point_in_world + self.translation;
         let inverse_depth = -1.0 / point.z;
@@ -126,6 +130,7 @@ impl BalCamera {
 
     // ANCHOR: bal_project
     /// Pixel of a point in world coordinates, or `None` where it would not be finite.
+    #[inline]
     pub fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         let (x, y, _) = self.image_plane(point_in_world);
         let r2 = x * x + y * y;
@@ -145,10 +150,12 @@ impl BalCamera {
 
 // ANCHOR: bal_differentiate
 impl Camera<9> for BalCamera {
+    #[inline]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.project(point_in_world)
     }
 
+    #[inline]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<9>> {
         let (f, [k1, k2]) = (self.focal_length, self.radial);
         let (x, y, inverse_depth) = self.image_plane(point_in_world);
@@ -182,10 +189,12 @@ impl Camera<9> for BalCamera {
 
 /// The same camera with its intrinsics held: only the pose moves.
 impl Camera<6> for BalCamera {
+    #[inline]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.project(point_in_world)
     }
 
+    #[inline]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
         let View { pixel, by_camera, by_point } = Camera::<9>::differentiate(self, point_in_world)?;
         Some(View { pixel, by_camera: by_camera.fixed_columns::<6>(0).into_owned(), by_point })

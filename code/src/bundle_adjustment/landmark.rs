@@ -4,7 +4,7 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 use super::Camera;
 use super::layout::{HELD, Sighting};
-use super::reduced::{multiply_add, subtract_product};
+use super::reduced::{add_multiple, multiply_add};
 use super::standin::{huber_cost, huber_weight};
 
 // ANCHOR: rows
@@ -136,17 +136,9 @@ pub fn couple<const D: usize>(
         }
         let scaled = point * inverse_factor.transpose();
         for (column, scaled) in coupling.iter_mut().zip(scaled.column_iter()) {
-            for axis in 0..D {
-                let sum = multiply_add(v[axis], scaled[1], column[axis]);
-                column[axis] = multiply_add(u[axis], scaled[0], sum);
-            }
+            add_multiple(column, scaled[0], u);
+            add_multiple(column, scaled[1], v);
         }
     }
-}
-
-/// Adds the square of a sighting's rows to its camera's tile.
-#[inline(always)]
-pub fn add_square<const D: usize>(tile: &mut [[f64; D]; D], rows: &[[f64; D]; 2]) {
-    subtract_product(tile, &rows.map(|row| row.map(|x| -x)), rows);
 }
 // ANCHOR_END: couplings

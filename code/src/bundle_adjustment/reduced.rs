@@ -7,21 +7,37 @@ use nalgebra::DMatrix;
 /// A D×D block of the reduced system, column by column.
 pub type Tile<const D: usize> = [[f64; D]; D];
 
-/// Subtracts from a tile the product L Rᵀ of two matrices with D rows, given column by
-/// column.
+/// Adds to a tile the product L Rᵀ of two matrices with D rows, given column by column,
+/// times a sign.
 ///
 /// Nearly all of the arithmetic of bundle adjustment happens here: three columns for a
-/// pair of cameras that share a point, D and more in the factorization. The loops have
-/// constant length, so that the compiler can keep part of the tile in vector registers.
-pub fn subtract_product<const D: usize>(tile: &mut Tile<D>, l: &[[f64; D]], r: &[[f64; D]]) {
-    for (column, sums) in tile.iter_mut().enumerate() {
-        let mut sum = *sums;
+/// pair of cameras that share a point, D and more in the factorization. The compiler
+/// keeps three columns of the tile in vector registers while it goes through L and R.
+/// They are taken a third of the tile apart, because it would tangle neighbours.
+#[inline(always)]
+pub fn add_product<const D: usize>(tile: &mut Tile<D>, sign: f64, l: &[[f64; D]], r: &[[f64; D]]) {
+    let (first, others) = tile.split_at_mut(D / 3);
+    let (second, others) = others.split_at_mut(D / 3);
+    let (third, left_over) = others.split_at_mut(D / 3);
+    for (i, ((x, y), z)) in first.iter_mut().zip(second).zip(third).enumerate() {
+        let mut sums = (*x, *y, *z);
         for (l, r) in l.iter().zip(r) {
-            for (sum, l) in sum.iter_mut().zip(l) {
-                *sum = multiply_add(-r[column], *l, *sum);
-            }
+            add_multiple(&mut sums.0, sign * r[i], l);
+            add_multiple(&mut sums.1, sign * r[i + D / 3], l);
+            add_multiple(&mut sums.2, sign * r[i + D / 3 * 2], l);
         }
-        *sums = sum;
+        (*x, *y, *z) = sums;
+    }
+    for (i, x) in left_over.iter_mut().enumerate() {
+        l.iter().zip(r).for_each(|(l, r)| add_multiple(x, sign * r[i + D / 3 * 3], l));
+    }
+}
+
+/// Adds a multiple of a vector.
+#[inline(always)]
+pub fn add_multiple<const D: usize>(sum: &mut [f64; D], factor: f64, vector: &[f64; D]) {
+    for (sum, entry) in sum.iter_mut().zip(vector) {
+        *sum = multiply_add(factor, *entry, *sum);
     }
 }
 
@@ -116,11 +132,11 @@ impl<const D: usize> Reduced<D> {
                 let (left, tile) = rest.split_at_mut(column - first);
                 let shared = &other[from - self.first[column]..other.len() - 1];
                 let left = &left[from - first..];
-                subtract_product(&mut tile[0], left.as_flattened(), shared.as_flattened());
+                add_product(&mut tile[0], -1.0, left.as_flattened(), shared.as_flattened());
                 divide_by_factor(&mut tile[0], &other[other.len() - 1]);
             }
             let (left, tile) = rest.split_at_mut(row - first);
-            subtract_product(&mut tile[0], left.as_flattened(), left.as_flattened());
+            add_product(&mut tile[0], -1.0, left.as_flattened(), left.as_flattened());
             factorize_tile(&mut tile[0], &smallest[row]).map_err(|axis| D * row + axis)?;
         }
         Ok(())
@@ -135,7 +151,9 @@ impl<const D: usize> Reduced<D> {
             let tiles = &self.tiles[self.start[row]..self.start[row + 1]];
             let (diagonal, left) = tiles.split_last().expect("a row has its diagonal");
             for (tile, z) in left.iter().zip(&done[self.first[row]..]) {
-                subtract_tile_times(&mut rest[0], tile, z);
+                for (column, z) in tile.iter().zip(z) {
+                    add_multiple(&mut rest[0], -z, column);
+                }
             }
             for axis in 0..D {
                 rest[0][axis] *= diagonal[axis][axis];
@@ -174,9 +192,7 @@ fn divide_by_factor<const D: usize>(tile: &mut Tile<D>, factor: &Tile<D>) {
     for column in 0..D {
         let (done, rest) = tile.split_at_mut(column);
         for (known, factor) in done.iter().zip(factor) {
-            for (entry, known) in rest[0].iter_mut().zip(known) {
-                *entry = multiply_add(-factor[column], *known, *entry);
-            }
+            add_multiple(&mut rest[0], -factor[column], known);
         }
         for entry in &mut rest[0] {
             *entry *= factor[column][column];
@@ -206,14 +222,6 @@ fn factorize_tile<const D: usize>(tile: &mut Tile<D>, smallest: &[f64; D]) -> Re
     Ok(())
 }
 // ANCHOR_END: tiles
-
-fn subtract_tile_times<const D: usize>(sum: &mut [f64; D], tile: &Tile<D>, vector: &[f64; D]) {
-    for (column, factor) in tile.iter().zip(vector) {
-        for (sum, entry) in sum.iter_mut().zip(column) {
-            *sum = multiply_add(-factor, *entry, *sum);
-        }
-    }
-}
 
 /// The scalar product.
 #[inline(always)]

@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector3};
 
 use super::landmark::{self, Eliminated, Equations};
 use super::layout::{HELD, Layout};
-use super::reduced::{Reduced, dot, multiply_add, subtract_product};
+use super::reduced::{Reduced, add_multiple, add_product, dot};
 use super::{BaError, BaReport, Camera, TinyBa};
 
 // ANCHOR: options
@@ -457,13 +457,12 @@ impl<const D: usize> System<D> {
                 continue;
             }
             let row = slots[sighting.slot as usize];
-            landmark::add_square(self.reduced.tile(row, row), rows);
+            add_product(self.reduced.tile(row, row), 1.0, rows, rows);
             let [u, v] = rows;
-            for axis in 0..D {
-                let sum = multiply_add(v[axis], error.y, self.gradient[row][axis]);
-                self.gradient[row][axis] = multiply_add(u[axis], error.x, sum);
-                let square = multiply_add(v[axis], v[axis], self.curvature[row][axis]);
-                self.curvature[row][axis] = multiply_add(u[axis], u[axis], square);
+            add_multiple(&mut self.gradient[row], error.x, u);
+            add_multiple(&mut self.gradient[row], error.y, v);
+            for (sum, (u, v)) in self.curvature[row].iter_mut().zip(u.iter().zip(v)) {
+                *sum += u * u + v * v;
             }
         }
     }
@@ -494,12 +493,10 @@ impl<const D: usize> System<D> {
         let forward = &self.eliminated[index].forward;
         for (i, (row, left)) in slots.iter().zip(couplings).enumerate() {
             for (column, right) in slots[..=i].iter().zip(couplings) {
-                subtract_product(self.reduced.tile(*row, *column), left, right);
+                add_product(self.reduced.tile(*row, *column), -1.0, left, right);
             }
-            for (axis, column) in left.iter().enumerate() {
-                for (sum, entry) in self.rhs[*row].iter_mut().zip(column) {
-                    *sum = multiply_add(-forward[axis], *entry, *sum);
-                }
+            for (column, forward) in left.iter().zip(forward.iter()) {
+                add_multiple(&mut self.rhs[*row], -forward, column);
             }
         }
     }
