@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, SVector, Vector2, Vector3, Vector6};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{
     BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole,
-    ReprojFactor, Solver, StopReason, TinyBa, read_bal,
+    ReprojFactor, Solver, Stop, TinyBa, read_bal,
 };
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
@@ -27,17 +27,17 @@ fn full_system<C: Camera<D>, const D: usize>(
     let size = D * cameras + 3 * points;
     let (mut h, mut g) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for factor in &problem.factors {
-        let view = problem.cameras[factor.camera].differentiate(&problem.points[factor.point]);
+        let view = problem.cameras[factor.keyframe].differentiate(&problem.points[factor.point]);
         let view = view.expect("a pixel");
         let mut jacobian = DMatrix::zeros(2, size);
-        if !problem.fixed[factor.camera] {
-            let rig = problem.rig[factor.camera];
+        if !problem.fixed[factor.keyframe] {
+            let rig = problem.rig[factor.keyframe];
             jacobian.view_mut((0, D * rig), (2, D)).copy_from(&view.by_camera);
         }
         jacobian.view_mut((0, D * cameras + 3 * factor.point), (2, 3)).copy_from(&view.by_point);
-        jacobian *= factor.inv_sigma;
+        jacobian *= factor.inverse_sigma;
         h += jacobian.transpose() * &jacobian;
-        g += jacobian.transpose() * (factor.inv_sigma * (factor.pixel - view.pixel));
+        g += jacobian.transpose() * (factor.inverse_sigma * (factor.pixel - view.pixel));
     }
     (h, g)
 }
@@ -59,7 +59,7 @@ fn the_ring_is_solved_to_the_noise() {
     let mut problem = Scene::ring(8, 40, 1.0, 1).problem;
     let report = problem.solve(&Options::default()).unwrap();
     assert_eq!((report.full_dim, report.reduced_dim), (162, 42));
-    assert!(matches!(report.stop, StopReason::SmallDecrease | StopReason::SmallPromise));
+    assert!(matches!(report.stop, Stop::DecreaseSmall | Stop::PromiseSmall));
     // 640 numbers of variance one, of which 161 are used up: 162 unknowns but one for scale.
     let expected = (479.0_f64 / 320.0).sqrt();
     assert_abs_diff_eq!(report.rmse_px, expected, epsilon = 0.15);
@@ -135,7 +135,7 @@ fn the_reduced_system_is_as_sparse_as_covisibility() {
     let rows = solver.rows().to_vec();
     let mut seen_by = vec![BTreeSet::new(); problem.points.len()];
     for factor in &problem.factors {
-        seen_by[factor.point].extend(rows[factor.camera]);
+        seen_by[factor.point].extend(rows[factor.keyframe]);
     }
     seen_by.iter_mut().filter(|cameras| cameras.len() < 2).for_each(BTreeSet::clear);
     let count = rows.iter().flatten().count();
@@ -153,7 +153,7 @@ fn the_reduced_system_is_as_sparse_as_covisibility() {
 fn the_number_of_block_products_is_what_covisibility_predicts() {
     let mut problem = Scene::street(30, 2.5, 1.0, 6).problem;
     let mut moving = vec![0; problem.points.len()];
-    for factor in problem.factors.iter().filter(|factor| factor.camera != 0) {
+    for factor in problem.factors.iter().filter(|factor| factor.keyframe != 0) {
         moving[factor.point] += 1;
     }
     let predicted: usize = moving.iter().map(|n| n * (n + 1) / 2).sum();
@@ -358,7 +358,7 @@ fn every_accepted_step_lowers_the_cost_also_with_huber() {
 fn the_iteration_limit_is_kept_and_named() {
     let mut problem = Scene::ring(8, 40, 1.0, 15).problem;
     let report = problem.solve(&Options { iterations: 1, ..Options::default() }).unwrap();
-    assert_eq!((report.trace.len(), report.stop), (1, StopReason::IterationLimit));
+    assert_eq!((report.trace.len(), report.stop), (1, Stop::IterationLimit));
     let before = problem.clone();
     let report = problem.solve(&Options { iterations: 0, ..Options::default() }).unwrap();
     assert_eq!((report.trace.len(), report.cost), (0, solver(&before).cost()));
@@ -428,8 +428,8 @@ fn a_pinhole_has_no_derivative_where_it_has_no_pixel() {
     assert_eq!(camera.differentiate(&behind), None);
 }
 
-fn factor(camera: usize, point: usize) -> ReprojFactor {
-    ReprojFactor { camera, point, pixel: Vector2::new(320.0, 240.0), inv_sigma: 1.0 }
+fn factor(keyframe: usize, point: usize) -> ReprojFactor {
+    ReprojFactor { keyframe, point, pixel: Vector2::new(320.0, 240.0), inverse_sigma: 1.0 }
 }
 
 #[test]
@@ -452,7 +452,7 @@ fn bad_input_is_an_error_that_names_it() {
         ),
     );
     check(
-        &|p| p.factors[17].camera = 8,
+        &|p| p.factors[17].keyframe = 8,
         "observation 17: there is no camera 8, only 8; count from zero",
     );
     check(
@@ -460,8 +460,8 @@ fn bad_input_is_an_error_that_names_it() {
         "observation 17: there is no point 18446744073709551615, only 40; count from zero",
     );
     check(
-        &|p| p.factors[17].inv_sigma = 0.0,
-        "observation 17: inv_sigma is 0; give a positive, finite number",
+        &|p| p.factors[17].inverse_sigma = 0.0,
+        "observation 17: inverse_sigma is 0; give a positive, finite number",
     );
     check(
         &|p| p.points[3].y = f64::INFINITY,
@@ -591,7 +591,7 @@ fn a_bal_file_is_read_as_it_stands() {
     let problem: TinyBa<BalCamera, 9> = read_bal(BAL).unwrap();
     assert_eq!((problem.cameras.len(), problem.points.len(), problem.factors.len()), (2, 2, 4));
     assert_eq!(problem.factors[2].pixel, Vector2::new(4.0, 5.0));
-    assert_eq!((problem.factors[2].camera, problem.factors[2].point), (0, 1));
+    assert_eq!((problem.factors[2].keyframe, problem.factors[2].point), (0, 1));
     assert_eq!(problem.cameras[1].focal_length, 600.0);
     assert_eq!(problem.cameras[0].radial, [0.1, 0.01]);
     assert_eq!(problem.points[1], Vector3::new(1.0, 0.0, -6.0));

@@ -150,7 +150,7 @@ impl<'a> Lines<'a> {
         let camera = index("camera", camera, cameras)?;
         let point = index("point", point, points)?;
         let pixel = Vector2::new(self.finite(u)?, self.finite(v)?);
-        Ok(ReprojFactor { camera, point, pixel, inv_sigma: 1.0 })
+        Ok(ReprojFactor { keyframe: camera, point, pixel, inverse_sigma: 1.0 })
     }
 
     fn camera(&mut self) -> Result<BalCamera, BalError> {

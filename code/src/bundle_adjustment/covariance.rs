@@ -47,7 +47,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// [`BaError::Ray`] when a point is free.
     pub fn covariance(&mut self) -> Result<Covariance<D>, BaError> {
         self.eliminate(0.0).map_err(|singular| self.explain(singular))?;
-        self.factorize().map_err(|singular| self.explain(singular))?;
+        self.system.factorize().map_err(|singular| self.explain(singular))?;
         let size = D * self.layout.rows;
         let mut inverse = DMatrix::zeros(size, size);
         let mut column = vec![[0.0; D]; self.layout.rows];

@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector, OMatrix, SVector, U7, Vector3};
 
-use super::solver::Singular;
+use super::system::Singular;
 use super::{BaError, Camera, Solver, Step};
 
 // ANCHOR: free_directions
@@ -151,7 +151,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// second value: the length of a column of moves of one.
     fn similarities(&self) -> (OMatrix<f64, nalgebra::Dyn, U7>, f64) {
         let points: Vec<Vector3<f64>> =
-            self.layout.landmarks.iter().map(|landmark| self.points[landmark.point]).collect();
+            self.layout.landmarks.iter().map(|landmark| self.points()[landmark.point]).collect();
         let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
         let spread = points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>();
         let radius = (spread / points.len() as f64).sqrt().max(f64::MIN_POSITIVE);
@@ -223,8 +223,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
 
     /// The error that says what is free.
     pub(super) fn explain(&mut self, singular: Singular) -> BaError {
-        if let Singular::Point(point) = singular {
-            return BaError::Ray { point };
+        if let Singular::Landmark(index) = singular {
+            return BaError::Ray { point: self.layout.landmarks[index].point };
         }
         match self.free_directions() {
             // Too weak for the factorization, and yet not exactly free.

@@ -19,7 +19,7 @@ pub struct Sighting {
     /// The pixel.
     pub pixel: Vector2<f64>,
     /// In 1/pixel.
-    pub inv_sigma: f64,
+    pub inverse_sigma: f64,
 }
 
 /// The slot of a camera that does not move.
@@ -107,18 +107,23 @@ impl Layout {
         point: usize,
         mut seen_by: Vec<usize>,
     ) {
-        seen_by.sort_by_key(|index| self.row_of[problem.factors[*index].camera]);
+        seen_by.sort_by_key(|index| self.row_of[problem.factors[*index].keyframe]);
         let (sightings, slots) = (self.sightings.len(), self.slots.len());
         for index in seen_by {
             let factor = &problem.factors[index];
-            let slot = self.row_of[factor.camera].map_or(HELD, |row| {
+            let slot = self.row_of[factor.keyframe].map_or(HELD, |row| {
                 if self.slots[slots..].last() != Some(&row) {
                     self.slots.push(row);
                 }
                 (self.slots.len() - slots - 1) as u32
             });
-            let (pixel, inv_sigma) = (factor.pixel, factor.inv_sigma);
-            self.sightings.push(Sighting { camera: factor.camera as u32, slot, pixel, inv_sigma });
+            let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
+            self.sightings.push(Sighting {
+                camera: factor.keyframe as u32,
+                slot,
+                pixel,
+                inverse_sigma,
+            });
         }
         let (sightings, slots) = (sightings..self.sightings.len(), slots..self.slots.len());
         self.landmarks.push(Landmark { point, sightings, slots });
@@ -145,13 +150,6 @@ impl Layout {
         self.landmarks.iter().map(pairs).sum()
     }
     // ANCHOR_END: first_column
-
-    /// The longest list of sightings and the longest list of slots of a landmark.
-    pub fn longest(&self) -> (usize, usize) {
-        let sightings = self.landmarks.iter().map(|landmark| landmark.sightings.len()).max();
-        let slots = self.landmarks.iter().map(|landmark| landmark.slots.len()).max();
-        (sightings.unwrap_or(0), slots.unwrap_or(0))
-    }
 }
 
 /// The lists have the right lengths and all numbers make sense.
@@ -177,13 +175,13 @@ fn check<C, const D: usize>(problem: &TinyBa<C, D>) -> Result<(), BaError> {
     }
     for (observation, factor) in problem.factors.iter().enumerate() {
         let indices =
-            [("camera", factor.camera, cameras), ("point", factor.point, problem.points.len())];
+            [("camera", factor.keyframe, cameras), ("point", factor.point, problem.points.len())];
         for (what, index, count) in indices {
             if index >= count {
                 return Err(BaError::Index { observation, what, index, count });
             }
         }
-        let (u, v, value) = (factor.pixel.x, factor.pixel.y, factor.inv_sigma);
+        let (u, v, value) = (factor.pixel.x, factor.pixel.y, factor.inverse_sigma);
         if !(u.is_finite() && v.is_finite()) {
             return Err(BaError::Pixel { observation, u, v });
         }
@@ -203,7 +201,7 @@ fn usable_by_point<C: Camera<D>, const D: usize>(
     let mut by_point = vec![Vec::new(); problem.points.len()];
     for (index, factor) in problem.factors.iter().enumerate() {
         let point = &problem.points[factor.point];
-        if problem.cameras[factor.camera].project(point).is_some() {
+        if problem.cameras[factor.keyframe].project(point).is_some() {
             by_point[factor.point].push(index);
         } else {
             dropped.without_pixel += 1;
@@ -228,7 +226,7 @@ fn number_rigs<C, const D: usize>(
 ) -> Vec<Option<usize>> {
     let mut rig_sees = BTreeSet::new();
     for &index in by_point.iter().flatten() {
-        rig_sees.insert(problem.rig[problem.factors[index].camera]);
+        rig_sees.insert(problem.rig[problem.factors[index].keyframe]);
     }
     // Rigs are numbered in the order of their first camera, so that a band stays a band.
     let mut row_of_rig = BTreeMap::new();

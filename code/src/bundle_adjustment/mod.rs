@@ -17,6 +17,7 @@ mod reduced;
 pub mod scenes;
 mod solver;
 mod standin;
+mod system;
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -26,7 +27,7 @@ pub use camera::{BalCamera, Camera, PosedPinhole, View};
 pub use covariance::Covariance;
 pub use gauge::FreeDirections;
 pub use layout::Dropped;
-pub use solver::{Iteration, Options, Solver, Step, StopReason};
+pub use solver::{Iteration, Options, Solver, Step, Stop};
 pub use standin::ReprojFactor;
 
 // ANCHOR: tiny_ba
@@ -91,7 +92,7 @@ pub struct BaReport {
     /// Both coordinates count: noise of one pixel in each makes √2.
     pub rmse_px: f64,
     /// Why it stopped.
-    pub stop: StopReason,
+    pub stop: Stop,
     /// The start and each step after it.
     pub trace: Vec<Iteration>,
     /// Unknowns of the whole system, cameras and points.
@@ -103,6 +104,9 @@ pub struct BaReport {
     /// Products of two blocks that eliminating the points took in each iteration: for a
     /// point that n moving rigs see, n (n + 1)/2.
     pub block_products: usize,
+    /// Blocks of the reduced system that are kept: of each row those from its first one that
+    /// is not zero to the diagonal.
+    pub reduced_blocks: usize,
 }
 // ANCHOR_END: report
 
@@ -152,11 +156,11 @@ pub enum BaError {
         v: f64,
     },
     /// A standard deviation is not positive and finite.
-    #[error("observation {observation}: inv_sigma is {value}; give a positive, finite number")]
+    #[error("observation {observation}: inverse_sigma is {value}; give a positive, finite number")]
     Sigma {
         /// Which observation.
         observation: usize,
-        /// Its `inv_sigma`, in 1/pixel.
+        /// Its `inverse_sigma`, in 1/pixel.
         value: f64,
     },
     /// A point is not finite at the start.

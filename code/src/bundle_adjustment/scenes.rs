@@ -122,14 +122,14 @@ impl Scene {
         pixel_sigma: f64,
         random: &mut Random,
     ) -> Self {
-        let inv_sigma = if pixel_sigma > 0.0 { 1.0 / pixel_sigma } else { 1.0 };
+        let inverse_sigma = if pixel_sigma > 0.0 { 1.0 / pixel_sigma } else { 1.0 };
         let mut factors = Vec::new();
         for (point, position) in true_points.iter().enumerate() {
             for (camera, true_camera) in true_cameras.iter().enumerate() {
                 let pixel = true_camera.project(position).filter(|_| sees(true_camera, position));
                 factors.extend(pixel.map(|pixel| {
                     let noise = Vector2::from_fn(|_, _| random.normal(pixel_sigma));
-                    ReprojFactor { camera, point, pixel: pixel + noise, inv_sigma }
+                    ReprojFactor { keyframe: camera, point, pixel: pixel + noise, inverse_sigma }
                 }));
             }
         }

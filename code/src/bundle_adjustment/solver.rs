@@ -1,16 +1,17 @@
-//! The solver: a step of Levenberg-Marquardt with the points eliminated.
+//! The solver: Levenberg-Marquardt with the points eliminated.
 
 use std::fmt;
 
 use nalgebra::{SVector, Vector3};
 
-use super::landmark::{self, Eliminated, Equations};
-use super::layout::{HELD, Layout};
-use super::reduced::{Reduced, add_multiple, add_product, dot};
+use super::landmark::{self, Equations};
+use super::layout::{Landmark, Layout, Sighting};
+use super::standin::Kernel;
+use super::system::{Singular, System};
 use super::{BaError, BaReport, Camera, TinyBa};
 
 // ANCHOR: options
-/// When to stop and how to begin.
+/// How to begin and when to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Stop after this many iterations, accepted or not.
@@ -27,32 +28,35 @@ impl Default for Options {
         Self { iterations: 50, relative_decrease: 1e-6, damping: 1e-4 }
     }
 }
+// ANCHOR_END: options
 
+// ANCHOR: stop
 /// Why a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StopReason {
+pub enum Stop {
     /// The last step lowered the cost by hardly anything.
-    SmallDecrease,
+    DecreaseSmall,
     /// The linearized problem promises hardly any decrease.
-    SmallPromise,
+    PromiseSmall,
     /// All iterations are used up.
     IterationLimit,
     /// Not even the shortest steps lower the cost.
     Stalled,
 }
-// ANCHOR_END: options
+// ANCHOR_END: stop
 
-impl fmt::Display for StopReason {
+impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::SmallDecrease => "the last step lowered the cost by hardly anything",
-            Self::SmallPromise => "the linearized problem promises hardly any decrease",
+            Self::DecreaseSmall => "the last step lowered the cost by hardly anything",
+            Self::PromiseSmall => "the linearized problem promises hardly any decrease",
             Self::IterationLimit => "all iterations are used up",
             Self::Stalled => "not even the shortest steps lower the cost",
         })
     }
 }
 
+// ANCHOR: iteration
 /// One iteration: a step that was tried, and what came of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iteration {
@@ -70,7 +74,9 @@ pub struct Iteration {
     /// Whether the step was taken.
     pub accepted: bool,
 }
+// ANCHOR_END: iteration
 
+// ANCHOR: step
 /// A step that was computed and not taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step<const D: usize> {
@@ -83,68 +89,31 @@ pub struct Step<const D: usize> {
     /// The cost at the end of the step, infinite when a point loses its pixel there.
     pub cost: f64,
 }
+// ANCHOR_END: step
 
-/// Pivots below this fraction of the undivided curvature are rounding errors.
-const ROUNDING: f64 = 1e-12;
-
-/// No curvature counts as smaller than this when it is damped, so that an unknown that no
-/// pixel depends on stays where it is.
-const SMALLEST_CURVATURE: f64 = 1e-6;
+/// A rejected step is followed by one with at least this damping.
+const SMALLEST_DAMPING: f64 = 1e-9;
 
 /// Beyond this damping a step is too short to matter.
 const LARGEST_DAMPING: f64 = 1e16;
 
-/// What has no inverse.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Singular {
-    /// The 3×3 block of this point.
-    Point(usize),
-    /// The reduced system.
-    Rigs,
-}
-
 // ANCHOR: solver
-/// A problem taken apart and ready for steps, with all the memory they need.
+/// A problem taken apart and ready for steps, with all the memory that they need.
 #[derive(Debug, Clone)]
 pub struct Solver<C, const D: usize> {
     pub(super) layout: Layout,
-    huber: Option<f64>,
+    kernel: Kernel,
     options: Options,
     cameras: Vec<C>,
-    pub(super) points: Vec<Vector3<f64>>,
+    points: Vec<Vector3<f64>>,
     cost: f64,
+    trial_cameras: Vec<C>,
+    trial_points: Vec<Vector3<f64>>,
+    pub(super) system: System<D>,
     damping: f64,
     /// By how much the next rejection multiplies the damping.
     growth: f64,
     trace: Vec<Iteration>,
-    pub(super) system: System<D>,
-    trial_cameras: Vec<C>,
-    trial_points: Vec<Vector3<f64>>,
-}
-
-/// The equations of one step, as far as they are kept.
-#[derive(Debug, Clone)]
-pub(super) struct System<const D: usize> {
-    /// The reduced system, and then its Cholesky factor.
-    pub reduced: Reduced<D>,
-    /// Its right-hand side, and then the step of the rigs.
-    pub rhs: Vec<[f64; D]>,
-    /// What damping added to the diagonal.
-    damping: Vec<[f64; D]>,
-    /// Pivots must be above this.
-    smallest: Vec<[f64; D]>,
-    /// The diagonal before anything was added or eliminated.
-    pub curvature: Vec<[f64; D]>,
-    /// The right-hand side before elimination.
-    gradient: Vec<[f64; D]>,
-    /// By landmark.
-    pub eliminated: Vec<Eliminated>,
-    /// By slot: see [`landmark::couple`].
-    pub couplings: Vec<[[f64; D]; 3]>,
-    /// The sightings of the landmark at hand.
-    equations: Vec<Equations<D>>,
-    /// Sum of squares of the points' gradients.
-    point_gradient: f64,
 }
 // ANCHOR_END: solver
 
@@ -155,53 +124,51 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// [`BaError`] names the first thing that is wrong.
     pub fn new(problem: &TinyBa<C, D>, options: &Options) -> Result<Self, BaError> {
-        let damping = options.damping;
-        if !(damping.is_finite() && damping >= 0.0) {
-            return Err(BaError::Damping { value: damping });
-        }
+        let damping = checked(options.damping)?;
         let layout = Layout::new(problem)?;
         let mut solver = Self {
             system: System::new(&layout),
-            huber: problem.huber,
+            layout,
+            kernel: problem.huber.map_or(Kernel::Squared, Kernel::Huber),
             options: *options,
             cameras: problem.cameras.clone(),
             points: problem.points.clone(),
             cost: 0.0,
-            damping,
-            growth: 2.0,
-            trace: Vec::with_capacity(options.iterations),
             trial_cameras: problem.cameras.clone(),
             trial_points: problem.points.clone(),
-            layout,
+            damping,
+            growth: 2.0,
+            trace: Vec::with_capacity(options.iterations.min(1000)),
         };
-        solver.cost = solver.trial_cost();
+        solver.cost = solver.layout.landmarks.iter().map(|l| solver.trial_cost(l)).sum();
         Ok(solver)
     }
 
     // ANCHOR: iterate
     /// Tries one step and takes it if it lowers the cost. Says when to stop.
-    pub fn iterate(&mut self) -> Option<StopReason> {
+    pub fn iterate(&mut self) -> Option<Stop> {
         if self.trace.len() >= self.options.iterations {
-            return Some(StopReason::IterationLimit);
+            return Some(Stop::IterationLimit);
         }
         let (cost, damping) = (self.cost, self.damping);
-        // A system that cannot be factored makes no promise, and is damped more.
+        // A system that cannot be factored promises nothing, and is damped more.
         let (promised, trial_cost) = self.attempt(damping).unwrap_or((f64::NAN, f64::INFINITY));
         let gain = (cost - trial_cost) / promised;
-        let accepted = gain > 0.0;
-        let gradient = self.system.gradient_norm();
+        let (accepted, gradient) = (gain > 0.0, self.system.gradient_norm());
         self.trace.push(Iteration { cost, gradient, damping, trial_cost, gain, accepted });
         let negligible = self.options.relative_decrease * cost;
         if promised <= negligible {
-            return Some(StopReason::SmallPromise);
+            return Some(Stop::PromiseSmall);
         }
         self.judge(gain, trial_cost);
         if accepted && cost - trial_cost <= negligible {
-            return Some(StopReason::SmallDecrease);
+            return Some(Stop::DecreaseSmall);
         }
-        (self.damping > LARGEST_DAMPING).then_some(StopReason::Stalled)
+        (self.damping > LARGEST_DAMPING).then_some(Stop::Stalled)
     }
+    // ANCHOR_END: iterate
 
+    // ANCHOR: judge
     /// Takes the step or not, and damps the next one less or more.
     fn judge(&mut self, gain: f64, trial_cost: f64) {
         if gain > 0.0 {
@@ -211,74 +178,44 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             self.damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
             self.growth = 2.0;
         } else {
-            self.damping *= self.growth;
+            self.damping = (self.damping * self.growth).max(SMALLEST_DAMPING);
             self.growth *= 2.0;
         }
     }
-    // ANCHOR_END: iterate
+    // ANCHOR_END: judge
 
     // ANCHOR: attempt
     /// Computes a step and where it leads: the decrease that the linearized problem
     /// promises, and the cost at its end.
     fn attempt(&mut self, damping: f64) -> Result<(f64, f64), Singular> {
         self.eliminate(damping)?;
-        self.factorize()?;
-        let forward = self.solve();
+        self.system.factorize()?;
+        let forward = self.system.solve();
         self.move_cameras();
         Ok(self.back_substitute(forward))
     }
     // ANCHOR_END: attempt
 
-    // ANCHOR: eliminate
+    // ANCHOR: eliminate_all
     /// Linearizes and eliminates landmark by landmark, straight into the reduced system.
     pub(super) fn eliminate(&mut self, damping: f64) -> Result<(), Singular> {
-        let Self { layout, system, cameras, points, huber, .. } = self;
+        let Self { layout, system, cameras, points, kernel, .. } = self;
         system.clear();
         for (index, landmark) in layout.landmarks.iter().enumerate() {
             let point = &points[landmark.point];
             let sightings = &layout.sightings[landmark.sightings.clone()];
-            system.equations.clear();
-            system.equations.extend(sightings.iter().map(|sighting| {
-                Equations::new(&cameras[sighting.camera as usize], point, sighting, *huber)
-            }));
-            let slots = &layout.slots[landmark.slots.clone()];
-            system.add_cameras(sightings, slots);
-            if !system.eliminate_point(index, damping) {
-                return Err(Singular::Point(landmark.point));
-            }
-            let inverse_factor = &system.eliminated[index].inverse_factor;
-            let couplings = &mut system.couplings[landmark.slots.clone()];
-            landmark::couple(couplings, sightings, &system.equations, inverse_factor);
-            system.subtract_pairs(index, landmark.slots.clone(), slots);
+            let equations = sightings.iter().map(|sighting| {
+                Equations::new(&cameras[sighting.camera as usize], point, sighting, *kernel)
+            });
+            let slots = (landmark.slots.clone(), &layout.slots[landmark.slots.clone()]);
+            system.add_landmark(index, sightings, equations, slots, damping)?;
         }
-        system.damp(damping);
+        system.finish(damping);
         Ok(())
     }
-    // ANCHOR_END: eliminate
+    // ANCHOR_END: eliminate_all
 
-    // ANCHOR: solve_reduced
-    /// Factors the reduced system in place. Pivots that are mere rounding errors of the
-    /// curvature that was there before elimination are refused.
-    pub(super) fn factorize(&mut self) -> Result<(), Singular> {
-        let System { reduced, curvature, damping, smallest, .. } = &mut self.system;
-        for (row, smallest) in smallest.iter_mut().enumerate() {
-            *smallest =
-                std::array::from_fn(|axis| ROUNDING * (curvature[row][axis] + damping[row][axis]));
-        }
-        reduced.factorize(smallest).map_err(|_| Singular::Rigs)
-    }
-
-    /// Solves the reduced system in place. Returns the squared length of the right-hand
-    /// side in the coordinates of the factor, which is twice what the rigs contribute to
-    /// the promised decrease.
-    fn solve(&mut self) -> f64 {
-        let System { reduced, rhs, .. } = &mut self.system;
-        reduced.solve_lower(rhs);
-        let forward = rhs.iter().map(|z| dot(z, z)).sum();
-        reduced.solve_upper(rhs);
-        forward
-    }
-
+    /// Moves the cameras along their rigs' step.
     fn move_cameras(&mut self) {
         for (camera, row) in self.layout.row_of.iter().enumerate() {
             if let Some(row) = row {
@@ -287,51 +224,39 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             }
         }
     }
-    // ANCHOR_END: solve_reduced
 
     // ANCHOR: back_substitute
-    /// Moves the points along and sums the cost where they arrive. `forward` is what
-    /// [`Solver::solve`] returned.
+    /// Moves the points along and sums the cost where they arrive. Returns the promised
+    /// decrease and that cost; `forward` is what [`System::solve`] returned.
     fn back_substitute(&mut self, forward: f64) -> (f64, f64) {
-        let Self { layout, system, .. } = self;
-        // Twice the promise: the right-hand side in the factor's coordinates, squared, and
-        // what the damping takes off.
-        let mut twice_promised = forward + system.damped_square();
+        // Twice the promise: the square of the right-hand side in the coordinates of the
+        // factor, and what the damping holds back.
+        let mut twice_promised = forward + self.system.damped_square();
         let mut cost = 0.0;
-        for (landmark, eliminated) in layout.landmarks.iter().zip(&system.eliminated) {
-            let mut rest = eliminated.forward;
-            for slot in landmark.slots.clone() {
-                let (coupling, change) = (&system.couplings[slot], &system.rhs[layout.slots[slot]]);
-                for axis in 0..3 {
-                    rest[axis] -= dot(&coupling[axis], change);
-                }
-            }
-            let change = eliminated.inverse_factor.tr_mul(&rest);
-            let point = self.points[landmark.point] + change;
-            self.trial_points[landmark.point] = point;
+        for index in 0..self.layout.landmarks.len() {
+            let landmark = &self.layout.landmarks[index];
+            let rows = &self.layout.slots[landmark.slots.clone()];
+            let change = self.system.landmark_step(index, landmark.slots.clone(), rows);
+            self.trial_points[landmark.point] = self.points[landmark.point] + change;
+            let eliminated = &self.system.eliminated[index];
             let damped = eliminated.damping.component_mul(&change).dot(&change);
             twice_promised += eliminated.forward.norm_squared() + damped;
-            for sighting in &layout.sightings[landmark.sightings.clone()] {
-                let camera = &self.trial_cameras[sighting.camera as usize];
-                cost += landmark::cost(camera, &point, sighting, self.huber);
-            }
+            cost += self.trial_cost(landmark);
         }
         (0.5 * twice_promised, cost)
     }
     // ANCHOR_END: back_substitute
 
-    /// The cost of the trial state.
-    fn trial_cost(&self) -> f64 {
-        let of_landmark = |landmark: &super::layout::Landmark| -> f64 {
-            let point = &self.trial_points[landmark.point];
-            let sightings = &self.layout.sightings[landmark.sightings.clone()];
-            let cost = |sighting: &super::layout::Sighting| {
-                let camera = &self.trial_cameras[sighting.camera as usize];
-                landmark::cost(camera, point, sighting, self.huber)
-            };
-            sightings.iter().map(cost).sum()
+    /// The cost of one landmark in the trial state.
+    #[inline]
+    fn trial_cost(&self, landmark: &Landmark) -> f64 {
+        let point = &self.trial_points[landmark.point];
+        let sightings = &self.layout.sightings[landmark.sightings.clone()];
+        let cost = |sighting: &Sighting| {
+            let camera = &self.trial_cameras[sighting.camera as usize];
+            landmark::cost(camera, point, sighting, self.kernel)
         };
-        self.layout.landmarks.iter().map(of_landmark).sum()
+        sightings.iter().map(cost).sum()
     }
 
     /// The step with a given damping from where the solver stands. It is not taken.
@@ -341,12 +266,10 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// With a damping of zero, [`BaError::RankDeficient`] or [`BaError::Ray`] when pixels
     /// leave something free.
     pub fn step(&mut self, damping: f64) -> Result<Step<D>, BaError> {
-        if !(damping.is_finite() && damping >= 0.0) {
-            return Err(BaError::Damping { value: damping });
-        }
+        let damping = checked(damping)?;
         self.eliminate(damping).map_err(|singular| self.explain(singular))?;
-        self.factorize().map_err(|singular| self.explain(singular))?;
-        let forward = self.solve();
+        self.system.factorize().map_err(|singular| self.explain(singular))?;
+        let forward = self.system.solve();
         Ok(self.complete_step(forward))
     }
 
@@ -391,139 +314,49 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         &self.layout.row_of
     }
 
+    /// The memory that the equations of a step take, in bytes. It is taken when the solver
+    /// is made and never again.
+    pub fn step_bytes(&self) -> usize {
+        self.system.bytes()
+    }
+
     /// The cameras and the points.
     pub fn into_state(self) -> (Vec<C>, Vec<Vector3<f64>>) {
         (self.cameras, self.points)
     }
 
     /// What happened so far.
-    pub fn report(&self, stop: StopReason) -> BaReport {
-        let sightings = &self.layout.sightings;
-        let mut squares = 0.0;
-        for landmark in &self.layout.landmarks {
-            for sighting in &sightings[landmark.sightings.clone()] {
-                let camera = &self.cameras[sighting.camera as usize];
-                let pixel = camera.project(&self.points[landmark.point]);
-                squares += pixel.map_or(f64::NAN, |pixel| (sighting.pixel - pixel).norm_squared());
-            }
-        }
+    pub fn report(&self, stop: Stop) -> BaReport {
         let reduced_dim = D * self.layout.rows;
         BaReport {
             cost: self.cost,
-            rmse_px: (squares / sightings.len() as f64).sqrt(),
+            rmse_px: self.rmse_px(),
             stop,
             trace: self.trace.clone(),
             full_dim: reduced_dim + 3 * self.layout.landmarks.len(),
             reduced_dim,
             dropped: self.layout.dropped,
             block_products: self.layout.block_products(),
+            reduced_blocks: self.system.reduced.stored(),
         }
+    }
+
+    /// See [`BaReport::rmse_px`].
+    fn rmse_px(&self) -> f64 {
+        let mut squares = 0.0;
+        for landmark in &self.layout.landmarks {
+            let point = &self.points[landmark.point];
+            for sighting in &self.layout.sightings[landmark.sightings.clone()] {
+                let pixel = self.cameras[sighting.camera as usize].project(point);
+                squares += pixel.map_or(f64::NAN, |pixel| (sighting.pixel - pixel).norm_squared());
+            }
+        }
+        (squares / self.layout.sightings.len() as f64).sqrt()
     }
 }
 
-impl<const D: usize> System<D> {
-    fn new(layout: &Layout) -> Self {
-        let (sightings, _) = layout.longest();
-        let zeros = vec![[0.0; D]; layout.rows];
-        Self {
-            reduced: Reduced::new(layout.first_columns()),
-            rhs: zeros.clone(),
-            damping: zeros.clone(),
-            smallest: zeros.clone(),
-            curvature: zeros.clone(),
-            gradient: zeros,
-            eliminated: vec![Eliminated::empty(); layout.landmarks.len()],
-            couplings: vec![[[0.0; D]; 3]; layout.slots.len()],
-            equations: Vec::with_capacity(sightings),
-            point_gradient: 0.0,
-        }
-    }
-
-    fn clear(&mut self) {
-        self.reduced.clear();
-        self.rhs.fill([0.0; D]);
-        self.curvature.fill([0.0; D]);
-        self.gradient.fill([0.0; D]);
-        self.point_gradient = 0.0;
-    }
-
-    // ANCHOR: add_cameras
-    /// Adds the equations of one landmark to the cameras' own blocks.
-    fn add_cameras(&mut self, sightings: &[super::layout::Sighting], slots: &[usize]) {
-        for (sighting, Equations { camera: rows, error, .. }) in
-            sightings.iter().zip(&self.equations)
-        {
-            if sighting.slot == HELD {
-                continue;
-            }
-            let row = slots[sighting.slot as usize];
-            add_product(self.reduced.tile(row, row), 1.0, rows, rows);
-            let [u, v] = rows;
-            add_multiple(&mut self.gradient[row], error.x, u);
-            add_multiple(&mut self.gradient[row], error.y, v);
-            for (sum, (u, v)) in self.curvature[row].iter_mut().zip(u.iter().zip(v)) {
-                *sum += u * u + v * v;
-            }
-        }
-    }
-    // ANCHOR_END: add_cameras
-
-    // ANCHOR: eliminate_point
-    /// Forms and factors the 3×3 block of one landmark; false when it is singular.
-    fn eliminate_point(&mut self, index: usize, damping: f64) -> bool {
-        let (mut block, gradient) = landmark::point_block(&self.equations);
-        let added = block.diagonal().map(|h| damping * h.max(SMALLEST_CURVATURE));
-        for axis in 0..3 {
-            block[(axis, axis)] += added[axis];
-        }
-        self.point_gradient += gradient.norm_squared();
-        let Some(inverse_factor) = landmark::inverse_factor(&block, ROUNDING) else {
-            return false;
-        };
-        let forward = inverse_factor * gradient;
-        self.eliminated[index] = Eliminated { inverse_factor, forward, damping: added };
-        true
-    }
-    // ANCHOR_END: eliminate_point
-
-    // ANCHOR: subtract_pairs
-    /// Subtracts what an eliminated landmark costs each pair of rigs that see it.
-    fn subtract_pairs(&mut self, index: usize, range: std::ops::Range<usize>, slots: &[usize]) {
-        let couplings = &self.couplings[range];
-        let forward = &self.eliminated[index].forward;
-        for (i, (row, left)) in slots.iter().zip(couplings).enumerate() {
-            for (column, right) in slots[..=i].iter().zip(couplings) {
-                add_product(self.reduced.tile(*row, *column), -1.0, left, right);
-            }
-            for (column, forward) in left.iter().zip(forward.iter()) {
-                add_multiple(&mut self.rhs[*row], -forward, column);
-            }
-        }
-    }
-    // ANCHOR_END: subtract_pairs
-
-    /// Damps the rigs, and completes the right-hand side.
-    fn damp(&mut self, damping: f64) {
-        for row in 0..self.rhs.len() {
-            for axis in 0..D {
-                let added = damping * self.curvature[row][axis].max(SMALLEST_CURVATURE);
-                self.damping[row][axis] = added;
-                self.reduced.tile(row, row)[axis][axis] += added;
-                self.rhs[row][axis] += self.gradient[row][axis];
-            }
-        }
-    }
-
-    /// The square of the rigs' step, each direction weighted with its damping.
-    fn damped_square(&self) -> f64 {
-        let rows = self.rhs.iter().zip(&self.damping);
-        rows.flat_map(|(step, damping)| step.iter().zip(damping))
-            .map(|(step, damping)| damping * step * step)
-            .sum()
-    }
-
-    fn gradient_norm(&self) -> f64 {
-        let cameras: f64 = self.gradient.iter().map(|g| dot(g, g)).sum();
-        (cameras + self.point_gradient).sqrt()
-    }
+/// The damping, if it is one.
+fn checked(damping: f64) -> Result<f64, BaError> {
+    let valid = damping.is_finite() && damping >= 0.0;
+    valid.then_some(damping).ok_or(BaError::Damping { value: damping })
 }

@@ -1,35 +1,46 @@
-//! The factor and the kernel that other chapters define.
+//! The factor and the kernel as the chapters before define them.
 
 use nalgebra::Vector2;
 
-/// One observation: a camera saw a point at a pixel.
+/// One observation: a keyframe's camera saw a point at a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReprojFactor {
-    /// Index of the camera.
-    pub camera: usize,
+    /// Index of the keyframe.
+    pub keyframe: usize,
     /// Index of the point.
     pub point: usize,
-    /// Where the point was seen.
+    /// The measured pixel.
     pub pixel: Vector2<f64>,
-    /// One over the standard deviation of a coordinate of the pixel, in 1/pixel.
-    pub inv_sigma: f64,
+    /// One over the standard deviation of the pixel, in 1/pixel, the same in all
+    /// directions.
+    pub inverse_sigma: f64,
 }
 
-/// Huber's cost of a whitened residual of length `s`: s²/2 up to the threshold and a
-/// straight line beyond.
-pub(crate) fn huber_cost(threshold: Option<f64>, squared: f64) -> f64 {
-    match threshold {
-        Some(threshold) if squared > threshold * threshold => {
-            threshold * (squared.sqrt() - 0.5 * threshold)
+/// The cost ρ of a whitened residual as a function of its norm s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kernel {
+    /// ½ s²: the noise is normal.
+    Squared,
+    /// ½ s² up to the threshold, a straight line beyond it.
+    Huber(f64),
+}
+
+impl Kernel {
+    /// The cost ρ(s).
+    #[inline]
+    pub fn cost(&self, norm: f64) -> f64 {
+        match *self {
+            Self::Huber(threshold) if norm > threshold => threshold * (norm - 0.5 * threshold),
+            Self::Squared | Self::Huber(_) => 0.5 * norm * norm,
         }
-        _ => 0.5 * squared,
     }
-}
 
-/// The weight ρ'(s)/s of a squared residual.
-pub(crate) fn huber_weight(threshold: Option<f64>, squared: f64) -> f64 {
-    match threshold {
-        Some(threshold) if squared > threshold * threshold => threshold / squared.sqrt(),
-        _ => 1.0,
+    /// The weight ρ'(s)/s, by which the residual enters the normal equations.
+    #[inline]
+    pub fn weight(&self, norm: f64) -> f64 {
+        match *self {
+            Self::Huber(threshold) if norm > threshold => threshold / norm,
+            Self::Squared | Self::Huber(_) => 1.0,
+        }
     }
 }
