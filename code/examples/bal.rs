@@ -1,6 +1,9 @@
 //! Solves a problem of the "Bundle Adjustment in the Large" data sets.
 //!
-//! `cargo run --release -p vislam --example bal -- FILE [--fix-intrinsics] [--huber D] [--iterations N]`
+//! ```text
+//! cargo run --release -p vislam --example bal -- \
+//!     FILE [--fix-intrinsics] [--huber D] [--iterations N]
+//! ```
 //!
 //! prints the iterations and, in its last line, how many there were, the cost at the end
 //! (half the sum of squares over all observations) and the time of an iteration. A solve
@@ -10,7 +13,7 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, TinyBa, read_bal};
+use vislam::bundle_adjustment::{Camera, Options, Solver, TinyBa, read_bal};
 
 const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
 
@@ -76,6 +79,3 @@ fn solve<C: Camera<D>, const D: usize>(
     );
     Ok(())
 }
-
-// Both cameras are the same type; how much of it moves is the second argument of `TinyBa`.
-const _: fn(&str) -> Result<TinyBa<BalCamera, 9>, vislam::bundle_adjustment::BalError> = read_bal;

@@ -8,7 +8,6 @@ use thiserror::Error;
 use super::{BalCamera, Camera, ReprojFactor, TinyBa};
 use crate::manifold::so3;
 
-// ANCHOR: bal_error
 /// What is wrong with a BAL file, and in which line, counted from one.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("line {line}: {fault}")]
@@ -63,9 +62,7 @@ pub enum BalFault {
         text: String,
     },
 }
-// ANCHOR_END: bal_error
 
-// ANCHOR: read_bal
 /// The problem in the text of a BAL file: a line with the numbers of cameras, points and
 /// observations; a line for each observation with camera, point, and the pixel's two
 /// coordinates; then one number a line, nine for each camera (rotation vector, translation,
@@ -77,6 +74,7 @@ pub enum BalFault {
 /// # Errors
 ///
 /// [`BalError`] tells the first line that is not as it should be.
+// ANCHOR: read_bal
 pub fn read_bal<const D: usize>(text: &str) -> Result<TinyBa<BalCamera, D>, BalError>
 where
     BalCamera: Camera<D>,

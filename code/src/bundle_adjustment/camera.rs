@@ -22,7 +22,9 @@ pub trait Camera<const D: usize>: Clone {
     /// [`Camera::differentiate`] takes derivatives.
     fn retract(&self, change: &SVector<f64, D>) -> Self;
 }
+// ANCHOR_END: camera
 
+// ANCHOR: view
 /// A pixel and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<const D: usize> {
@@ -33,7 +35,7 @@ pub struct View<const D: usize> {
     /// Its 2×3 Jacobian with respect to the point in world coordinates, in pixels by metre.
     pub by_point: Matrix2x3<f64>,
 }
-// ANCHOR_END: camera
+// ANCHOR_END: view
 
 // ANCHOR: posed_pinhole
 /// A pinhole camera with known intrinsics at a pose that is to be found. Its six numbers
@@ -46,7 +48,9 @@ pub struct PosedPinhole {
     /// The pose: world coordinates to camera coordinates, in metres.
     pub camera_from_world: Isometry3<f64>,
 }
+// ANCHOR_END: posed_pinhole
 
+// ANCHOR: posed_pinhole_camera
 impl Camera<6> for PosedPinhole {
     #[inline]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
@@ -70,7 +74,7 @@ impl Camera<6> for PosedPinhole {
         Self { camera_from_world, ..*self }
     }
 }
-// ANCHOR_END: posed_pinhole
+// ANCHOR_END: posed_pinhole_camera
 
 impl PosedPinhole {
     /// Where the camera is, in world coordinates (metres).
@@ -148,13 +152,13 @@ impl BalCamera {
     }
 }
 
-// ANCHOR: bal_differentiate
 impl Camera<9> for BalCamera {
     #[inline]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.project(point_in_world)
     }
 
+    // ANCHOR: bal_differentiate
     #[inline]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<9>> {
         let (f, [k1, k2]) = (self.focal_length, self.radial);
@@ -178,6 +182,7 @@ impl Camera<9> for BalCamera {
         let pixel = Vector2::new(f * distortion * x, f * distortion * y);
         (pixel.x + pixel.y).is_finite().then_some(View { pixel, by_camera, by_point })
     }
+    // ANCHOR_END: bal_differentiate
 
     fn retract(&self, change: &SVector<f64, 9>) -> Self {
         let moved = self.turned_and_moved(&change.fixed_rows::<6>(0).into_owned());
@@ -185,7 +190,6 @@ impl Camera<9> for BalCamera {
         Self { focal_length: self.focal_length + change[6], radial, ..moved }
     }
 }
-// ANCHOR_END: bal_differentiate
 
 /// The same camera with its intrinsics held: only the pose moves.
 impl Camera<6> for BalCamera {

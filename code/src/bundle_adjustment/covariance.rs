@@ -16,6 +16,7 @@ pub struct Covariance<const D: usize> {
     row_of: Vec<Option<usize>>,
     points: Vec<Option<Matrix3<f64>>>,
 }
+// ANCHOR_END: covariance
 
 impl<const D: usize> Covariance<D> {
     /// The D×D covariance of a camera's small vector; `None` for a camera that is held or
@@ -36,7 +37,6 @@ impl<const D: usize> Covariance<D> {
         self.reduced.fixed_view::<D, D>(D * row, D * column).into_owned()
     }
 }
-// ANCHOR_END: covariance
 
 impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// Covariances where the solver stands, relative to what is fixed.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, OMatrix, SVector, U7, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, OMatrix, SVector, U7, Vector3};
 
 use super::system::Singular;
 use super::{BaError, Camera, Solver, Step};
@@ -75,7 +75,6 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         Ok((self.system.reduced.to_matrix(), rhs))
     }
 
-    // ANCHOR: null_space
     /// The small vectors of the rigs, one column for each independent direction, along
     /// which no pixel changes once the points follow. The columns have no particular
     /// length.
@@ -83,6 +82,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// [`BaError::Ray`] when a point is free.
+    // ANCHOR: null_space
     pub fn null_space(&mut self) -> Result<DMatrix<f64>, BaError> {
         let (mut matrix, _) = self.reduced_system(0.0)?;
         if matrix.is_empty() {
@@ -106,7 +106,6 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
     // ANCHOR_END: null_space
 
-    // ANCHOR: name_free
     /// Names the directions that pixels leave free where the solver stands.
     ///
     /// Each is compared with the seven ways in which a whole scene can move: do the points
@@ -115,23 +114,10 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// [`BaError::Ray`] when a point is free.
+    // ANCHOR: name_free
     pub fn free_directions(&mut self) -> Result<FreeDirections, BaError> {
         let null_space = self.null_space()?;
-        if null_space.is_empty() {
-            return Ok(FreeDirections::default());
-        }
-        let (ways, size) = self.similarities();
-        let decomposition = ways.clone().svd(true, true);
-        let mut fits = Vec::new();
-        for direction in null_space.column_iter() {
-            let moves = self.point_moves(&direction.into_owned());
-            let fit =
-                decomposition.solve(&moves, 1e-9).unwrap_or_else(|_| SVector::<f64, 7>::zeros());
-            if (&ways * &fit - &moves).norm() < 1e-4 * moves.norm() {
-                fits.push(fit / moves.norm().max(f64::MIN_POSITIVE) * size);
-            }
-        }
-        let fits = DMatrix::from_fn(7, fits.len(), |row, column| fits[column][row]);
+        let fits = self.similarities(&null_space);
         let rank = |from: usize| match fits.ncols() {
             0 => 0,
             _ => fits.rows(from, 7 - from).into_owned().rank(1e-5),
@@ -146,25 +132,43 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
     // ANCHOR_END: name_free
 
-    /// The moves of all landmarks, stacked, in the seven ways: three shifts, three turns
-    /// about the centre and growth. All are brought to the size of the scene, which is the
-    /// second value: the length of a column of moves of one.
-    fn similarities(&self) -> (OMatrix<f64, nalgebra::Dyn, U7>, f64) {
+    /// The directions that are nothing but a motion of the whole scene, one a column: three
+    /// shifts, three turns about the centre, growth.
+    fn similarities(&self, null_space: &DMatrix<f64>) -> DMatrix<f64> {
+        if null_space.is_empty() {
+            return DMatrix::zeros(7, 0);
+        }
+        let ways = self.whole_motions();
+        let decomposition = ways.clone().svd(true, true);
+        let mut fits = Vec::new();
+        for direction in null_space.column_iter() {
+            let moves = self.point_moves(&direction.into_owned());
+            let unit = moves.unscale(moves.norm().max(f64::MIN_POSITIVE));
+            let fit = decomposition.solve(&unit, 1e-9).unwrap_or_else(|_| SVector::zeros());
+            if (&ways * &fit - &unit).norm() < 1e-4 * unit.norm() {
+                fits.push(fit);
+            }
+        }
+        DMatrix::from_fn(7, fits.len(), |row, column| fits[column][row])
+    }
+
+    /// The moves of all landmarks, stacked, in the seven ways, all of about length one.
+    fn whole_motions(&self) -> OMatrix<f64, Dyn, U7> {
         let points: Vec<Vector3<f64>> =
             self.layout.landmarks.iter().map(|landmark| self.points()[landmark.point]).collect();
-        let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let count = points.len() as f64;
+        let centre = points.iter().sum::<Vector3<f64>>() / count;
         let spread = points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>();
-        let radius = (spread / points.len() as f64).sqrt().max(f64::MIN_POSITIVE);
-        let ways = OMatrix::<f64, nalgebra::Dyn, U7>::from_fn(3 * points.len(), |row, way| {
+        let radius = (spread / count).sqrt().max(f64::MIN_POSITIVE);
+        OMatrix::<f64, Dyn, U7>::from_fn(3 * points.len(), |row, way| {
             let arm = (points[row / 3] - centre) / radius;
             let motion = match way {
                 0..3 => Vector3::ith(way, 1.0),
                 3..6 => Vector3::ith(way - 3, 1.0).cross(&arm),
                 _ => arm,
             };
-            motion[row % 3]
-        });
-        (ways, (points.len() as f64).sqrt())
+            motion[row % 3] / count.sqrt()
+        })
     }
 
     /// How the landmarks move, stacked, when the rigs move by this and nothing else pulls.

@@ -8,7 +8,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{BaError, Camera, TinyBa};
 
-// ANCHOR: layout
+// ANCHOR: sighting
 /// One observation, with all that linearizing it needs.
 #[derive(Debug, Clone, Copy)]
 pub struct Sighting {
@@ -21,10 +21,12 @@ pub struct Sighting {
     /// In 1/pixel.
     pub inverse_sigma: f64,
 }
+// ANCHOR_END: sighting
 
 /// The slot of a camera that does not move.
 pub const HELD: u32 = u32::MAX;
 
+// ANCHOR: landmark
 /// A point that is to be adjusted, and where the lists of its sightings and of the rigs
 /// that saw it begin and end.
 #[derive(Debug, Clone)]
@@ -36,7 +38,9 @@ pub struct Landmark {
     /// Its part of [`Layout::slots`].
     pub slots: Range<usize>,
 }
+// ANCHOR_END: landmark
 
+// ANCHOR: layout
 /// The problem's structure. It stays the same from step to step.
 #[derive(Debug, Clone)]
 pub struct Layout {

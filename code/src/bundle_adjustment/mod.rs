@@ -110,7 +110,6 @@ pub struct BaReport {
 }
 // ANCHOR_END: report
 
-// ANCHOR: error
 /// Why a problem cannot be solved as it is.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BaError {
@@ -189,8 +188,8 @@ pub enum BaError {
     },
     /// A point moves along its rays without changing a pixel.
     #[error(
-        "point {point} is free to move along its rays, which do not cross: remove it, or damp the \
-         step"
+        "point {point} moves along its rays without changing a pixel, since they have one \
+         direction: remove it, or damp the step"
     )]
     Ray {
         /// Which point.
@@ -200,10 +199,12 @@ pub enum BaError {
     #[error("a derivative overflows; check focal lengths and the unit of the points")]
     Overflow,
     /// Cameras and points together move without changing a pixel.
-    #[error("no pixel changes in {} of the directions in which the cameras move: {free}", free.count())]
+    #[error(
+        "no pixel changes in {} of the directions in which the cameras move: {free}",
+        free.count()
+    )]
     RankDeficient {
         /// In which directions.
         free: FreeDirections,
     },
 }
-// ANCHOR_END: error

@@ -3,9 +3,10 @@
 
 use nalgebra::DMatrix;
 
-// ANCHOR: kernel
+// ANCHOR: tile
 /// A D×D block of the reduced system, column by column.
 pub type Tile<const D: usize> = [[f64; D]; D];
+// ANCHOR_END: tile
 
 /// Adds to a tile the product L Rᵀ of two matrices with D rows, given column by column,
 /// times a sign.
@@ -14,6 +15,7 @@ pub type Tile<const D: usize> = [[f64; D]; D];
 /// pair of cameras that share a point, D and more in the factorization. The compiler
 /// keeps three columns of the tile in vector registers while it goes through L and R.
 /// They are taken a third of the tile apart, because it would tangle neighbours.
+// ANCHOR: kernel
 #[inline(always)]
 pub fn add_product<const D: usize>(tile: &mut Tile<D>, sign: f64, l: &[[f64; D]], r: &[[f64; D]]) {
     let (first, others) = tile.split_at_mut(D / 3);
@@ -32,7 +34,9 @@ pub fn add_product<const D: usize>(tile: &mut Tile<D>, sign: f64, l: &[[f64; D]]
         l.iter().zip(r).for_each(|(l, r)| add_multiple(x, sign * r[i + D / 3 * 3], l));
     }
 }
+// ANCHOR_END: kernel
 
+// ANCHOR: multiple
 /// Adds a multiple of a vector.
 #[inline(always)]
 pub fn add_multiple<const D: usize>(sum: &mut [f64; D], factor: f64, vector: &[f64; D]) {
@@ -50,7 +54,7 @@ pub fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
         a * b + c
     }
 }
-// ANCHOR_END: kernel
+// ANCHOR_END: multiple
 
 // ANCHOR: reduced
 /// The lower triangle of the reduced system S, or of its Cholesky factor, as tiles.
@@ -123,7 +127,7 @@ impl<const D: usize> Reduced<D> {
     ///
     /// The first coordinate whose pivot is not above its entry of `smallest`.
     pub fn factorize(&mut self, smallest: &[[f64; D]]) -> Result<(), usize> {
-        for row in 0..self.rows() {
+        for (row, smallest) in smallest.iter().enumerate() {
             let (done, rest) = self.tiles.split_at_mut(self.start[row]);
             let first = self.first[row];
             for column in first..row {
@@ -137,13 +141,13 @@ impl<const D: usize> Reduced<D> {
             }
             let (left, tile) = rest.split_at_mut(row - first);
             add_product(&mut tile[0], -1.0, left.as_flattened(), left.as_flattened());
-            factorize_tile(&mut tile[0], &smallest[row]).map_err(|axis| D * row + axis)?;
+            factorize_tile(&mut tile[0], smallest).map_err(|axis| D * row + axis)?;
         }
         Ok(())
     }
     // ANCHOR_END: factorize
 
-    // ANCHOR: triangles
+    // ANCHOR: solve_lower
     /// Solves L z = b in place, with the factor.
     pub fn solve_lower(&self, b: &mut [[f64; D]]) {
         for row in 0..self.rows() {
@@ -163,7 +167,9 @@ impl<const D: usize> Reduced<D> {
             }
         }
     }
+    // ANCHOR_END: solve_lower
 
+    // ANCHOR: solve_upper
     /// Solves Lᵀ x = z in place, with the factor.
     pub fn solve_upper(&self, z: &mut [[f64; D]]) {
         for row in (0..self.rows()).rev() {
@@ -183,10 +189,10 @@ impl<const D: usize> Reduced<D> {
             }
         }
     }
-    // ANCHOR_END: triangles
+    // ANCHOR_END: solve_upper
 }
 
-// ANCHOR: tiles
+// ANCHOR: divide_by_factor
 /// Tile times the transposed inverse of a factored diagonal tile.
 fn divide_by_factor<const D: usize>(tile: &mut Tile<D>, factor: &Tile<D>) {
     for column in 0..D {
@@ -199,7 +205,9 @@ fn divide_by_factor<const D: usize>(tile: &mut Tile<D>, factor: &Tile<D>) {
         }
     }
 }
+// ANCHOR_END: divide_by_factor
 
+// ANCHOR: factorize_tile
 /// The Cholesky factor of one tile, of which the lower triangle is read and written.
 fn factorize_tile<const D: usize>(tile: &mut Tile<D>, smallest: &[f64; D]) -> Result<(), usize> {
     for column in 0..D {
@@ -215,13 +223,13 @@ fn factorize_tile<const D: usize>(tile: &mut Tile<D>, smallest: &[f64; D]) -> Re
         }
         let reciprocal = 1.0 / pivot.sqrt();
         rest[0][column] = reciprocal;
-        for row in column + 1..D {
-            rest[0][row] *= reciprocal;
+        for entry in &mut rest[0][column + 1..] {
+            *entry *= reciprocal;
         }
     }
     Ok(())
 }
-// ANCHOR_END: tiles
+// ANCHOR_END: factorize_tile
 
 /// The scalar product.
 #[inline(always)]
