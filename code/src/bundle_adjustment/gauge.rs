@@ -145,7 +145,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             let moves = self.point_moves(&direction.into_owned());
             let unit = moves.unscale(moves.norm().max(f64::MIN_POSITIVE));
             let fit = decomposition.solve(&unit, 1e-9).unwrap_or_else(|_| SVector::zeros());
-            if (&ways * &fit - &unit).norm() < 1e-4 * unit.norm() {
+            if (&ways * fit - &unit).norm() < 1e-4 * unit.norm() {
                 fits.push(fit);
             }
         }
