@@ -472,7 +472,7 @@ fn bad_input_is_an_error_that_names_it() {
         "the Huber threshold is -1; give a positive number of standard deviations",
     );
     check(
-        &|p| drop(p.fixed.pop()),
+        &|p| p.fixed.truncate(7),
         "`fixed` has 7 entries for 8 cameras; give one for each camera",
     );
     check(&|p| p.rig.push(1), "`rig` has 9 entries for 8 cameras; give one for each camera");

@@ -77,23 +77,21 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR: point_covariance
     /// Adds the points: what a landmark's own pixels leave open, and what the cameras that
     /// saw it hand on.
-    fn with_points(&self, reduced: DMatrix<f64>) -> Covariance<D> {
+    fn with_points(&mut self, reduced: DMatrix<f64>) -> Covariance<D> {
         let row_of = self.layout.row_of.clone();
-        let mut covariance =
-            Covariance { reduced, row_of, points: vec![None; self.points().len()] };
-        for (landmark, eliminated) in self.layout.landmarks.iter().zip(&self.system.eliminated) {
-            let coupling = |slot: usize| {
-                let columns = self.system.couplings[slot];
-                (self.layout.slots[slot], SMatrix::<f64, D, 3>::from_fn(|r, c| columns[c][r]))
-            };
+        let points = vec![None; self.points().len()];
+        let mut covariance = Covariance { reduced, row_of, points };
+        for index in 0..self.layout.landmarks.len() {
+            let couplings = self.couplings(index);
             let mut sum = Matrix3::identity();
-            for (row, left) in landmark.slots.clone().map(coupling) {
-                for (column, right) in landmark.slots.clone().map(coupling) {
-                    sum += left.transpose() * covariance.block(row, column) * right;
+            for (row, left) in &couplings {
+                for (column, right) in &couplings {
+                    sum += left.transpose() * covariance.block(*row, *column) * right;
                 }
             }
-            let factor = &eliminated.inverse_factor;
-            covariance.points[landmark.point] = Some(factor.tr_mul(&sum) * factor);
+            let factor = &self.system.eliminated[index].inverse_factor;
+            let point = self.layout.landmarks[index].point;
+            covariance.points[point] = Some(factor.tr_mul(&sum) * factor);
         }
         covariance
     }

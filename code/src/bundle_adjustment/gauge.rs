@@ -134,7 +134,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
 
     /// The directions that are nothing but a motion of the whole scene, one a column: three
     /// shifts, three turns about the centre, growth.
-    fn similarities(&self, null_space: &DMatrix<f64>) -> DMatrix<f64> {
+    fn similarities(&mut self, null_space: &DMatrix<f64>) -> DMatrix<f64> {
         if null_space.is_empty() {
             return DMatrix::zeros(7, 0);
         }
@@ -172,18 +172,12 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
 
     /// How the landmarks move, stacked, when the rigs move by this and nothing else pulls.
-    fn point_moves(&self, rigs: &DVector<f64>) -> DVector<f64> {
-        let system = &self.system;
+    fn point_moves(&mut self, rigs: &DVector<f64>) -> DVector<f64> {
+        self.system.rhs.as_flattened_mut().copy_from_slice(rigs.as_slice());
         let mut moves = DVector::zeros(3 * self.layout.landmarks.len());
-        for (index, landmark) in self.layout.landmarks.iter().enumerate() {
-            let mut pulled = Vector3::zeros();
-            for slot in landmark.slots.clone() {
-                let rig = rigs.rows(D * self.layout.slots[slot], D);
-                for (axis, column) in system.couplings[slot].iter().enumerate() {
-                    pulled[axis] -= column.iter().zip(&rig).map(|(u, x)| u * x).sum::<f64>();
-                }
-            }
-            let change = system.eliminated[index].inverse_factor.tr_mul(&pulled);
+        for index in 0..self.layout.landmarks.len() {
+            self.system.eliminated[index].forward = Vector3::zeros();
+            let change = self.landmark_step(index);
             moves.fixed_rows_mut::<3>(3 * index).copy_from(&change);
         }
         moves

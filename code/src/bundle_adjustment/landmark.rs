@@ -111,7 +111,6 @@ pub fn couple<const D: usize>(
     equations: &[Equations<D>],
     inverse_factor: &Matrix3<f64>,
 ) {
-    couplings.fill([[0.0; D]; 3]);
     for (sighting, Equations { camera: [u, v], point, .. }) in sightings.iter().zip(equations) {
         if sighting.slot == HELD {
             continue;

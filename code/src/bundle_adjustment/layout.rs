@@ -133,6 +133,12 @@ impl Layout {
         self.landmarks.push(Landmark { point, sightings, slots });
     }
 
+    /// Who sees a landmark: its sightings, and the rows of its rigs in the reduced system.
+    pub fn seen(&self, landmark: &Landmark) -> (&[Sighting], &[usize]) {
+        let sightings = &self.sightings[landmark.sightings.clone()];
+        (sightings, &self.slots[landmark.slots.clone()])
+    }
+
     // ANCHOR: first_column
     /// For each row of blocks of the reduced system the first column in which something
     /// stands: the first rig that shares a point with the row's rig.

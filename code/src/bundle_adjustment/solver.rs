@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::landmark::{self, Equations};
 use super::layout::{Landmark, Layout, Sighting};
@@ -129,7 +129,9 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut solver = Self {
             system: System::new(&layout),
             layout,
-            kernel: problem.huber.map_or(Kernel::Squared, Kernel::Huber),
+            // Least squares is Huber's kernel with a threshold that no residual reaches. One
+            // formula for both is faster than a choice for each residual.
+            kernel: Kernel::Huber(problem.huber.unwrap_or(f64::INFINITY)),
             options: *options,
             cameras: problem.cameras.clone(),
             points: problem.points.clone(),
@@ -202,13 +204,12 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let Self { layout, system, cameras, points, kernel, .. } = self;
         system.clear();
         for (index, landmark) in layout.landmarks.iter().enumerate() {
-            let point = &points[landmark.point];
-            let sightings = &layout.sightings[landmark.sightings.clone()];
-            let equations = sightings.iter().map(|sighting| {
-                Equations::new(&cameras[sighting.camera as usize], point, sighting, *kernel)
-            });
-            let slots = (landmark.slots.clone(), &layout.slots[landmark.slots.clone()]);
-            system.add_landmark(index, sightings, equations, slots, damping)?;
+            let (sightings, rows) = layout.seen(landmark);
+            system.linearize(linearized(cameras, &points[landmark.point], sightings, *kernel));
+            system.add_rigs(sightings, rows);
+            system.eliminate(index, damping)?;
+            system.couple(index, sightings, rows);
+            system.subtract_pairs(index, rows);
         }
         system.finish(damping);
         Ok(())
@@ -235,8 +236,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut cost = 0.0;
         for index in 0..self.layout.landmarks.len() {
             let landmark = &self.layout.landmarks[index];
-            let rows = &self.layout.slots[landmark.slots.clone()];
-            let change = self.system.landmark_step(index, landmark.slots.clone(), rows);
+            let change = self.landmark_step(index);
             self.trial_points[landmark.point] = self.points[landmark.point] + change;
             let eliminated = &self.system.eliminated[index];
             let damped = eliminated.damping.component_mul(&change).dot(&change);
@@ -247,11 +247,33 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
     // ANCHOR_END: back_substitute
 
+    /// The move of a landmark, when the rigs' are known.
+    #[inline(always)]
+    pub(super) fn landmark_step(&self, index: usize) -> Vector3<f64> {
+        let landmark = &self.layout.landmarks[index];
+        let (sightings, rows) = self.layout.seen(landmark);
+        let point = &self.points[landmark.point];
+        let equations = linearized(&self.cameras, point, sightings, self.kernel);
+        self.system.landmark_step(index, sightings, equations, rows)
+    }
+
+    /// What couples a landmark to its rigs, after elimination: the rows of the rigs in the
+    /// reduced system, and the D×3 matrices.
+    pub(super) fn couplings(&mut self, index: usize) -> Vec<(usize, SMatrix<f64, D, 3>)> {
+        let Self { layout, system, cameras, points, kernel, .. } = self;
+        let landmark = &layout.landmarks[index];
+        let (sightings, rows) = layout.seen(landmark);
+        system.linearize(linearized(cameras, &points[landmark.point], sightings, *kernel));
+        system.couple(index, sightings, rows);
+        let matrix = |columns: &[[f64; D]; 3]| SMatrix::from_fn(|row, column| columns[column][row]);
+        rows.iter().copied().zip(system.couplings.iter().map(matrix)).collect()
+    }
+
     /// The cost of one landmark in the trial state.
     #[inline]
     fn trial_cost(&self, landmark: &Landmark) -> f64 {
         let point = &self.trial_points[landmark.point];
-        let sightings = &self.layout.sightings[landmark.sightings.clone()];
+        let (sightings, _) = self.layout.seen(landmark);
         let cost = |sighting: &Sighting| {
             let camera = &self.trial_cameras[sighting.camera as usize];
             landmark::cost(camera, point, sighting, self.kernel)
@@ -346,13 +368,26 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut squares = 0.0;
         for landmark in &self.layout.landmarks {
             let point = &self.points[landmark.point];
-            for sighting in &self.layout.sightings[landmark.sightings.clone()] {
+            for sighting in self.layout.seen(landmark).0 {
                 let pixel = self.cameras[sighting.camera as usize].project(point);
                 squares += pixel.map_or(f64::NAN, |pixel| (sighting.pixel - pixel).norm_squared());
             }
         }
         (squares / self.layout.sightings.len() as f64).sqrt()
     }
+}
+
+/// The equations of a landmark's sightings.
+#[inline(always)]
+fn linearized<C: Camera<D>, const D: usize>(
+    cameras: &[C],
+    point: &Vector3<f64>,
+    sightings: &[Sighting],
+    kernel: Kernel,
+) -> impl Iterator<Item = Equations<D>> {
+    sightings.iter().map(move |sighting| {
+        Equations::new(&cameras[sighting.camera as usize], point, sighting, kernel)
+    })
 }
 
 /// The damping, if it is one.

@@ -19,8 +19,6 @@ pub struct ReprojFactor {
 /// The cost ρ of a whitened residual as a function of its norm s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kernel {
-    /// ½ s²: the noise is normal.
-    Squared,
     /// ½ s² up to the threshold, a straight line beyond it.
     Huber(f64),
 }
@@ -31,7 +29,7 @@ impl Kernel {
     pub fn cost(&self, norm: f64) -> f64 {
         match *self {
             Self::Huber(threshold) if norm > threshold => threshold * (norm - 0.5 * threshold),
-            Self::Squared | Self::Huber(_) => 0.5 * norm * norm,
+            Self::Huber(_) => 0.5 * norm * norm,
         }
     }
 
@@ -40,7 +38,7 @@ impl Kernel {
     pub fn weight(&self, norm: f64) -> f64 {
         match *self {
             Self::Huber(threshold) if norm > threshold => threshold / norm,
-            Self::Squared | Self::Huber(_) => 1.0,
+            Self::Huber(_) => 1.0,
         }
     }
 }

@@ -1,8 +1,6 @@
 //! The equations of one step: what is summed over the landmarks, and what is kept of each.
 
-use std::ops::Range;
-
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::landmark::{self, Equations};
 use super::layout::{HELD, Layout, Sighting};
@@ -37,8 +35,6 @@ pub struct System<const D: usize> {
     pub curvature: Vec<[f64; D]>,
     /// By landmark.
     pub eliminated: Vec<Eliminated>,
-    /// By slot, the D×3 matrix that couples a rig and a landmark: see [`landmark::couple`].
-    pub couplings: Vec<[[f64; D]; 3]>,
     /// The right-hand side before elimination, the negative gradient.
     gradient: Vec<[f64; D]>,
     /// The same for all landmarks together: its squared length.
@@ -49,6 +45,8 @@ pub struct System<const D: usize> {
     smallest: Vec<[f64; D]>,
     /// The sightings of the landmark at hand.
     equations: Vec<Equations<D>>,
+    /// The D×3 matrices that couple it to its rigs: see [`landmark::couple`].
+    pub couplings: Vec<[[f64; D]; 3]>,
 }
 // ANCHOR_END: system
 
@@ -77,12 +75,12 @@ impl<const D: usize> System<D> {
             rhs: zeros.clone(),
             curvature: zeros.clone(),
             eliminated: vec![nothing; layout.landmarks.len()],
-            couplings: vec![[[0.0; D]; 3]; layout.slots.len()],
             gradient: zeros.clone(),
             landmark_gradient: 0.0,
             damping: zeros.clone(),
             smallest: zeros,
             equations: Vec::with_capacity(longest.unwrap_or(0)),
+            couplings: Vec::with_capacity(longest.unwrap_or(0)),
         }
     }
 
@@ -95,32 +93,16 @@ impl<const D: usize> System<D> {
         self.landmark_gradient = 0.0;
     }
 
-    // ANCHOR: add_landmark
-    /// Adds one landmark, given by its linearized sightings, and eliminates it at once.
-    /// `range` is the landmark's part of the slots, `rows` are the rigs in them.
-    pub fn add_landmark(
-        &mut self,
-        index: usize,
-        sightings: &[Sighting],
-        equations: impl Iterator<Item = Equations<D>>,
-        (range, rows): (Range<usize>, &[usize]),
-        damping: f64,
-    ) -> Result<(), Singular> {
+    /// Takes up the linearized sightings of one landmark.
+    pub fn linearize(&mut self, equations: impl Iterator<Item = Equations<D>>) {
         self.equations.clear();
         self.equations.extend(equations);
-        self.add_rigs(sightings, rows);
-        self.eliminate(index, damping)?;
-        let inverse_factor = &self.eliminated[index].inverse_factor;
-        let couplings = &mut self.couplings[range.clone()];
-        landmark::couple(couplings, sightings, &self.equations, inverse_factor);
-        self.subtract_pairs(index, range, rows);
-        Ok(())
     }
-    // ANCHOR_END: add_landmark
 
     // ANCHOR: add_rigs
-    /// Adds the sightings of one landmark to the rigs' own blocks, as if it could not move.
-    fn add_rigs(&mut self, sightings: &[Sighting], rows: &[usize]) {
+    /// Adds the sightings of the landmark to the blocks of its rigs, `rows`, as if it could
+    /// not move.
+    pub fn add_rigs(&mut self, sightings: &[Sighting], rows: &[usize]) {
         for (sighting, equations) in sightings.iter().zip(&self.equations) {
             if sighting.slot == HELD {
                 continue;
@@ -139,8 +121,8 @@ impl<const D: usize> System<D> {
     // ANCHOR_END: add_rigs
 
     // ANCHOR: eliminate
-    /// Forms, damps and factors the 3×3 block of one landmark.
-    fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
+    /// Forms, damps and factors the 3×3 block of the landmark.
+    pub fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
         let (mut block, gradient) = landmark::point_block(&self.equations);
         let damping = block.diagonal().map(|h| damping * h.max(SMALLEST_CURVATURE));
         for axis in 0..3 {
@@ -155,14 +137,21 @@ impl<const D: usize> System<D> {
     }
     // ANCHOR_END: eliminate
 
+    /// Couples the landmark to its rigs: see [`landmark::couple`].
+    pub fn couple(&mut self, index: usize, sightings: &[Sighting], rows: &[usize]) {
+        self.couplings.clear();
+        self.couplings.resize(rows.len(), [[0.0; D]; 3]);
+        let inverse_factor = &self.eliminated[index].inverse_factor;
+        landmark::couple(&mut self.couplings, sightings, &self.equations, inverse_factor);
+    }
+
     // ANCHOR: subtract_pairs
     /// Subtracts what the landmark's freedom takes from each pair of rigs that see it, and
     /// from their right-hand sides.
-    fn subtract_pairs(&mut self, index: usize, range: Range<usize>, rows: &[usize]) {
-        let couplings = &self.couplings[range];
+    pub fn subtract_pairs(&mut self, index: usize, rows: &[usize]) {
         let forward = &self.eliminated[index].forward;
-        for (i, (row, left)) in rows.iter().zip(couplings).enumerate() {
-            for (column, right) in rows[..=i].iter().zip(couplings) {
+        for (i, (row, left)) in rows.iter().zip(&self.couplings).enumerate() {
+            for (column, right) in rows[..=i].iter().zip(&self.couplings) {
                 add_product(self.reduced.tile(*row, *column), -1.0, left, right);
             }
             for (column, forward) in left.iter().zip(forward.iter()) {
@@ -204,17 +193,25 @@ impl<const D: usize> System<D> {
     // ANCHOR_END: solve_reduced
 
     // ANCHOR: landmark_step
-    /// The move of a landmark, when the rigs' are known.
-    #[inline]
-    pub fn landmark_step(&self, index: usize, range: Range<usize>, rows: &[usize]) -> Vector3<f64> {
-        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
-        let mut rest = *forward;
-        for (coupling, row) in self.couplings[range].iter().zip(rows) {
-            for axis in 0..3 {
-                rest[axis] -= dot(&coupling[axis], &self.rhs[*row]);
+    /// The move of a landmark, when the rigs' are known. Its sightings are linearized again:
+    /// that is less work than to write their couplings to memory and read them back.
+    #[inline(always)]
+    pub fn landmark_step(
+        &self,
+        index: usize,
+        sightings: &[Sighting],
+        equations: impl Iterator<Item = Equations<D>>,
+        rows: &[usize],
+    ) -> Vector3<f64> {
+        let mut pull = Vector3::zeros();
+        for (sighting, Equations { camera: [u, v], point, .. }) in sightings.iter().zip(equations) {
+            if sighting.slot != HELD {
+                let step = &self.rhs[rows[sighting.slot as usize]];
+                pull += point.tr_mul(&Vector2::new(dot(&u, step), dot(&v, step)));
             }
         }
-        inverse_factor.tr_mul(&rest)
+        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
+        inverse_factor.tr_mul(&(forward - inverse_factor * pull))
     }
     // ANCHOR_END: landmark_step
 
@@ -236,7 +233,7 @@ impl<const D: usize> System<D> {
         rows.iter().map(|rows| size_of_val(rows.as_slice())).sum::<usize>()
             + D * D * size_of::<f64>() * self.reduced.stored()
             + size_of_val(self.eliminated.as_slice())
-            + size_of_val(self.couplings.as_slice())
             + self.equations.capacity() * size_of::<Equations<D>>()
+            + self.couplings.capacity() * size_of::<[[f64; D]; 3]>()
     }
 }
