@@ -52,12 +52,12 @@ pub struct PosedPinhole {
 
 // ANCHOR: posed_pinhole_camera
 impl Camera<6> for PosedPinhole {
-    #[inline]
+    #[inline(always)]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.intrinsics.project(&self.camera_from_world, point_in_world)
     }
 
-    #[inline]
+    #[inline(always)]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         let point = rotation * point_in_world + self.camera_from_world.translation.vector;
@@ -90,7 +90,7 @@ impl PosedPinhole {
 /// The twist moves the world before the camera looks at it: the point P becomes
 /// P + ρ + φ × P. So the first three columns are those of the point, and the derivative by
 /// φ of a row a is a (φ × P) = φ (P × a).
-#[inline]
+#[inline(always)]
 fn by_twist(by_point: &Matrix2x3<f64>, point_in_world: &Vector3<f64>) -> SMatrix<f64, 2, 6> {
     let u = by_point.row(0).transpose();
     let v = by_point.row(1).transpose();
@@ -123,26 +123,56 @@ pub struct BalCamera {
 }
 // ANCHOR_END: bal_camera
 
+/// A point as a BAL camera sees it, before the focal length.
+#[derive(Debug, Clone, Copy)]
+struct Slopes {
+    /// On the plane z = −1.
+    x: f64,
+    y: f64,
+    /// x² + y².
+    r2: f64,
+    /// By how much the lens stretches x and y.
+    stretch: f64,
+    /// −1/z.
+    inverse_depth: f64,
+}
+
 impl BalCamera {
-    /// x and y on the plane z = −1, and −1/z.
-    #[inline]
-    fn image_plane(&self, point_in_world: &Vector3<f64>) -> (f64, f64, f64) {
+    // ANCHOR: bal_project
+    #[inline(always)]
+    fn slopes(&self, point_in_world: &Vector3<f64>) -> Slopes {
         let point = self.rotation * point_in_world + self.translation;
         let inverse_depth = -1.0 / point.z;
-        (point.x * inverse_depth, point.y * inverse_depth, inverse_depth)
+        let (x, y) = (point.x * inverse_depth, point.y * inverse_depth);
+        let r2 = x * x + y * y;
+        let stretch = 1.0 + r2 * (self.radial[0] + r2 * self.radial[1]);
+        Slopes { x, y, r2, stretch, inverse_depth }
     }
 
-    // ANCHOR: bal_project
     /// Pixel of a point in world coordinates, or `None` where it would not be finite.
-    #[inline]
+    #[inline(always)]
     pub fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
-        let (x, y, _) = self.image_plane(point_in_world);
-        let r2 = x * x + y * y;
-        let scale = self.focal_length * (1.0 + r2 * (self.radial[0] + r2 * self.radial[1]));
+        let Slopes { x, y, stretch, .. } = self.slopes(point_in_world);
+        let scale = self.focal_length * stretch;
         let pixel = Vector2::new(scale * x, scale * y);
         (pixel.x + pixel.y).is_finite().then_some(pixel)
     }
     // ANCHOR_END: bal_project
+
+    // ANCHOR: bal_by_point
+    /// The 2×3 derivative of the pixel by the point in world coordinates.
+    #[inline(always)]
+    fn by_point(&self, slopes: &Slopes) -> Matrix2x3<f64> {
+        let Slopes { x, y, r2, stretch, inverse_depth } = *slopes;
+        let slope = 2.0 * (self.radial[0] + 2.0 * r2 * self.radial[1]);
+        // By x and y, a symmetric matrix, and then by the point in camera coordinates.
+        let scale = self.focal_length * inverse_depth;
+        let (uu, uv) = (scale * (stretch + slope * x * x), scale * slope * x * y);
+        let vv = scale * (stretch + slope * y * y);
+        let by_point_in_camera = Matrix2x3::new(uu, uv, uu * x + uv * y, uv, vv, uv * x + vv * y);
+        by_point_in_camera * self.rotation.matrix()
+    }
+    // ANCHOR_END: bal_by_point
 
     /// The pose moved by a twist: T exp(ξ), with the intrinsics left alone.
     fn turned_and_moved(&self, twist: &Vector6<f64>) -> Self {
@@ -152,34 +182,27 @@ impl BalCamera {
     }
 }
 
+/// Everything moves: pose, focal length, k₁ and k₂.
 impl Camera<9> for BalCamera {
-    #[inline]
+    #[inline(always)]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.project(point_in_world)
     }
 
     // ANCHOR: bal_differentiate
-    #[inline]
+    #[inline(always)]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<9>> {
-        let (f, [k1, k2]) = (self.focal_length, self.radial);
-        let (x, y, inverse_depth) = self.image_plane(point_in_world);
-        let r2 = x * x + y * y;
-        let distortion = 1.0 + r2 * (k1 + r2 * k2);
-        let slope = 2.0 * (k1 + 2.0 * r2 * k2);
-        // By x and y, a symmetric matrix, and then by the point in camera coordinates.
-        let (uu, uv) = (f * (distortion + slope * x * x), f * slope * x * y);
-        let vv = f * (distortion + slope * y * y);
-        let by_point_in_camera =
-            inverse_depth * Matrix2x3::new(uu, uv, uu * x + uv * y, uv, vv, uv * x + vv * y);
-        let by_point = by_point_in_camera * self.rotation.matrix();
-        let mut by_camera = SMatrix::<f64, 2, 9>::zeros();
-        by_camera.fixed_columns_mut::<6>(0).copy_from(&by_twist(&by_point, point_in_world));
-        for (row, q) in [x, y].into_iter().enumerate() {
-            by_camera[(row, 6)] = distortion * q;
-            by_camera[(row, 7)] = f * r2 * q;
-            by_camera[(row, 8)] = f * r2 * r2 * q;
-        }
-        let pixel = Vector2::new(f * distortion * x, f * distortion * y);
+        let slopes = self.slopes(point_in_world);
+        let Slopes { x, y, r2, stretch, .. } = slopes;
+        let by_point = self.by_point(&slopes);
+        let twist = by_twist(&by_point, point_in_world);
+        let f = self.focal_length;
+        let by_intrinsics = Vector3::new(stretch, f * r2, f * r2 * r2);
+        let by_camera = SMatrix::from_fn(|row, axis| match axis {
+            0..6 => twist[(row, axis)],
+            _ => by_intrinsics[axis - 6] * if row == 0 { x } else { y },
+        });
+        let pixel = f * stretch * Vector2::new(x, y);
         (pixel.x + pixel.y).is_finite().then_some(View { pixel, by_camera, by_point })
     }
     // ANCHOR_END: bal_differentiate
@@ -191,17 +214,20 @@ impl Camera<9> for BalCamera {
     }
 }
 
-/// The same camera with its intrinsics held: only the pose moves.
+/// The intrinsics are held: only the pose moves.
 impl Camera<6> for BalCamera {
-    #[inline]
+    #[inline(always)]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         self.project(point_in_world)
     }
 
-    #[inline]
+    #[inline(always)]
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
-        let View { pixel, by_camera, by_point } = Camera::<9>::differentiate(self, point_in_world)?;
-        Some(View { pixel, by_camera: by_camera.fixed_columns::<6>(0).into_owned(), by_point })
+        let slopes = self.slopes(point_in_world);
+        let by_point = self.by_point(&slopes);
+        let by_camera = by_twist(&by_point, point_in_world);
+        let pixel = self.focal_length * slopes.stretch * Vector2::new(slopes.x, slopes.y);
+        (pixel.x + pixel.y).is_finite().then_some(View { pixel, by_camera, by_point })
     }
 
     fn retract(&self, twist: &Vector6<f64>) -> Self {
