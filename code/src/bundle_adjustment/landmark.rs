@@ -29,14 +29,14 @@ impl<const D: usize> Equations<D> {
         camera: &C,
         point: &Vector3<f64>,
         sighting: &Sighting,
-        kernel: Kernel,
+        huber: f64,
     ) -> Self {
         let Some(view) = camera.differentiate(point) else {
             let (point, error) = (Matrix2x3::zeros(), Vector2::zeros());
             return Self { camera: [[0.0; D]; 2], point, error };
         };
         let error = sighting.inverse_sigma * (sighting.pixel - view.pixel);
-        let root_weight = kernel.weight(error.norm()).sqrt();
+        let root_weight = root_weight(&error, huber);
         let scale = root_weight * sighting.inverse_sigma;
         let row = |i| std::array::from_fn(|axis| scale * view.by_camera[(i, axis)]);
         let camera = [row(0), row(1)];
@@ -52,13 +52,35 @@ pub fn cost<C: Camera<D>, const D: usize>(
     camera: &C,
     point: &Vector3<f64>,
     sighting: &Sighting,
-    kernel: Kernel,
+    huber: f64,
 ) -> f64 {
-    camera.project(point).map_or(f64::INFINITY, |pixel| {
-        kernel.cost((sighting.inverse_sigma * (sighting.pixel - pixel)).norm())
-    })
+    let Some(pixel) = camera.project(point) else { return f64::INFINITY };
+    let error = sighting.inverse_sigma * (sighting.pixel - pixel);
+    let squared = error.norm_squared();
+    if squared <= huber * huber { 0.5 * squared } else { cost_beyond(huber, squared.sqrt()) }
 }
 // ANCHOR_END: cost
+
+// ANCHOR: beyond
+/// The root of the weight of a residual. Nearly all lie within the threshold and have a
+/// weight of one. What the others need is kept apart, or the processor would compute the
+/// root and the quotient for all of them before it chooses.
+#[inline(always)]
+fn root_weight(error: &Vector2<f64>, huber: f64) -> f64 {
+    let squared = error.norm_squared();
+    if squared <= huber * huber { 1.0 } else { root_weight_beyond(huber, squared.sqrt()) }
+}
+
+#[cold]
+fn root_weight_beyond(huber: f64, norm: f64) -> f64 {
+    Kernel::Huber(huber).weight(norm).sqrt()
+}
+
+#[cold]
+fn cost_beyond(huber: f64, norm: f64) -> f64 {
+    Kernel::Huber(huber).cost(norm)
+}
+// ANCHOR_END: beyond
 
 // ANCHOR: point_block
 /// The lower triangle of a landmark's 3×3 block, and its right-hand side, from its

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
 use super::landmark::{self, Equations};
-use super::layout::{Landmark, Layout, Sighting};
-use super::standin::Kernel;
-use super::system::{Singular, System};
+use super::layout::{HELD, Landmark, Layout, Sighting};
+use super::reduced::dot;
+use super::system::{Eliminated, Singular, System};
 use super::{BaError, BaReport, Camera, TinyBa};
 
 // ANCHOR: options
@@ -102,7 +102,8 @@ const LARGEST_DAMPING: f64 = 1e16;
 #[derive(Debug, Clone)]
 pub struct Solver<C, const D: usize> {
     pub(super) layout: Layout,
-    kernel: Kernel,
+    /// Threshold of Huber's kernel. Least squares has one that no residual reaches.
+    huber: f64,
     options: Options,
     cameras: Vec<C>,
     points: Vec<Vector3<f64>>,
@@ -129,9 +130,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut solver = Self {
             system: System::new(&layout),
             layout,
-            // Least squares is Huber's kernel with a threshold that no residual reaches. One
-            // formula for both is faster than a choice for each residual.
-            kernel: Kernel::Huber(problem.huber.unwrap_or(f64::INFINITY)),
+            huber: problem.huber.unwrap_or(f64::INFINITY),
             options: *options,
             cameras: problem.cameras.clone(),
             points: problem.points.clone(),
@@ -201,11 +200,11 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR: eliminate_all
     /// Linearizes and eliminates landmark by landmark, straight into the reduced system.
     pub(super) fn eliminate(&mut self, damping: f64) -> Result<(), Singular> {
-        let Self { layout, system, cameras, points, kernel, .. } = self;
+        let Self { layout, system, cameras, points, huber, .. } = self;
         system.clear();
         for (index, landmark) in layout.landmarks.iter().enumerate() {
             let (sightings, rows) = layout.seen(landmark);
-            system.linearize(linearized(cameras, &points[landmark.point], sightings, *kernel));
+            system.linearize(cameras, &points[landmark.point], sightings, *huber);
             system.add_rigs(sightings, rows);
             system.eliminate(index, damping)?;
             system.couple(index, sightings, rows);
@@ -247,23 +246,33 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
     // ANCHOR_END: back_substitute
 
-    /// The move of a landmark, when the rigs' are known.
-    #[inline(always)]
+    // ANCHOR: landmark_step
+    /// The move of a landmark, when the rigs' are known. Its sightings are linearized again:
+    /// that is hardly more work than to keep their couplings, and needs no memory.
     pub(super) fn landmark_step(&self, index: usize) -> Vector3<f64> {
         let landmark = &self.layout.landmarks[index];
         let (sightings, rows) = self.layout.seen(landmark);
-        let point = &self.points[landmark.point];
-        let equations = linearized(&self.cameras, point, sightings, self.kernel);
-        self.system.landmark_step(index, sightings, equations, rows)
+        let mut pull = Vector3::zeros();
+        for sighting in sightings.iter().filter(|sighting| sighting.slot != HELD) {
+            let camera = &self.cameras[sighting.camera as usize];
+            let equations =
+                Equations::new(camera, &self.points[landmark.point], sighting, self.huber);
+            let step = &self.system.rhs[rows[sighting.slot as usize]];
+            let moved = equations.camera.map(|row| dot(&row, step));
+            pull += equations.point.tr_mul(&Vector2::from(moved));
+        }
+        let Eliminated { inverse_factor, forward, .. } = &self.system.eliminated[index];
+        inverse_factor.tr_mul(&(forward - inverse_factor * pull))
     }
+    // ANCHOR_END: landmark_step
 
     /// What couples a landmark to its rigs, after elimination: the rows of the rigs in the
     /// reduced system, and the D×3 matrices.
     pub(super) fn couplings(&mut self, index: usize) -> Vec<(usize, SMatrix<f64, D, 3>)> {
-        let Self { layout, system, cameras, points, kernel, .. } = self;
+        let Self { layout, system, cameras, points, huber, .. } = self;
         let landmark = &layout.landmarks[index];
         let (sightings, rows) = layout.seen(landmark);
-        system.linearize(linearized(cameras, &points[landmark.point], sightings, *kernel));
+        system.linearize(cameras, &points[landmark.point], sightings, *huber);
         system.couple(index, sightings, rows);
         let matrix = |columns: &[[f64; D]; 3]| SMatrix::from_fn(|row, column| columns[column][row]);
         rows.iter().copied().zip(system.couplings.iter().map(matrix)).collect()
@@ -276,7 +285,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let (sightings, _) = self.layout.seen(landmark);
         let cost = |sighting: &Sighting| {
             let camera = &self.trial_cameras[sighting.camera as usize];
-            landmark::cost(camera, point, sighting, self.kernel)
+            landmark::cost(camera, point, sighting, self.huber)
         };
         sightings.iter().map(cost).sum()
     }
@@ -375,19 +384,6 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         }
         (squares / self.layout.sightings.len() as f64).sqrt()
     }
-}
-
-/// The equations of a landmark's sightings.
-#[inline(always)]
-fn linearized<C: Camera<D>, const D: usize>(
-    cameras: &[C],
-    point: &Vector3<f64>,
-    sightings: &[Sighting],
-    kernel: Kernel,
-) -> impl Iterator<Item = Equations<D>> {
-    sightings.iter().map(move |sighting| {
-        Equations::new(&cameras[sighting.camera as usize], point, sighting, kernel)
-    })
 }
 
 /// The damping, if it is one.

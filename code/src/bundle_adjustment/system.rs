@@ -1,7 +1,8 @@
 //! The equations of one step: what is summed over the landmarks, and what is kept of each.
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
+use super::Camera;
 use super::landmark::{self, Equations};
 use super::layout::{HELD, Layout, Sighting};
 use super::reduced::{Reduced, add_multiple, add_product, dot};
@@ -93,10 +94,19 @@ impl<const D: usize> System<D> {
         self.landmark_gradient = 0.0;
     }
 
-    /// Takes up the linearized sightings of one landmark.
-    pub fn linearize(&mut self, equations: impl Iterator<Item = Equations<D>>) {
+    /// Linearizes the sightings of one landmark.
+    pub fn linearize<C: Camera<D>>(
+        &mut self,
+        cameras: &[C],
+        point: &Vector3<f64>,
+        sightings: &[Sighting],
+        huber: f64,
+    ) {
         self.equations.clear();
-        self.equations.extend(equations);
+        for sighting in sightings {
+            let camera = &cameras[sighting.camera as usize];
+            self.equations.push(Equations::new(camera, point, sighting, huber));
+        }
     }
 
     // ANCHOR: add_rigs
@@ -191,29 +201,6 @@ impl<const D: usize> System<D> {
         forward
     }
     // ANCHOR_END: solve_reduced
-
-    // ANCHOR: landmark_step
-    /// The move of a landmark, when the rigs' are known. Its sightings are linearized again:
-    /// that is less work than to write their couplings to memory and read them back.
-    #[inline(always)]
-    pub fn landmark_step(
-        &self,
-        index: usize,
-        sightings: &[Sighting],
-        equations: impl Iterator<Item = Equations<D>>,
-        rows: &[usize],
-    ) -> Vector3<f64> {
-        let mut pull = Vector3::zeros();
-        for (sighting, Equations { camera: [u, v], point, .. }) in sightings.iter().zip(equations) {
-            if sighting.slot != HELD {
-                let step = &self.rhs[rows[sighting.slot as usize]];
-                pull += point.tr_mul(&Vector2::new(dot(&u, step), dot(&v, step)));
-            }
-        }
-        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
-        inverse_factor.tr_mul(&(forward - inverse_factor * pull))
-    }
-    // ANCHOR_END: landmark_step
 
     /// The square of the rigs' step, each direction weighted with its damping.
     pub fn damped_square(&self) -> f64 {
