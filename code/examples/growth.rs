@@ -1,4 +1,4 @@
-//! How the time and the memory of an iteration grow with the number of points, with the
+//! How the time and the memory of an iteration grow with the number of observations, with the
 //! cameras fixed in number: eight on a ring that see everything.
 //!
 //! `cargo run --release -p vislam --example growth` prints a line for each size, and the
@@ -11,7 +11,7 @@ use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Options, Solver};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut points, mut times, mut bytes) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut observations, mut times, mut bytes) = (Vec::new(), Vec::new(), Vec::new());
     for exponent in 0..=8 {
         let count = (1250.0 * 10_f64.powf(0.25 * f64::from(exponent))).round() as usize;
         let mut problem = Scene::ring(8, count, 1.0, 1).problem;
@@ -24,16 +24,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             solver.iterate();
             fastest = fastest.min(1e3 * start.elapsed().as_secs_f64());
         }
-        points.push(count as f64);
+        observations.push(8.0 * count as f64);
         times.push(fastest);
-        bytes.push(solver.step_bytes() as f64);
+        bytes.push(solver.bytes() as f64);
     }
     for (what, values) in [("ms", &times), ("bytes", &bytes)] {
-        let (a, b) = line(&points, values);
-        println!("{what} = {a:.4} + {b:.6} N");
-        for (n, value) in points.iter().zip(values) {
+        let (a, b) = line(&observations, values);
+        println!("{what} = {a:.4} + {b:.8} N");
+        for (n, value) in observations.iter().zip(values) {
             let residual = value / (a + b * n) - 1.0;
-            println!("{:9} observations  {value:14.4}  {:+.2} %", 8.0 * n, 100.0 * residual);
+            println!("{:9} observations  {value:14.4}  {:+.2} %", n, 100.0 * residual);
         }
     }
     Ok(())

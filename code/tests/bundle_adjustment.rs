@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use nalgebra::{DMatrix, DVector, Isometry3, SVector, Vector2, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Rotation3, SVector, Vector2, Vector3, Vector6};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{
     BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole,
-    ReprojFactor, Solver, Stop, TinyBa, read_bal,
+    ReprojFactor, Solver, Stop, TinyBa, View, read_bal,
 };
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
@@ -43,7 +43,7 @@ fn full_system<C: Camera<D>, const D: usize>(
 }
 
 /// The damped step of the whole system.
-fn full_step(problem: &Ba, damping: f64) -> DVector<f64> {
+fn full_step<C: Camera<D>, const D: usize>(problem: &TinyBa<C, D>, damping: f64) -> DVector<f64> {
     let (mut h, g) = full_system(problem);
     for i in 0..h.nrows() {
         h[(i, i)] += damping * h[(i, i)];
@@ -88,6 +88,65 @@ fn eliminating_the_points_does_not_change_the_step() {
     }
 }
 // ANCHOR_END: worked_example
+
+#[test]
+fn a_sparse_reduced_system_gives_the_step_of_the_whole_system_too() {
+    let problem = Scene::street(20, 2.5, 1.0, 2).problem;
+    let mut solver = solver(&problem);
+    let step = solver.step(1e-3).unwrap();
+    let full = full_step(&problem, 1e-3);
+    for camera in 1..20 {
+        assert!((step.cameras[camera] - full.rows(6 * camera, 6)).norm() < 1e-10 * full.norm());
+    }
+}
+
+/// A camera whose pose and focal length move.
+#[derive(Clone)]
+struct Zooming(BalCamera);
+
+impl Camera<7> for Zooming {
+    fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
+        self.0.project(point_in_world)
+    }
+
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<7>> {
+        let View { pixel, by_camera, by_point } =
+            Camera::<9>::differentiate(&self.0, point_in_world)?;
+        Some(View { pixel, by_camera: by_camera.fixed_columns::<7>(0).into_owned(), by_point })
+    }
+
+    fn retract(&self, change: &SVector<f64, 7>) -> Self {
+        let change = SVector::<f64, 9>::from_fn(|i, _| if i < 7 { change[i] } else { 0.0 });
+        Self(self.0.retract(&change))
+    }
+}
+
+#[test]
+fn a_camera_may_move_in_any_number_of_directions() {
+    let scene = Scene::ring(6, 30, 1.0, 24);
+    let zooming = |camera: &PosedPinhole| {
+        let pose = camera.camera_from_world;
+        // The camera of the data sets looks backwards, with y up.
+        let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let rotation = turn * pose.rotation.to_rotation_matrix();
+        let translation = turn * pose.translation.vector;
+        Zooming(BalCamera { rotation, translation, focal_length: 410.0, radial: [0.0; 2] })
+    };
+    let cameras = scene.problem.cameras.iter().map(zooming).collect();
+    let mut factors = scene.problem.factors;
+    for factor in &mut factors {
+        factor.pixel = Vector2::new(factor.pixel.x - 320.0, 240.0 - factor.pixel.y);
+    }
+    let mut problem = TinyBa::new(cameras, scene.problem.points, factors);
+    let step = Solver::new(&problem, &Options::default()).unwrap().step(0.01).unwrap();
+    let full = full_step(&problem, 0.01);
+    for camera in 0..6 {
+        assert!((step.cameras[camera] - full.rows(7 * camera, 7)).norm() < 1e-10 * full.norm());
+    }
+    let report = problem.solve(&Options { iterations: 200, ..Options::default() }).unwrap();
+    assert!(report.rmse_px < 1.5);
+    assert_abs_diff_eq!(problem.cameras[0].0.focal_length, 400.0, epsilon = 20.0);
+}
 
 #[test]
 fn a_rig_of_two_cameras_takes_the_step_of_the_whole_system_too() {
@@ -352,6 +411,59 @@ fn every_accepted_step_lowers_the_cost_also_with_huber() {
         assert!(report.cost <= report.trace.last().unwrap().cost);
         assert!(report.trace.len() < 30);
     }
+}
+
+#[test]
+fn the_gradient_is_that_of_the_cost_also_beyond_the_threshold() {
+    let scene = Scene::ring(4, 12, 1.0, 25).with_outliers(0.2, 30.0, 26);
+    let problem = Ba { huber: Some(1.5), ..scene.problem };
+    let step = 1e-6;
+    let mut squares = 0.0;
+    let mut add = |change: &dyn Fn(&mut Ba, f64)| {
+        let cost = |sign: f64| {
+            let mut moved = problem.clone();
+            change(&mut moved, sign * step);
+            solver(&moved).cost()
+        };
+        squares += ((cost(1.0) - cost(-1.0)) / (2.0 * step)).powi(2);
+    };
+    for (index, axis) in (1..4).flat_map(|k| (0..6).map(move |axis| (k, axis))) {
+        add(&|p, step| p.cameras[index] = p.cameras[index].retract(&Vector6::ith(axis, step)));
+    }
+    for (index, axis) in (0..12).flat_map(|j| (0..3).map(move |axis| (j, axis))) {
+        add(&|p, step| p.points[index][axis] += step);
+    }
+    let mut solver = solver(&problem);
+    solver.iterate();
+    assert_relative_eq!(solver.trace()[0].gradient, squares.sqrt(), max_relative = 1e-5);
+}
+
+#[test]
+fn a_solve_that_starts_undamped_finds_the_damping_it_needs() {
+    let mut problem = Scene::ring(8, 40, 1.0, 27).problem;
+    let reference = problem.clone().solve(&Options::default()).unwrap();
+    let report = problem.solve(&Options { damping: 0.0, ..Options::default() }).unwrap();
+    assert!(!report.trace[0].accepted && report.trace[0].trial_cost.is_infinite());
+    assert_relative_eq!(report.cost, reference.cost, max_relative = 1e-6);
+}
+
+#[test]
+fn the_blocks_of_a_street_grow_like_its_length() {
+    let blocks = |cameras| {
+        let report = Scene::street(cameras, 2.5, 1.0, 28).problem.solve(&Options::default());
+        report.unwrap().reduced_blocks
+    };
+    assert!(blocks(100) < 5 * 99);
+    assert!(blocks(200) < 5 * 199);
+}
+
+#[test]
+fn no_memory_is_taken_while_iterating() {
+    let problem = Scene::ring(8, 40, 1.0, 29).problem;
+    let mut solver = solver(&problem);
+    let before = solver.bytes();
+    while solver.iterate().is_none() {}
+    assert_eq!(solver.bytes(), before);
 }
 
 #[test]

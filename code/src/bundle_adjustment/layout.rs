@@ -85,10 +85,11 @@ impl Layout {
         let by_point = usable_by_point(problem, &mut dropped);
         let row_of = number_rigs(problem, &by_point, &mut dropped);
         let rows = row_of.iter().flatten().max().map_or(0, |last| last + 1);
+        let sightings = by_point.iter().map(Vec::len).sum();
         let mut layout = Self {
-            sightings: Vec::with_capacity(by_point.iter().map(Vec::len).sum()),
-            slots: Vec::new(),
-            landmarks: Vec::new(),
+            sightings: Vec::with_capacity(sightings),
+            slots: Vec::with_capacity(sightings),
+            landmarks: Vec::with_capacity(by_point.len()),
             row_of,
             rows,
             dropped,
@@ -137,6 +138,14 @@ impl Layout {
     pub fn seen(&self, landmark: &Landmark) -> (&[Sighting], &[usize]) {
         let sightings = &self.sightings[landmark.sightings.clone()];
         (sightings, &self.slots[landmark.slots.clone()])
+    }
+
+    /// The memory that it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Sighting>() * self.sightings.capacity()
+            + size_of::<Landmark>() * self.landmarks.capacity()
+            + size_of::<usize>() * self.slots.capacity()
+            + size_of::<Option<usize>>() * self.row_of.capacity()
     }
 
     // ANCHOR: first_column

@@ -345,10 +345,13 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         &self.layout.row_of
     }
 
-    /// The memory that the equations of a step take, in bytes. It is taken when the solver
-    /// is made and never again.
-    pub fn step_bytes(&self) -> usize {
+    /// The memory that the solver holds, in bytes. It takes all of it when it is made.
+    pub fn bytes(&self) -> usize {
         self.system.bytes()
+            + self.layout.bytes()
+            + size_of::<C>() * (self.cameras.capacity() + self.trial_cameras.capacity())
+            + size_of::<Vector3<f64>>() * (self.points.capacity() + self.trial_points.capacity())
+            + size_of::<Iteration>() * self.trace.capacity()
     }
 
     /// The cameras and the points.
