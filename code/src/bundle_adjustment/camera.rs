@@ -62,10 +62,11 @@ impl Camera<6> for PosedPinhole {
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         let point = rotation * point_in_world + self.camera_from_world.translation.vector;
         let pixel = self.intrinsics.project_cam(&point)?;
-        let (fx, fy) = (self.intrinsics.fx / point.z, self.intrinsics.fy / point.z);
+        let [right, down, forward] = [0, 1, 2].map(|axis| rotation.matrix().row(axis));
         let (x, y) = (point.x / point.z, point.y / point.z);
-        let by_point_in_camera = Matrix2x3::new(fx, 0.0, -fx * x, 0.0, fy, -fy * y);
-        let by_point = by_point_in_camera * rotation.matrix();
+        let (fx, fy) = (self.intrinsics.fx / point.z, self.intrinsics.fy / point.z);
+        let by_point =
+            Matrix2x3::from_rows(&[fx * (right - x * forward), fy * (down - y * forward)]);
         Some(View { pixel, by_camera: by_twist(&by_point, point_in_world), by_point })
     }
 
@@ -164,13 +165,14 @@ impl BalCamera {
     #[inline(always)]
     fn by_point(&self, slopes: &Slopes) -> Matrix2x3<f64> {
         let Slopes { x, y, r2, stretch, inverse_depth } = *slopes;
+        let [right, up, back] = [0, 1, 2].map(|axis| self.rotation.matrix().row(axis));
+        // How x and y change with the point, times the depth, and how the pixel does with them.
+        let (by_x, by_y) = (right + x * back, up + y * back);
         let slope = 2.0 * (self.radial[0] + 2.0 * r2 * self.radial[1]);
-        // By x and y, a symmetric matrix, and then by the point in camera coordinates.
         let scale = self.focal_length * inverse_depth;
         let (uu, uv) = (scale * (stretch + slope * x * x), scale * slope * x * y);
         let vv = scale * (stretch + slope * y * y);
-        let by_point_in_camera = Matrix2x3::new(uu, uv, uu * x + uv * y, uv, vv, uv * x + vv * y);
-        by_point_in_camera * self.rotation.matrix()
+        Matrix2x3::from_rows(&[uu * by_x + uv * by_y, uv * by_x + vv * by_y])
     }
     // ANCHOR_END: bal_by_point
 
