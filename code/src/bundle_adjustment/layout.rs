@@ -135,6 +135,7 @@ impl Layout {
     }
 
     /// Who sees a landmark: its sightings, and the rows of its rigs in the reduced system.
+    #[inline]
     pub fn seen(&self, landmark: &Landmark) -> (&[Sighting], &[usize]) {
         let sightings = &self.sightings[landmark.sightings.clone()];
         (sightings, &self.slots[landmark.slots.clone()])

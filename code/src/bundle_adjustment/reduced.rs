@@ -103,6 +103,12 @@ impl<const D: usize> Reduced<D> {
         &mut self.tiles[self.start[row] + column - self.first[row]]
     }
 
+    /// The tiles of a row up to the diagonal, and the column of the first of them.
+    #[inline]
+    pub fn row(&mut self, row: usize) -> (&mut [Tile<D>], usize) {
+        (&mut self.tiles[self.start[row]..self.start[row + 1]], self.first[row])
+    }
+
     /// The whole symmetric matrix.
     pub fn to_matrix(&self) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(D * self.rows(), D * self.rows());

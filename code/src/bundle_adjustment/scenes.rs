@@ -33,8 +33,9 @@ const INTRINSICS: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0
 impl Scene {
     // ANCHOR: ring
     /// Cameras on a circle of 4 m radius, evenly, all looking at its centre, and points in
-    /// a cube of 2 m around it. Every camera sees every point. `pixel_sigma` is the noise of
-    /// each coordinate in pixels, 1 if it is zero to the solver.
+    /// a cube of 2 m around it. Every camera sees every point. `pixel_sigma` is the standard
+    /// deviation of the noise of each coordinate, in pixels. Without noise the solver is
+    /// told that it is 1 px.
     pub fn ring(cameras: usize, points: usize, pixel_sigma: f64, seed: u64) -> Self {
         let mut random = Random::new(seed);
         let camera = |k: usize| {

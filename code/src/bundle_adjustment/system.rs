@@ -161,8 +161,9 @@ impl<const D: usize> System<D> {
     pub fn subtract_pairs(&mut self, index: usize, rows: &[usize]) {
         let forward = &self.eliminated[index].forward;
         for (i, (row, left)) in rows.iter().zip(&self.couplings).enumerate() {
+            let (tiles, first) = self.reduced.row(*row);
             for (column, right) in rows[..=i].iter().zip(&self.couplings) {
-                add_product(self.reduced.tile(*row, *column), -1.0, left, right);
+                add_product(&mut tiles[column - first], -1.0, left, right);
             }
             for (column, forward) in left.iter().zip(forward.iter()) {
                 add_multiple(&mut self.rhs[*row], -forward, column);
