@@ -6,11 +6,11 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{DMatrix, DVector, Isometry3, Rotation3, SVector, Vector2, Vector3, Vector6};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{
-    BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole,
-    ReprojFactor, Solver, Stop, TinyBa, View, read_bal,
+    BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole, Solver,
+    Stop, TinyBa, View, read_bal,
 };
 use vislam::manifold::{se3, so3};
-use vislam::reprojection::Pinhole;
+use vislam::reprojection::{Pinhole, ReprojFactor};
 
 type Ba = TinyBa<PosedPinhole, 6>;
 

@@ -5,8 +5,9 @@ use std::str::FromStr;
 use nalgebra::{Vector2, Vector3};
 use thiserror::Error;
 
-use super::{BalCamera, Camera, ReprojFactor, TinyBa};
+use super::{BalCamera, Camera, TinyBa};
 use crate::manifold::so3;
+use crate::reprojection::ReprojFactor;
 
 /// What is wrong with a BAL file, and in which line, counted from one.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

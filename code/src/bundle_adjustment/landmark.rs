@@ -5,7 +5,7 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use super::Camera;
 use super::layout::{HELD, Sighting};
 use super::reduced::{add_multiple, multiply_add};
-use super::standin::Kernel;
+use crate::least_squares::Kernel;
 
 // ANCHOR: equations
 /// The two equations of one sighting, whitened and weighted: `camera` times the rig's

@@ -16,11 +16,12 @@ mod layout;
 mod reduced;
 pub mod scenes;
 mod solver;
-mod standin;
 mod system;
 
 use nalgebra::Vector3;
 use thiserror::Error;
+
+use crate::reprojection::ReprojFactor;
 
 pub use bal::{BalError, BalFault, read_bal};
 pub use camera::{BalCamera, Camera, PosedPinhole, View};
@@ -28,7 +29,6 @@ pub use covariance::Covariance;
 pub use gauge::FreeDirections;
 pub use layout::Dropped;
 pub use solver::{Iteration, Options, Solver, Step, Stop};
-pub use standin::ReprojFactor;
 
 // ANCHOR: tiny_ba
 /// A bundle adjustment problem: cameras, points and what was seen.

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3};
 
-use super::{Camera, PosedPinhole, ReprojFactor, TinyBa};
-use crate::reprojection::Pinhole;
+use super::{Camera, PosedPinhole, TinyBa};
+use crate::reprojection::{Pinhole, ReprojFactor};
 
 // ANCHOR: scene
 /// What cameras saw of a world, and the truth about it.
