@@ -60,7 +60,7 @@ test("a page of the library asks no other host, shows its equation, and leads to
             assert.ok(bar.y === 0 && bar.height < 60 && bar.width >= (options.width ?? 1280) - 20, JSON.stringify(bar));
             assert.equal(await overhang(page), null, item);
             await page.locator(".docblock a[href*='#eq:']").first().click();
-            assert.match(page.url(), /\/some\/where\/\w+\.html#eq:/);
+            await page.waitForURL(/\/some\/where\/\w+\.html#eq:/);
             await page.locator(".equation:target").waitFor();
             await page.getByRole("link", { name: "The library" }).click();
             await page.waitForURL("**/api/vislam/index.html");
