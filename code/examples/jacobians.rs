@@ -111,7 +111,9 @@ mod tests {
         assert_eq!(header.split(',').count(), 20);
         let row: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
         assert_eq!(row.len(), 20);
-        assert_eq!(row[..5], [336.0, 232.0, 80.0, 0.0, -3.2]);
+        for (found, expected) in row.iter().zip([336.0, 232.0, 80.0, 0.0, -3.2]) {
+            assert!((found - expected).abs() < 1e-12, "{row:?}");
+        }
     }
 
     #[test]

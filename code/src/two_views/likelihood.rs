@@ -106,9 +106,10 @@ impl Linearized {
             return Err(TriangulationError::Undetermined { condition: f64::NAN });
         }
         let eigenvalues = self.information.symmetric_eigenvalues();
-        let condition = eigenvalues.max() / eigenvalues.min();
+        // Rounding may take the smallest one below zero: infinitely badly known is bad enough.
+        let condition = eigenvalues.max() / eigenvalues.min().max(0.0);
         let inverse = self.information.try_inverse();
-        let is_fixed = condition > 0.0 && condition < LARGEST_CONDITION;
+        let is_fixed = condition < LARGEST_CONDITION;
         inverse.filter(|_| is_fixed).ok_or(TriangulationError::Undetermined { condition })
     }
     // ANCHOR_END: point_covariance
