@@ -8,6 +8,7 @@
 //! ```
 
 mod bearing;
+mod bundle_adjustment;
 mod chapter;
 mod comparison;
 mod figure;
@@ -34,6 +35,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("manifold", manifold::exhibits),
     ("least_squares", least_squares::exhibits),
     ("reprojection", reprojection::exhibits),
+    ("bundle_adjustment", bundle_adjustment::exhibits),
     ("two_views", two_views::exhibits),
 ];
 

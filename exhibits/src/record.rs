@@ -22,3 +22,12 @@ pub struct Record {
     pub run: fn() -> Vec<RecordValue>,
     pub place: Place,
 }
+
+/// The values of a record that has been accepted, from the text of its file: for figures that show
+/// what cannot be computed anew for each build, such as times.
+pub fn accepted(file: &'static str) -> impl Fn(&str) -> Option<f64> {
+    move |name| {
+        let (_, values) = file.split_once(&format!("[values.{name}]\n"))?;
+        values.lines().find_map(|line| line.strip_prefix("value = ")).and_then(|v| v.parse().ok())
+    }
+}

@@ -1,0 +1,184 @@
+//! Are errors as large as their covariances say?
+
+use nalgebra::{DVector, Isometry3};
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{Options, PosedPinhole};
+use vislam::manifold::se3;
+
+use super::whole::{Ba, at_truth, solver};
+use crate::chapter::Chapter;
+use crate::record::RecordValue;
+
+/// Six for each of the seven cameras that move, less one for scale.
+pub const DEGREES: f64 = 41.0;
+const RUNS: usize = 500;
+const LIVE_RUNS: usize = 100;
+/// Probability outside the band of the mean, and outside that of a single run.
+const OUTSIDE_MEAN: f64 = 0.001;
+pub const OUTSIDE_RUN: f64 = 0.05;
+
+/// Cameras grown about the first until the sum of squares of what is left of their positions'
+/// errors is least.
+pub fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<PosedPinhole> {
+    let fixed = truth[0].centre();
+    let (mut product, mut square) = (0.0, 0.0);
+    for (estimated, true_camera) in estimate.iter().zip(truth) {
+        let arm = estimated.centre() - fixed;
+        product += arm.dot(&(true_camera.centre() - fixed));
+        square += arm.norm_squared();
+    }
+    let grown = |camera: &PosedPinhole| {
+        let centre = fixed + product / square * (camera.centre() - fixed);
+        let rotation = camera.camera_from_world.rotation;
+        let translation = -(rotation * centre);
+        let camera_from_world = Isometry3::from_parts(translation.into(), rotation);
+        PosedPinhole { camera_from_world, ..*camera }
+    };
+    estimate.iter().map(grown).collect()
+}
+
+/// The normalized error of a ring's cameras, with noise of so many pixels where one was stated.
+pub fn normalized_error(seed: u64, noise: f64) -> f64 {
+    let mut scene = Scene::ring(8, 40, noise, seed);
+    scene.problem.factors.iter_mut().for_each(|factor| factor.inverse_sigma = 1.0);
+    let truth = at_truth(&scene);
+    let options = Options { relative_decrease: 1e-10, ..Options::default() };
+    scene.problem.solve(&options).expect("the ring is a problem");
+    let estimate = at_true_scale(&scene.problem.cameras, &scene.true_cameras);
+    let pairs = truth.cameras.iter().zip(&estimate).skip(1);
+    let error: Vec<f64> = pairs
+        .flat_map(|(truth, estimate)| {
+            let error = se3::local(&truth.camera_from_world, &estimate.camera_from_world);
+            <[f64; 6]>::from(error)
+        })
+        .collect();
+    weighed(&truth, &DVector::from_vec(error))
+}
+
+/// The error in the metric of the reduced system, which is zero along scale.
+fn weighed(truth: &Ba, error: &DVector<f64>) -> f64 {
+    let (reduced, _) = solver(truth).reduced_system(0.0).expect("every point has parallax");
+    error.dot(&(reduced * error))
+}
+
+/// Probability that chi-square with these degrees of freedom is below `x`, by the series of the
+/// incomplete gamma function.
+pub fn chi_square_below(x: f64, degrees: f64) -> f64 {
+    let (a, x) = (0.5 * degrees, 0.5 * x);
+    let (mut term, mut sum, mut n) = (1.0, 1.0, 0.0);
+    while term > 1e-17 * sum {
+        n += 1.0;
+        term *= x / (a + n);
+        sum += term;
+    }
+    (a * x.ln() - x - log_factorial(a)).exp() * sum
+}
+
+/// The logarithm of Γ(a + 1) for a whole or half number that is not negative.
+fn log_factorial(a: f64) -> f64 {
+    let mut a = a;
+    let mut sum = 0.0;
+    while a > 0.75 {
+        sum += a.ln();
+        a -= 1.0;
+    }
+    if a > 0.25 { sum + (0.5 * std::f64::consts::PI.sqrt()).ln() } else { sum }
+}
+
+/// Where chi-square stays below with this probability, by bisection.
+pub fn chi_square_quantile(probability: f64, degrees: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 3.0 * degrees + 100.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if chi_square_below(middle, degrees) < probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The two ends that leave this probability outside, half at each.
+pub fn band(outside: f64, degrees: f64) -> [f64; 2] {
+    [0.5 * outside, 1.0 - 0.5 * outside].map(|p| chi_square_quantile(p, degrees))
+}
+
+/// Mean, the ends of its band, and percent of the runs in their own.
+fn summary(errors: &[f64]) -> (f64, [f64; 2], f64) {
+    let runs = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / runs;
+    let of_mean = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
+    let [low, high] = band(OUTSIDE_RUN, DEGREES);
+    let inside = errors.iter().filter(|error| (low..high).contains(*error)).count();
+    (mean, of_mean, 100.0 * inside as f64 / runs)
+}
+
+/// Normalized errors of the first rings.
+pub fn errors(runs: usize, noise: f64) -> Vec<f64> {
+    (0..runs as u64).map(|seed| normalized_error(seed, noise)).collect()
+}
+
+/// Registers the numbers and the record.
+pub fn numbers(chapter: &mut Chapter) {
+    let (mean, [low, high], inside) = summary(&errors(LIVE_RUNS, 1.0));
+    chapter.number("nees_degrees", DEGREES, "", 0);
+    chapter.number("nees_live_runs", LIVE_RUNS as f64, "", 0);
+    chapter.number("nees_live_mean", mean, "", 1);
+    chapter.number("nees_live_low", low, "", 1);
+    chapter.number("nees_live_high", high, "", 1);
+    chapter.number("nees_live_inside", inside, "%", 0);
+    let inputs = vec![
+        ("runs", RUNS.to_string()),
+        ("scene", "Scene::ring(8, 40, 1.0, seed)".to_owned()),
+        ("seeds", "0 and up".to_owned()),
+    ];
+    chapter.record("ba_consistency", inputs, consistency);
+}
+
+fn consistency() -> Vec<RecordValue> {
+    let errors = errors(RUNS, 1.0);
+    let (mean, [low, high], inside) = summary(&errors);
+    let [run_low, run_high] = band(OUTSIDE_RUN, DEGREES);
+    let value =
+        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-6 };
+    vec![
+        value("runs", RUNS as f64, "", 0),
+        value("mean", mean, "", 2),
+        value("low", low, "", 2),
+        value("high", high, "", 2),
+        value("run_low", run_low, "", 1),
+        value("run_high", run_high, "", 1),
+        value("inside", inside, "%", 1),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RUNS, band, chi_square_quantile, errors, summary};
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        for (probability, degrees, expected) in
+            [(0.95, 1.0, 3.841), (0.95, 2.0, 5.991), (0.025, 41.0, 25.215), (0.975, 41.0, 60.561)]
+        {
+            assert!((chi_square_quantile(probability, degrees) - expected).abs() < 1e-3);
+        }
+        // Nearly normal when there are many.
+        let [low, high] = band(0.001, 20500.0);
+        assert!((0.5 * (high - low) / (3.2905 * 41000_f64.sqrt()) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn errors_of_500_rings_lie_in_their_bands() {
+        let (mean, [low, high], inside) = summary(&errors(RUNS, 1.0));
+        assert!((low..high).contains(&mean), "{mean}");
+        assert!((93.0..=97.0).contains(&inside), "{inside}");
+    }
+
+    #[test]
+    fn noise_that_is_understated_is_noticed() {
+        let (mean, [_, high], _) = summary(&errors(20, 1.3));
+        assert!(mean > high);
+    }
+}

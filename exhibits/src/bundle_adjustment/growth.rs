@@ -1,0 +1,109 @@
+//! How the time and the memory of an iteration grow.
+
+use std::time::Instant;
+
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{Options, Solver};
+
+use crate::chapter::Chapter;
+use crate::record::{RecordValue, accepted};
+
+/// Points that eight cameras on a ring all see.
+const POINTS: [usize; 5] = [1250, 3953, 12_500, 39_528, 125_000];
+const CAMERAS: usize = 8;
+/// The fastest of so many iterations counts.
+const ITERATIONS: usize = 12;
+
+/// The straight line through places whose errors are proportional to their values: where it
+/// begins and how steep it is.
+pub fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let mut sums = [0.0; 5];
+    for (x, y) in x.iter().zip(y) {
+        let w = 1.0 / (y * y);
+        for (sum, term) in sums.iter_mut().zip([w, w * x, w * x * x, w * y, w * x * y]) {
+            *sum += term;
+        }
+    }
+    let [w, wx, wxx, wy, wxy] = sums;
+    let slope = (w * wxy - wx * wy) / (w * wxx - wx * wx);
+    ((wy - slope * wx) / w, slope)
+}
+
+/// Numbers of observations.
+pub fn observations() -> [f64; POINTS.len()] {
+    POINTS.map(|points| (CAMERAS * points) as f64)
+}
+
+/// Milliseconds of an iteration and bytes of the solver.
+fn measured(points: usize) -> (f64, f64) {
+    let mut problem = Scene::ring(CAMERAS, points, 1.0, 1).problem;
+    problem.factors.shrink_to_fit();
+    let options = Options { relative_decrease: 0.0, ..Options::default() };
+    let mut solver = Solver::new(&problem, &options).expect("the ring is a problem");
+    let mut fastest = f64::INFINITY;
+    for _ in 0..ITERATIONS {
+        let start = Instant::now();
+        solver.iterate();
+        fastest = fastest.min(1e3 * start.elapsed().as_secs_f64());
+    }
+    (fastest, solver.bytes() as f64)
+}
+
+const TIMES: [&str; POINTS.len()] = ["ms_0", "ms_1", "ms_2", "ms_3", "ms_4"];
+const BYTES: [&str; POINTS.len()] = ["mb_0", "mb_1", "mb_2", "mb_3", "mb_4"];
+
+/// Registers the numbers and the record.
+pub fn numbers(chapter: &mut Chapter) {
+    let [n0, n1, n2, n3, n4] = observations();
+    chapter.number("growth_n_0", n0, "", 0);
+    chapter.number("growth_n_1", n1, "", 0);
+    chapter.number("growth_n_2", n2, "", 0);
+    chapter.number("growth_n_3", n3, "", 0);
+    chapter.number("growth_n_4", n4, "", 0);
+    // Checked against the covisibility by the equation of the chapter.
+    let ring = Scene::ring(CAMERAS, POINTS[0], 1.0, 1).problem;
+    let report = Solver::new(&ring, &Options::default())
+        .map(|solver| solver.report(vislam::bundle_adjustment::Stop::IterationLimit));
+    let products = report.map_or(f64::NAN, |report| report.block_products as f64);
+    chapter.number("growth_products", products, "", 0);
+    chapter.number("growth_points", POINTS[0] as f64, "", 0);
+    let inputs = vec![
+        ("scene", "Scene::ring(8, points, 1.0, 1)".to_owned()),
+        ("points", POINTS.map(|points| points.to_string()).join(" ")),
+        ("iterations", ITERATIONS.to_string()),
+    ];
+    chapter.record("ba_growth", inputs, growth);
+}
+
+fn growth() -> Vec<RecordValue> {
+    let measured = POINTS.map(measured);
+    let (times, bytes) = (measured.map(|of| of.0), measured.map(|of| of.1));
+    // Times are those of a machine and an hour; memory is exact.
+    let time = |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 3.0 };
+    let exact =
+        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-9 };
+    let mut values = Vec::new();
+    for index in 0..POINTS.len() {
+        let decimals = if times[index] < 10.0 { 2 } else { 1 };
+        values.push(time(TIMES[index], times[index], "ms", decimals));
+        values.push(exact(BYTES[index], 1e-6 * bytes[index], "MB", 1));
+    }
+    let (start, slope) = line(&observations(), &times);
+    values.push(time("start_us", 1e3 * start, "µs", 0));
+    values.push(time("slope_ns", 1e6 * slope, "ns", 0));
+    values.push(exact("slope_bytes", line(&observations(), &bytes).1, "bytes", 0));
+    values
+}
+
+/// What the accepted record says of time (ms) and memory (MB).
+pub fn recorded() -> [[f64; POINTS.len()]; 2] {
+    let record = accepted(include_str!("../../records/ba_growth.toml"));
+    [TIMES, BYTES].map(|names| names.map(|name| record(name).unwrap_or(1.0)))
+}
+
+/// By how many percent values lie above their line.
+pub fn above_line(values: &[f64; POINTS.len()]) -> [f64; POINTS.len()] {
+    let n = observations();
+    let (start, slope) = line(&n, values);
+    std::array::from_fn(|index| 100.0 * (values[index] / (start + slope * n[index]) - 1.0))
+}
