@@ -72,9 +72,7 @@ fn free_directions(chapter: &mut Chapter) {
 
     let mutants: [(_, Change); 4] = [
         ("held and free exchanged", |covariance, free, held| changed(covariance, held, free)),
-        ("projected on one side", |covariance, free, held| {
-            projection(free, held) * covariance
-        }),
+        ("projected on one side", |covariance, free, held| projection(free, held) * covariance),
         ("projection transposed", |covariance, free, held| {
             let projection = projection(free, held);
             projection.transpose() * covariance * projection
@@ -116,23 +114,23 @@ fn ba_seven(formula: Seven) -> Comparison {
     for _ in 0..STATES {
         let pose = Isometry3::from_parts(random.direction(3.0).into(), random.rotation(3.0).into());
         let camera = PosedPinhole { intrinsics: random.camera(), camera_from_world: pose };
-        let point = pose.inverse_transform_vector(
-            &(random.point(1.0..50.0) - pose.translation.vector),
-        );
+        let point =
+            pose.inverse_transform_vector(&(random.point(1.0..50.0) - pose.translation.vector));
         let Some(view) = camera.differentiate(&point) else { continue };
         let by_camera = view.by_camera * formula(&camera);
         let step = 1e-5;
-        let by_points = SMatrix::<f64, 2, 7>::from_columns(&std::array::from_fn::<_, 7, _>(|way| {
-            let seen = |change: f64| {
-                let moved = match way {
-                    0..3 => point + change * Vector3::ith(way, 1.0),
-                    3..6 => Rotation3::new(change * Vector3::ith(way - 3, 1.0)) * point,
-                    _ => (1.0 + change) * point,
+        let by_points =
+            SMatrix::<f64, 2, 7>::from_columns(&std::array::from_fn::<_, 7, _>(|way| {
+                let seen = |change: f64| {
+                    let moved = match way {
+                        0..3 => point + change * Vector3::ith(way, 1.0),
+                        3..6 => Rotation3::new(change * Vector3::ith(way - 3, 1.0)) * point,
+                        _ => (1.0 + change) * point,
+                    };
+                    camera.project(&moved).unwrap_or(Vector2::repeat(f64::NAN))
                 };
-                camera.project(&moved).unwrap_or(Vector2::repeat(f64::NAN))
-            };
-            (seen(-step) - seen(step)) / (2.0 * step)
-        }));
+                (seen(-step) - seen(step)) / (2.0 * step)
+            }));
         comparison.add(by_camera.as_slice(), by_points.as_slice());
     }
     comparison
@@ -286,9 +284,8 @@ fn own(blocks: &Blocks, point: usize) -> Matrix3<f64> {
 fn handed_on(blocks: &Blocks, point: usize, counts: fn(usize, usize) -> bool) -> Matrix3<f64> {
     let covariance = blocks.covariance();
     let own = own(blocks, point);
-    let lever = |camera: usize| {
-        own * blocks.coupling.fixed_view::<6, 3>(6 * camera, 3 * point).transpose()
-    };
+    let lever =
+        |camera: usize| own * blocks.coupling.fixed_view::<6, 3>(6 * camera, 3 * point).transpose();
     let cameras = blocks.cameras.nrows() / 6;
     let mut sum = Matrix3::zeros();
     for (one, other) in (0..cameras).flat_map(|one| (0..cameras).map(move |other| (one, other))) {

@@ -71,7 +71,11 @@ fn root_mean(squares: &[f64]) -> f64 {
 /// Least, middle and greatest.
 fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
-    [values[0], 0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2]), values[values.len() - 1]]
+    [
+        values[0],
+        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2]),
+        values[values.len() - 1],
+    ]
 }
 
 /// Registers the numbers.
@@ -80,11 +84,11 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_percent", 100.0 * SHARE, "%", 0);
     chapter.number("outlier_px", PIXELS, "px", 0);
     chapter.number("outlier_huber", HUBER, "", 1);
-    let names = [
-        [["outlier_clean_least", "outlier_clean_middle", "outlier_clean_most"],
-         ["outlier_huber_least", "outlier_huber_middle", "outlier_huber_most"],
-         ["outlier_squares_least", "outlier_squares_middle", "outlier_squares_most"]],
-    ];
+    let names = [[
+        ["outlier_clean_least", "outlier_clean_middle", "outlier_clean_most"],
+        ["outlier_huber_least", "outlier_huber_middle", "outlier_huber_most"],
+        ["outlier_squares_least", "outlier_squares_middle", "outlier_squares_most"],
+    ]];
     for (way, names) in names[0].into_iter().enumerate() {
         let values = outcomes().iter().map(|outcome| outcome[way].cameras_cm).collect();
         for (name, value) in names.into_iter().zip(spread(values)) {

@@ -48,9 +48,8 @@ fn values_panel(drawing: &Drawing, n: &[f64], recorded: &[[f64; 5]; 2]) -> Drawn
         let curve = curve.map(|n| (n, start + slope * n));
         chart.draw_series(LineSeries::new(curve, SERIES[index].stroke_width(5)))?;
         let places = n.iter().zip(values);
-        chart.draw_series(
-            places.map(|(n, value)| EmptyElement::at((*n, *value)) + marker(index)),
-        )?;
+        chart
+            .draw_series(places.map(|(n, value)| EmptyElement::at((*n, *value)) + marker(index)))?;
         let place = (1e4, highest * [2.0, 0.7][index]);
         chart.draw_series([EmptyElement::at(place) + marker(index)])?;
         let beside = (1.15 * place.0, place.1);
