@@ -6,7 +6,7 @@ use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, Options};
 
 use super::consistency::at_true_scale;
-use super::whole::Ba;
+use super::whole::{Ba, solver};
 use crate::chapter::Chapter;
 
 pub const SEEDS: usize = 16;
@@ -24,6 +24,8 @@ pub struct Outcome {
     /// The same of all matches.
     pub all_px: f64,
     pub iterations: usize,
+    /// The length of the gradient at the end, over that at the start.
+    pub gradient: f64,
 }
 
 /// Least squares without wrong matches, Huber's kernel with them, least squares with them.
@@ -41,8 +43,11 @@ fn of_seed(seed: u64) -> [Outcome; 3] {
 
 fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
     let mut problem = Ba { huber, ..scene.problem.clone() };
-    let options = Options { iterations: 200, ..Options::default() };
+    let options = Options { iterations: 200, relative_decrease: 1e-12, ..Options::default() };
     let report = problem.solve(&options).expect("the ring is a problem");
+    let mut at_end = solver(&problem);
+    at_end.iterate();
+    let gradient = at_end.trace()[0].gradient / report.trace[0].gradient;
     let cameras = at_true_scale(&problem.cameras, &scene.true_cameras);
     let errors = cameras.iter().zip(&scene.true_cameras).skip(1);
     let errors: Vec<f64> =
@@ -61,6 +66,7 @@ fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
         right_px: root_mean(&right),
         all_px: root_mean(&all),
         iterations: report.trace.len(),
+        gradient,
     }
 }
 
@@ -111,4 +117,6 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_better", better.count() as f64, "", 0);
     let longest = outcomes().iter().map(|outcome| outcome[2].iterations).max().unwrap_or(0);
     chapter.number("outlier_iterations", longest as f64, "", 0);
+    let steepest = outcomes().iter().map(|outcome| outcome[2].gradient).fold(0.0, f64::max);
+    chapter.number("outlier_gradient_exponent", steepest.log10().ceil(), "", 0);
 }

@@ -59,7 +59,7 @@ pub fn consistency() -> Figure {
             let as_stated = Text::new("as stated", (14.0, 0.62), letters_right_of(SERIES[0]));
             let understated = Text::new("understated", (80.0, 0.52), letters_right_of(SERIES[1]));
             chart.draw_series([as_stated, understated])?;
-            chart.draw_series([Text::new("95 %", (43.0, 0.05), letters_around(INK))])?;
+            chart.draw_series([Text::new("95 %", (33.0, 0.94), letters_around(INK))])?;
             Ok(())
         }),
     }

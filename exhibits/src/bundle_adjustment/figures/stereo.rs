@@ -9,8 +9,9 @@ use crate::bundle_adjustment::stereo::{BASELINE, eigenvalues, ring};
 use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_right_of, marker};
 
 const SHOWN: usize = 10;
-/// What is below this is rounding and shown on this level.
-const ROUNDING: f64 = 1e-15;
+/// What is below this is rounding, and all of it is shown on one level.
+const ROUNDING: f64 = 1e-13;
+const LEVEL: f64 = -15.0;
 const CASES: [(&str, Option<f64>, bool); 4] = [
     ("one camera, free", None, false),
     ("stereo, free", Some(BASELINE), false),
@@ -27,7 +28,7 @@ pub fn stereo() -> Figure {
         [values[0], values[1]]
     });
     let shown = |value: f64| {
-        if value < ROUNDING { "below 1e-15".to_owned() } else { format!("{value:.2e}") }
+        if value < ROUNDING { "below 1e-13".to_owned() } else { format!("{value:.2e}") }
     };
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (case, values) in CASES.iter().zip(&cases) {
@@ -63,7 +64,8 @@ fn spectra(drawing: &Drawing, cases: &[Vec<f64>; 4]) -> Drawn {
         let places = values.iter().take(SHOWN).enumerate().map(|(order, value)| {
             // Marks of one place stand side by side.
             let aside = 0.16 * (index as f64 - 1.5);
-            (order as f64 + 1.0 + aside, value.max(ROUNDING).log10())
+            let height = if *value < ROUNDING { LEVEL } else { value.log10() };
+            (order as f64 + 1.0 + aside, height)
         });
         chart.draw_series(places.map(|place| EmptyElement::at(place) + marker(index)))?;
         let place = (5.5 * (index % 2) as f64 + 0.8, if index < 2 { 2.0 } else { 0.6 });
