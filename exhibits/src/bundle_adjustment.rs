@@ -336,14 +336,13 @@ fn ba_nees(formula: Weigh) -> Comparison {
 }
 
 fn counts(chapter: &mut Chapter) {
-    let formula: Expected = |m, k, l| 2.0 * m - (6.0 * (k - 1.0) + 3.0 * l - 1.0);
     let mutants: [(_, Expected); 4] = [
         ("scale counted as known", |m, k, l| 2.0 * m - (6.0 * (k - 1.0) + 3.0 * l)),
         ("one number an observation", |m, k, l| m - (6.0 * (k - 1.0) + 3.0 * l - 1.0)),
         ("camera 0 counted", |m, k, l| 2.0 * m - (6.0 * k + 3.0 * l - 1.0)),
         ("points not counted", |m, k, _| 2.0 * m - (6.0 * (k - 1.0) - 1.0)),
     ];
-    chapter.equation("ba-expected-cost", ba_expected_cost, formula, &mutants);
+    chapter.equation("ba-expected-cost", ba_expected_cost, expected_cost, &mutants);
 
     let formula: Products = |seen| seen.iter().map(|n| n * (n + 1) / 2).sum();
     let mutants: [(_, Products); 4] = [
@@ -358,6 +357,11 @@ fn counts(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("ba-products", ba_products, formula, &mutants);
+}
+
+/// The sum of squared residuals that unit noise leaves on average.
+fn expected_cost(observations: f64, cameras: f64, points: f64) -> f64 {
+    2.0 * observations - 6.0 * (cameras - 1.0) - 3.0 * points + 1.0
 }
 
 /// Takes the numbers of observations, cameras and points.

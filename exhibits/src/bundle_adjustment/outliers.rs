@@ -6,6 +6,7 @@ use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, Options};
 
 use super::consistency::at_true_scale;
+use super::expected_cost;
 use super::whole::{Ba, solver};
 use crate::chapter::Chapter;
 
@@ -90,6 +91,10 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_percent", 100.0 * SHARE, "%", 0);
     chapter.number("outlier_px", PIXELS, "px", 0);
     chapter.number("outlier_huber", HUBER, "", 1);
+    let left = expected_cost(320.0, 8.0, 40.0);
+    chapter.number("outlier_observations", 320.0, "", 0);
+    chapter.number("outlier_left", left, "", 0);
+    chapter.number("outlier_expected_px", (left / 320.0).sqrt(), "px", 2);
     let names = [[
         ["outlier_clean_least", "outlier_clean_middle", "outlier_clean_most"],
         ["outlier_huber_least", "outlier_huber_middle", "outlier_huber_most"],
