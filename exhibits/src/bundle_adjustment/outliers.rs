@@ -95,12 +95,12 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_observations", 320.0, "", 0);
     chapter.number("outlier_left", left, "", 0);
     chapter.number("outlier_expected_px", (left / 320.0).sqrt(), "px", 2);
-    let names = [[
+    let names = [
         ["outlier_clean_least", "outlier_clean_middle", "outlier_clean_most"],
         ["outlier_huber_least", "outlier_huber_middle", "outlier_huber_most"],
         ["outlier_squares_least", "outlier_squares_middle", "outlier_squares_most"],
-    ]];
-    for (way, names) in names[0].into_iter().enumerate() {
+    ];
+    for (way, names) in names.into_iter().enumerate() {
         let values = outcomes().iter().map(|outcome| outcome[way].cameras_cm).collect();
         for (name, value) in names.into_iter().zip(spread(values)) {
             chapter.number(name, value, "cm", 1);
