@@ -1,6 +1,7 @@
 //! What the program `exhibits` computed: checks, numbers, figures, records.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -51,18 +52,15 @@ pub struct Check {
     pub file: String,
     /// The line of that.
     pub line: usize,
-    /// The line of its function in the chapter's exhibits, when there is one.
+    /// The line of its function in the same file, when there is one.
     #[serde(skip)]
     pub function: Option<usize>,
 }
 
 impl Check {
     /// The file and line that a link to the check leads to.
-    pub fn place(&self, slug: &str) -> (String, usize) {
-        match self.function {
-            Some(line) => (source_file(slug), line),
-            None => (self.file.clone(), self.line),
-        }
+    pub fn place(&self) -> (String, usize) {
+        (self.file.clone(), self.function.unwrap_or(self.line))
     }
 }
 
@@ -132,10 +130,16 @@ impl Exhibits {
                 let mut shown: Shown = serde_json::from_str(&text).with_context(|| {
                     format!("{} is damaged: delete it and build again", path.display())
                 })?;
-                let source = files::read_if_there(&layout.root.join(source_file(slug)))?;
-                let source = source.unwrap_or_default();
+                let mut sources = BTreeMap::new();
                 for check in &mut shown.equations {
-                    check.function = function_line(&source, &check.label);
+                    let source = match sources.entry(check.file.clone()) {
+                        Entry::Occupied(known) => known.into_mut(),
+                        Entry::Vacant(new) => {
+                            let source = files::read_if_there(&layout.root.join(&check.file))?;
+                            new.insert(source.unwrap_or_default())
+                        }
+                    };
+                    check.function = function_line(source, &check.label);
                 }
                 chapters.insert(slug.clone(), shown);
             }
@@ -186,7 +190,7 @@ impl Exhibits {
         let mut faults = Faults::default();
         for shown in self.chapters.values() {
             for check in &shown.equations {
-                check_faults(&shown.slug, check, &mut faults);
+                check_faults(check, &mut faults);
             }
             for inputs in &shown.records {
                 self.record_faults(inputs, &mut faults);
@@ -224,7 +228,7 @@ impl Exhibits {
     }
 }
 
-fn check_faults(slug: &str, check: &Check, faults: &mut Faults) {
+fn check_faults(check: &Check, faults: &mut Faults) {
     let place = (check.file.as_str(), check.line);
     let label = format!("eq:{}", check.label);
     if let Some(failure) = &check.failure {
@@ -256,15 +260,10 @@ fn check_faults(slug: &str, check: &Check, faults: &mut Faults) {
         faults.add(
             place,
             &label,
-            format!("{} has no function `{name}`", source_file(slug)),
+            format!("{} has no function `{name}`", check.file),
             "name the check's function after the label of its equation",
         );
     }
-}
-
-/// The file in which a chapter's checks stand.
-fn source_file(slug: &str) -> String {
-    format!("exhibits/src/{slug}.rs")
 }
 
 /// The line of the function that checks an equation.

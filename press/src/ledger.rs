@@ -119,7 +119,7 @@ fn equations(
         }
         let Some(check) = exhibits.check(&page.slug, label) else { continue };
         let Kind::Equation { tex, .. } = kind else { continue };
-        let (file, line) = check.place(&page.slug);
+        let (file, line) = check.place();
         let href = source(here, &file, line, found);
         checked.push(vec![
             name,

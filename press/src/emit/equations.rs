@@ -88,7 +88,7 @@ impl Emitter<'_, '_> {
             }
             Some(_) => {}
         }
-        let (file, line) = check.place(&slug);
+        let (file, line) = check.place();
         let href = self.source(&file, line);
         note(&check, &href)
     }
