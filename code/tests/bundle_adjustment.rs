@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use nalgebra::{DMatrix, DVector, Isometry3, Rotation3, SVector, Vector2, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
+};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{
     BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole, Solver,
@@ -13,6 +15,10 @@ use vislam::manifold::{se3, so3};
 use vislam::reprojection::{Pinhole, ReprojFactor};
 
 type Ba = TinyBa<PosedPinhole, 6>;
+
+fn pinhole() -> Pinhole {
+    Pinhole::new(400.0, 400.0, 320.0, 240.0).expect("a valid camera")
+}
 
 fn solver(problem: &Ba) -> Solver<PosedPinhole, 6> {
     Solver::new(problem, &Options::default()).expect("a problem")
@@ -89,6 +95,61 @@ fn eliminating_the_points_does_not_change_the_step() {
 }
 // ANCHOR_END: worked_example
 
+// ANCHOR: on_rail
+/// A camera on a rail along x that looks along z.
+#[derive(Clone)]
+struct OnRail(Vector3<f64>);
+
+impl Camera<1> for OnRail {
+    fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
+        pinhole().project_cam(&(point_in_world - self.0))
+    }
+
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<1>> {
+        let camera_from_world = Isometry3::translation(-self.0.x, -self.0.y, -self.0.z);
+        let seen = pinhole().project_with_jacobians(&camera_from_world, point_in_world)?;
+        // To push the camera to the right is to push the point to the left.
+        let by_camera: SMatrix<f64, 2, 1> = -seen.by_point.column(0);
+        Some(View { pixel: seen.pixel, by_camera, by_point: seen.by_point })
+    }
+
+    fn retract(&self, change: &SVector<f64, 1>) -> Self {
+        Self(self.0 + change[0] * Vector3::x())
+    }
+}
+// ANCHOR_END: on_rail
+
+/// Four cameras around a point, two of them fixed and two on rails.
+fn two_on_rails() -> TinyBa<OnRail, 1> {
+    let places = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+    let cameras = places.map(|[x, y]| OnRail(Vector3::new(x, y, 0.0))).to_vec();
+    let point = Vector3::new(0.0, 0.0, 4.0);
+    let factors = [0.0, 0.0, 3.0, 1.0_f64].into_iter().enumerate().map(|(keyframe, off)| {
+        let pixel = cameras[keyframe].project(&point).unwrap() + off * Vector2::x();
+        ReprojFactor::new(keyframe, 0, pixel, 1.0).unwrap()
+    });
+    let mut problem = TinyBa::new(cameras.clone(), vec![point], factors.collect());
+    problem.fixed = vec![true, true, false, false];
+    problem
+}
+
+// ANCHOR: by_hand
+#[test]
+fn two_cameras_on_rails_go_where_the_sum_by_hand_says() {
+    let mut solver = Solver::new(&two_on_rails(), &Options::default()).unwrap();
+    let (s, rhs) = solver.reduced_system(0.0).unwrap();
+    let by_hand = DMatrix::from_row_slice(2, 2, &[7500.0, -2500.0, -2500.0, 7500.0]);
+    assert_abs_diff_eq!(s, by_hand, epsilon = 1e-9);
+    assert_abs_diff_eq!(rhs, DVector::from_vec(vec![-200.0, 0.0]), epsilon = 1e-9);
+
+    let step = solver.step(0.0).unwrap();
+    assert_abs_diff_eq!(step.cameras[2][0], -0.03, epsilon = 1e-12);
+    assert_abs_diff_eq!(step.cameras[3][0], -0.01, epsilon = 1e-12);
+    assert_abs_diff_eq!(step.points[0], Vector3::zeros(), epsilon = 1e-12);
+    assert_abs_diff_eq!(step.cost, 0.0, epsilon = 1e-12);
+}
+// ANCHOR_END: by_hand
+
 #[test]
 fn a_sparse_reduced_system_gives_the_step_of_the_whole_system_too() {
     let problem = Scene::street(20, 2.5, 1.0, 2).problem;
@@ -149,6 +210,21 @@ fn a_camera_may_move_in_any_number_of_directions() {
 }
 
 #[test]
+fn a_point_that_one_camera_sees_tells_nothing_about_it() {
+    let problem = Scene::ring(4, 12, 1.0, 30).problem;
+    let mut jacobians = problem.factors.iter().map(|factor| {
+        let camera = &problem.cameras[factor.keyframe];
+        camera.differentiate(&problem.points[factor.point]).unwrap()
+    });
+    assert!(jacobians.all(|view| {
+        let inverse = (view.by_point.tr_mul(&view.by_point)).pseudo_inverse(1e-6).unwrap();
+        let coupling = view.by_camera.tr_mul(&view.by_point);
+        let alone = view.by_camera.tr_mul(&view.by_camera);
+        (alone - coupling * inverse * coupling.transpose()).norm() < 1e-9 * alone.norm()
+    }));
+}
+
+#[test]
 fn a_rig_of_two_cameras_takes_the_step_of_the_whole_system_too() {
     let problem = Scene::stereo_ring(6, 25, 0.1, 1.0, 3).problem;
     let step = solver(&problem).step(0.0).unwrap();
@@ -162,6 +238,7 @@ fn a_rig_of_two_cameras_takes_the_step_of_the_whole_system_too() {
     }
 }
 
+// ANCHOR: lowers
 #[test]
 fn an_undamped_step_lowers_the_cost_as_promised() {
     for seed in 0..20 {
@@ -175,6 +252,7 @@ fn an_undamped_step_lowers_the_cost_as_promised() {
         assert_relative_eq!(step.promised, 0.5 * g.dot(&full), max_relative = 1e-9);
     }
 }
+// ANCHOR_END: lowers
 
 #[test]
 fn a_damped_promise_is_that_of_the_undamped_model() {

@@ -35,8 +35,8 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("manifold", manifold::exhibits),
     ("least_squares", least_squares::exhibits),
     ("reprojection", reprojection::exhibits),
-    ("bundle_adjustment", bundle_adjustment::exhibits),
     ("two_views", two_views::exhibits),
+    ("bundle_adjustment", bundle_adjustment::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

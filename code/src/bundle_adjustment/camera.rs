@@ -151,6 +151,8 @@ impl BalCamera {
     }
 
     /// Pixel of a point in world coordinates, or `None` where it would not be finite.
+    ///
+    /// Implements {eq:bal-pixel}.
     #[inline(always)]
     pub fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
         let Slopes { x, y, stretch, .. } = self.slopes(point_in_world);

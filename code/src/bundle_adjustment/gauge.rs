@@ -60,6 +60,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// The reduced system as a dense matrix with its right-hand side: D rows for each of
     /// [`Solver::rows`].
     ///
+    /// Implements {eq:reduced-camera-system}, and {eq:damped-reduction} with a damping.
+    ///
     /// # Errors
     ///
     /// [`BaError::Ray`] when a point is free, which needs a damping of zero.

@@ -85,6 +85,8 @@ fn cost_beyond(huber: f64, norm: f64) -> f64 {
 // ANCHOR: point_block
 /// The lower triangle of a landmark's 3×3 block, and its right-hand side, from its
 /// sightings.
+///
+/// Implements the middle line of {eq:ba-blocks}.
 #[inline(always)]
 pub fn point_block<const D: usize>(equations: &[Equations<D>]) -> (Matrix3<f64>, Vector3<f64>) {
     let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
@@ -126,6 +128,8 @@ pub fn inverse_factor(h: &Matrix3<f64>, smallest: f64) -> Option<Matrix3<f64>> {
 // ANCHOR: couple
 /// The D×3 matrix U = Jᵀ Jₗ Mᵀ that couples a landmark to each of its rigs, summed over the
 /// rig's sightings. It is a block of the Cholesky factor of the whole system.
+///
+/// Implements {eq:coupling-factor}.
 #[inline(always)]
 pub fn couple<const D: usize>(
     couplings: &mut [[[f64; D]; 3]],

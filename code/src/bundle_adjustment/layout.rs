@@ -165,6 +165,8 @@ impl Layout {
 
     /// Products of two blocks that elimination takes: one for each pair of rigs that share
     /// a point, a rig and itself included.
+    ///
+    /// Implements {eq:block-products}.
     pub fn block_products(&self) -> usize {
         let pairs = |landmark: &Landmark| landmark.slots.len() * (landmark.slots.len() + 1) / 2;
         self.landmarks.iter().map(pairs).sum()

@@ -63,7 +63,8 @@ impl<C: Camera<D>, const D: usize> TinyBa<C, D> {
     }
 
     // ANCHOR: solve
-    /// Moves cameras and points to a minimum of the cost, by Levenberg-Marquardt.
+    /// Moves cameras and points to a minimum of the cost of {eq:bundle-cost}, by
+    /// Levenberg-Marquardt.
     ///
     /// # Errors
     ///
@@ -102,7 +103,7 @@ pub struct BaReport {
     /// What was left out, and why.
     pub dropped: Dropped,
     /// Products of two blocks that eliminating the points took in each iteration: for a
-    /// point that n moving rigs see, n (n + 1)/2.
+    /// point that n moving rigs see, n (n + 1)/2, as {eq:block-products} says.
     pub block_products: usize,
     /// Blocks of the reduced system that are kept: of each row those from its first one that
     /// is not zero to the diagonal.

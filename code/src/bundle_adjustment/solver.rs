@@ -84,7 +84,7 @@ pub struct Step<const D: usize> {
     pub cameras: Vec<SVector<f64, D>>,
     /// For each point its move in metres, zero when the point was dropped.
     pub points: Vec<Vector3<f64>>,
-    /// The decrease of the cost that the linearized problem promises.
+    /// The decrease of the cost that the linearized problem promises, {eq:promise-in-parts}.
     pub promised: f64,
     /// The cost at the end of the step, infinite when a point loses its pixel there.
     pub cost: f64,
@@ -199,6 +199,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
 
     // ANCHOR: eliminate_all
     /// Linearizes and eliminates landmark by landmark, straight into the reduced system.
+    ///
+    /// Implements {eq:damped-reduction}.
     pub(super) fn eliminate(&mut self, damping: f64) -> Result<(), Singular> {
         let Self { layout, system, cameras, points, huber, .. } = self;
         system.clear();
@@ -228,6 +230,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR: back_substitute
     /// Moves the points along and sums the cost where they arrive. Returns the promised
     /// decrease and that cost; `forward` is what [`System::solve`] returned.
+    ///
+    /// Implements {eq:promise-in-parts}.
     fn back_substitute(&mut self, forward: f64) -> (f64, f64) {
         // Twice the promise: the square of the right-hand side in the coordinates of the
         // factor, and what the damping holds back.
@@ -249,6 +253,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     // ANCHOR: landmark_step
     /// The move of a landmark, when the rigs' are known. Its sightings are linearized again:
     /// that is hardly more work than to keep their couplings, and needs no memory.
+    ///
+    /// Implements {eq:point-follows}.
     pub(super) fn landmark_step(&self, index: usize) -> Vector3<f64> {
         let landmark = &self.layout.landmarks[index];
         let (sightings, rows) = self.layout.seen(landmark);

@@ -158,6 +158,8 @@ impl<const D: usize> System<D> {
     // ANCHOR: subtract_pairs
     /// Subtracts what the landmark's freedom takes from each pair of rigs that see it, and
     /// from their right-hand sides.
+    ///
+    /// Implements {eq:covisible-pairs}.
     pub fn subtract_pairs(&mut self, index: usize, rows: &[usize]) {
         let forward = &self.eliminated[index].forward;
         for (i, (row, left)) in rows.iter().zip(&self.couplings).enumerate() {

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, Options};
 
+use super::certainty::expected_cost;
 use super::consistency::at_true_scale;
-use super::expected_cost;
 use super::whole::{Ba, solver};
 use crate::chapter::Chapter;
 

@@ -1,0 +1,183 @@
+//! Small bundle adjustments as dense matrices, with nothing eliminated.
+
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{Camera, Options, PosedPinhole, Solver, TinyBa};
+
+use crate::random::Random;
+
+pub type Ba = TinyBa<PosedPinhole, 6>;
+
+const CAMERAS: usize = 4;
+/// The first two cameras are fixed, so that nothing is free.
+const FIXED: usize = 2;
+const POINTS: usize = 6;
+
+/// Four cameras and six points that are not all seen by all, a damping and a step of the cameras.
+pub struct Case {
+    pub problem: Ba,
+    /// The 2×6 blocks of all observations in one matrix, whitened, and the same for the points.
+    pub by_cameras: DMatrix<f64>,
+    pub by_points: DMatrix<f64>,
+    /// Measured less expected, whitened.
+    pub error: DVector<f64>,
+    pub damping: f64,
+    pub cameras_step: DVector<f64>,
+}
+
+impl Case {
+    pub fn random(random: &mut Random) -> Self {
+        let seed = random.uniform(0.0..1e9) as u64;
+        let mut problem = Scene::ring(CAMERAS, POINTS, 1.0, seed).problem;
+        problem.fixed[1] = true;
+        for point in 0..POINTS {
+            let missing = random.uniform(0.0..3.0 * CAMERAS as f64) as usize;
+            problem.factors.retain(|f| (f.point, f.keyframe) != (point, missing));
+        }
+        for factor in &mut problem.factors {
+            factor.inverse_sigma = random.uniform(0.5..2.0);
+        }
+        let moving = CAMERAS - FIXED;
+        let mut case = Self {
+            by_cameras: DMatrix::zeros(2 * problem.factors.len(), 6 * moving),
+            by_points: DMatrix::zeros(2 * problem.factors.len(), 3 * POINTS),
+            error: DVector::zeros(2 * problem.factors.len()),
+            damping: random.logarithmic(0.01..1.0),
+            cameras_step: DVector::from_fn(6 * moving, |_, _| random.normal(0.1)),
+            problem,
+        };
+        case.linearize();
+        case
+    }
+
+    fn linearize(&mut self) {
+        for (index, factor) in self.problem.factors.iter().enumerate() {
+            let camera = &self.problem.cameras[factor.keyframe];
+            let view = camera.differentiate(&self.problem.points[factor.point]);
+            let view = view.expect("the points lie in front of all cameras");
+            let row = 2 * index;
+            if let Some(k) = factor.keyframe.checked_sub(FIXED) {
+                let block = factor.inverse_sigma * view.by_camera;
+                self.by_cameras.fixed_view_mut::<2, 6>(row, 6 * k).copy_from(&block);
+            }
+            let block = factor.inverse_sigma * view.by_point;
+            self.by_points.fixed_view_mut::<2, 3>(row, 3 * factor.point).copy_from(&block);
+            let error = factor.residual(&view.pixel);
+            self.error.fixed_rows_mut::<2>(row).copy_from(&error);
+        }
+    }
+
+    pub fn solver(&self) -> Solver<PosedPinhole, 6> {
+        Solver::new(&self.problem, &Options::default()).expect("a problem")
+    }
+
+    /// The camera alone, all of them along the diagonal.
+    pub fn a(&self) -> DMatrix<f64> {
+        self.by_cameras.tr_mul(&self.by_cameras)
+    }
+
+    /// The point alone, all of them along the diagonal.
+    pub fn b(&self) -> DMatrix<f64> {
+        self.by_points.tr_mul(&self.by_points)
+    }
+
+    /// Who saw whom.
+    pub fn w(&self) -> DMatrix<f64> {
+        self.by_cameras.tr_mul(&self.by_points)
+    }
+
+    /// What pulls at the cameras.
+    pub fn cameras_pull(&self) -> DVector<f64> {
+        self.by_cameras.tr_mul(&self.error)
+    }
+
+    /// What pulls at the points.
+    pub fn points_pull(&self) -> DVector<f64> {
+        self.by_points.tr_mul(&self.error)
+    }
+
+    /// All columns of the Jacobian, those of the cameras first.
+    pub fn jacobian(&self) -> DMatrix<f64> {
+        beside(&self.by_cameras, &self.by_points)
+    }
+
+    /// The same by central differences of the whitened pixels.
+    pub fn jacobian_by_differences(&self) -> DMatrix<f64> {
+        let (cameras, step) = (self.by_cameras.ncols(), 1e-5);
+        let pixels = |unknown: usize, step: f64| {
+            let mut moved = self.problem.clone();
+            if unknown < cameras {
+                let camera = &mut moved.cameras[FIXED + unknown / 6];
+                *camera = camera.retract(&Vector6::ith(unknown % 6, step));
+            } else {
+                let point = unknown - cameras;
+                moved.points[point / 3] += Vector3::ith(point % 3, step);
+            }
+            let pixels = moved.factors.iter().flat_map(|factor| {
+                let pixel = moved.cameras[factor.keyframe].project(&moved.points[factor.point]);
+                let pixel = factor.inverse_sigma * pixel.expect("the points stay in front");
+                [pixel.x, pixel.y]
+            });
+            DVector::from_iterator(2 * moved.factors.len(), pixels)
+        };
+        let columns: Vec<_> = (0..cameras + self.by_points.ncols())
+            .map(|unknown| (pixels(unknown, step) - pixels(unknown, -step)) / (2.0 * step))
+            .collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    /// What is left of the rows of the Jacobian and of the error when all that the points could
+    /// take from them is taken: `rows` less its part in the span of the points' columns.
+    pub fn without_points(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let span = self.by_points.clone().qr().q();
+        rows - &span * span.tr_mul(rows)
+    }
+
+    /// The Jacobian and the error with one more measurement of zero for each unknown, held as
+    /// firmly as `damping` says.
+    pub fn with_measurements_of_zero(&self, damping: f64) -> (DMatrix<f64>, DVector<f64>) {
+        let jacobian = self.jacobian();
+        let (rows, columns) = jacobian.shape();
+        let mut longer = DMatrix::zeros(rows + columns, columns);
+        longer.rows_mut(0, rows).copy_from(&jacobian);
+        for (index, column) in jacobian.column_iter().enumerate() {
+            longer[(rows + index, index)] = damping.sqrt() * column.norm();
+        }
+        let mut error = DVector::zeros(rows + columns);
+        error.rows_mut(0, rows).copy_from(&self.error);
+        (longer, error)
+    }
+
+    /// The cameras' part of a vector of all unknowns.
+    pub fn cameras_of(&self, unknowns: &DVector<f64>) -> DVector<f64> {
+        unknowns.rows(0, self.by_cameras.ncols()).into_owned()
+    }
+}
+
+/// Two matrices of the same height, side by side.
+fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut both = DMatrix::zeros(left.nrows(), left.ncols() + right.ncols());
+    both.columns_mut(0, left.ncols()).copy_from(left);
+    both.columns_mut(left.ncols(), right.ncols()).copy_from(right);
+    both
+}
+
+/// The unknowns that fit equations best, by their singular values.
+pub fn best_fit(jacobian: &DMatrix<f64>, error: &DVector<f64>) -> DVector<f64> {
+    let fit = jacobian.clone().svd(true, true).solve(error, 1e-12);
+    fit.unwrap_or_else(|_| DVector::from_element(jacobian.ncols(), f64::NAN))
+}
+
+/// The inverse, or a matrix that no comparison accepts.
+pub fn inverse(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let (rows, columns) = matrix.shape();
+    matrix.try_inverse().unwrap_or_else(|| DMatrix::from_element(rows, columns, f64::NAN))
+}
+
+/// The matrix with its diagonal grown by a fraction of itself.
+pub fn damped(mut matrix: DMatrix<f64>, damping: f64) -> DMatrix<f64> {
+    for index in 0..matrix.nrows() {
+        matrix[(index, index)] *= 1.0 + damping;
+    }
+    matrix
+}

@@ -1,0 +1,469 @@
+//! How a problem of many points becomes one of a few cameras.
+//!
+//! Each part registers its equations, then checks them. In formulas `a`, `b` and `w` are the blocks
+//! of the normal equations: of the cameras, of the points, and between them.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3};
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, Stop};
+
+use super::dense::{Ba, Case, best_fit, damped, inverse};
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+/// Random states at which an equation is compared, unless its oracle is costly.
+const STATES: usize = 500;
+
+/// Registers what the chapter shows of the elimination of points.
+pub fn exhibits(chapter: &mut Chapter) {
+    blocks(chapter);
+    elimination(chapter);
+    pairs(chapter);
+    factor(chapter);
+    damping(chapter);
+    counting(chapter);
+    cameras(chapter);
+}
+
+/// What a formula makes of a case: a matrix, a vector or a number.
+type Formula = fn(&Case) -> DMatrix<f64>;
+
+fn column(vector: DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_columns(&[vector])
+}
+
+fn number(value: f64) -> DMatrix<f64> {
+    DMatrix::from_element(1, 1, value)
+}
+
+/// Compares at random cases, relative to the size of the oracle's value.
+fn compared(
+    (against, tolerance, seed): (&'static str, f64, u64),
+    formula: Formula,
+    oracle: Formula,
+) -> Comparison {
+    let mut comparison = Comparison::relative(against, tolerance);
+    let mut random = Random::new(seed);
+    for _ in 0..STATES {
+        let case = Case::random(&mut random);
+        comparison.add(formula(&case).as_slice(), oracle(&case).as_slice());
+    }
+    comparison
+}
+
+fn blocks(chapter: &mut Chapter) {
+    let mutants: [(_, Formula); 5] = [
+        ("sign of the coupling", |case| arrow(case, 1.0, |w| -w)),
+        ("coupling dropped", |case| arrow(case, 1.0, |w| 0.0 * w)),
+        ("coupling in the next point", |case| {
+            arrow(case, 1.0, |mut w| {
+                w.swap_columns(0, 3);
+                w
+            })
+        }),
+        ("points held", |case| arrow(case, 0.0, |w| w)),
+        ("whitening dropped", |case| {
+            let mut plain = case.problem.clone();
+            plain.factors.iter_mut().for_each(|factor| factor.inverse_sigma = 1.0);
+            arrow_of(&plain, 1.0, |w| w)
+        }),
+    ];
+    chapter.equation("ba-blocks", ba_blocks, |case| arrow(case, 1.0, |w| w), &mutants);
+}
+
+fn ba_blocks(formula: Formula) -> Comparison {
+    let against = "the Jacobian of all pixels by all unknowns, by central differences";
+    compared((against, 1e-6, 1), formula, |case| {
+        let jacobian = case.jacobian_by_differences();
+        jacobian.tr_mul(&jacobian)
+    })
+}
+
+fn arrow(case: &Case, points: f64, change: fn(DMatrix<f64>) -> DMatrix<f64>) -> DMatrix<f64> {
+    arrow_of(&case.problem, points, change)
+}
+
+/// The whole matrix, summed block by block over the observations.
+fn arrow_of(problem: &Ba, points: f64, change: fn(DMatrix<f64>) -> DMatrix<f64>) -> DMatrix<f64> {
+    let moving: Vec<usize> = (0..problem.cameras.len()).filter(|k| !problem.fixed[*k]).collect();
+    let (cameras, size) = (6 * moving.len(), 3 * problem.points.len());
+    let mut whole = DMatrix::zeros(cameras + size, cameras + size);
+    let mut w = DMatrix::zeros(cameras, size);
+    for factor in &problem.factors {
+        let view = problem.cameras[factor.keyframe].differentiate(&problem.points[factor.point]);
+        let view = view.expect("the points lie in front of all cameras");
+        let (j, l) = (factor.inverse_sigma * view.by_camera, factor.inverse_sigma * view.by_point);
+        let point = 3 * factor.point;
+        let mut b = whole.fixed_view_mut::<3, 3>(cameras + point, cameras + point);
+        b += points * l.transpose() * l;
+        if let Some(k) = moving.iter().position(|k| *k == factor.keyframe) {
+            let mut a = whole.fixed_view_mut::<6, 6>(6 * k, 6 * k);
+            a += j.transpose() * j;
+            let mut coupling = w.fixed_view_mut::<6, 3>(6 * k, point);
+            coupling += j.transpose() * l;
+        }
+    }
+    let w = change(w);
+    whole.view_mut((0, cameras), (cameras, size)).copy_from(&w);
+    whole.view_mut((cameras, 0), (size, cameras)).tr_copy_from(&w);
+    whole
+}
+
+fn elimination(chapter: &mut Chapter) {
+    let formula: Formula = |case| {
+        let pull = case.points_pull() - case.w().tr_mul(&case.cameras_step);
+        column(inverse(case.b()) * pull)
+    };
+    let mutants: [(_, Formula); 4] = [
+        ("sign of the cameras", |case| {
+            column(inverse(case.b()) * (case.points_pull() + case.w().tr_mul(&case.cameras_step)))
+        }),
+        ("cameras dropped", |case| column(inverse(case.b()) * case.points_pull())),
+        ("block not inverted", |case| {
+            column(case.b() * (case.points_pull() - case.w().tr_mul(&case.cameras_step)))
+        }),
+        ("diagonal of the block only", |case| {
+            let pull = case.points_pull() - case.w().tr_mul(&case.cameras_step);
+            column(pull.component_div(&case.b().diagonal()))
+        }),
+    ];
+    chapter.equation("point-follows", point_follows, formula, &mutants);
+
+    let formula: Formula = |case| {
+        let (s, rhs) = case.solver().reduced_system(0.0).unwrap_or_default();
+        with_column(s, &rhs)
+    };
+    let mutants: [(_, Formula); 5] = [
+        ("sign", |case| reduced(case, 1.0, inverse(case.b()), 1.0)),
+        ("points held", |case| reduced(case, 0.0, inverse(case.b()), -1.0)),
+        ("block not inverted", |case| reduced(case, -1.0, case.b(), -1.0)),
+        ("right-hand side as before", |case| reduced(case, -1.0, inverse(case.b()), 0.0)),
+        ("diagonal of the block only", |case| {
+            let diagonal = DMatrix::from_diagonal(&case.b().diagonal());
+            reduced(case, -1.0, inverse(diagonal), -1.0)
+        }),
+    ];
+    chapter.equation("reduced-camera-system", reduced_camera_system, formula, &mutants);
+
+    let formula: Formula =
+        |case| number(case.cameras_step.dot(&(schur(case) * &case.cameras_step)));
+    let mutants: [(_, Formula); 3] = [
+        ("points held", |case| number(case.cameras_step.dot(&(case.a() * &case.cameras_step)))),
+        ("sign", |case| {
+            let s = 2.0 * case.a() - schur(case);
+            number(case.cameras_step.dot(&(s * &case.cameras_step)))
+        }),
+        ("inverse", |case| {
+            number(case.cameras_step.dot(&(inverse(schur(case)) * &case.cameras_step)))
+        }),
+    ];
+    chapter.equation("stiffness-left", stiffness_left, formula, &mutants);
+}
+
+fn point_follows(formula: Formula) -> Comparison {
+    let against = "the points that fit best once the cameras have moved, by singular values";
+    compared((against, 1e-8, 2), formula, |case| {
+        let left = &case.error - &case.by_cameras * &case.cameras_step;
+        column(best_fit(&case.by_points, &left))
+    })
+}
+
+/// A matrix with one more column.
+fn with_column(matrix: DMatrix<f64>, last: &DVector<f64>) -> DMatrix<f64> {
+    let columns = matrix.ncols();
+    let mut wider = matrix.insert_column(columns, 0.0);
+    wider.column_mut(columns).copy_from(last);
+    wider
+}
+
+/// The reduced system with its right-hand side, with signs and the inverse of the points' blocks
+/// to choose.
+fn reduced(case: &Case, sign: f64, inverse: DMatrix<f64>, rhs_sign: f64) -> DMatrix<f64> {
+    let through = case.w() * inverse;
+    let s = case.a() + sign * &through * case.w().transpose();
+    with_column(s, &(case.cameras_pull() + rhs_sign * through * case.points_pull()))
+}
+
+fn reduced_camera_system(formula: Formula) -> Comparison {
+    let against = "the equations less what lies in the span of the points' columns";
+    compared((against, 1e-8, 3), formula, |case| {
+        let rows = case.without_points(&case.by_cameras);
+        let error = case.without_points(&column(case.error.clone())).column(0).into_owned();
+        with_column(rows.tr_mul(&rows), &rows.tr_mul(&error))
+    })
+}
+
+fn schur(case: &Case) -> DMatrix<f64> {
+    case.a() - case.w() * inverse(case.b()) * case.w().transpose()
+}
+
+fn stiffness_left(formula: Formula) -> Comparison {
+    let against = "the pixels that still move when the points follow as well as they can";
+    compared((against, 1e-7, 4), formula, |case| {
+        let moved = &case.by_cameras * &case.cameras_step;
+        let follow = best_fit(&case.by_points, &-&moved);
+        number((moved + &case.by_points * follow).norm_squared())
+    })
+}
+
+fn pairs(chapter: &mut Chapter) {
+    let formula: Formula = |case| pair(case, |left, b, right| -left * b * right.transpose());
+    let mutants: [(_, Formula); 4] = [
+        ("sign", |case| pair(case, |left, b, right| left * b * right.transpose())),
+        ("cameras exchanged", |case| pair(case, |left, b, right| -right * b * left.transpose())),
+        ("one camera for both", |case| pair(case, |left, b, _| -left * b * left.transpose())),
+        ("block not inverted", |case| {
+            pair(case, |left, b, right| {
+                -left * b.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN)) * right.transpose()
+            })
+        }),
+    ];
+    chapter.equation("covisible-pairs", covisible_pairs, formula, &mutants);
+}
+
+/// The block of the reduced system that belongs to the two moving cameras: a sum over the points
+/// that both of them see.
+fn pair(
+    case: &Case,
+    term: fn(Matrix6x3<f64>, Matrix3<f64>, Matrix6x3<f64>) -> Matrix6<f64>,
+) -> DMatrix<f64> {
+    let (w, b) = (case.w(), case.b());
+    let sees = |camera, point| {
+        case.problem.factors.iter().any(|f| (f.keyframe, f.point) == (camera, point))
+    };
+    let shared = (0..case.problem.points.len()).filter(|point| sees(2, *point) && sees(3, *point));
+    let sum: Matrix6<f64> = shared
+        .map(|point| {
+            let block = b.fixed_view::<3, 3>(3 * point, 3 * point).try_inverse();
+            let [left, right] = [0, 6].map(|row| w.fixed_view::<6, 3>(row, 3 * point).into_owned());
+            term(left, block.unwrap_or(Matrix3::repeat(f64::NAN)), right)
+        })
+        .sum();
+    DMatrix::from_column_slice(6, 6, sum.as_slice())
+}
+
+fn covisible_pairs(formula: Formula) -> Comparison {
+    let against = "the inverse of the cameras' part of the inverse of the whole matrix";
+    compared((against, 1e-6, 5), formula, |case| {
+        let jacobian = case.jacobian();
+        let covariance = inverse(jacobian.tr_mul(&jacobian));
+        let information = inverse(covariance.view((0, 0), (12, 12)).into_owned());
+        information.view((0, 6), (6, 6)).into_owned()
+    })
+}
+
+fn factor(chapter: &mut Chapter) {
+    let formula: Formula = |case| couplings(case, |w, m| w * m.transpose());
+    let mutants: [(_, Formula); 4] = [
+        ("factor not transposed", |case| couplings(case, |w, m| w * m)),
+        ("factor for its inverse", |case| {
+            couplings(case, |w, m| w * m.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN)))
+        }),
+        ("whole inverse", |case| couplings(case, |w, m| w * m.transpose() * m)),
+        ("factor dropped", |case| couplings(case, |w, _| w)),
+    ];
+    chapter.equation("coupling-factor", coupling_factor, formula, &mutants);
+}
+
+/// For each camera and point what its coupling becomes.
+fn couplings(
+    case: &Case,
+    formula: fn(Matrix6x3<f64>, Matrix3<f64>) -> Matrix6x3<f64>,
+) -> DMatrix<f64> {
+    let (b, mut u) = (case.b(), case.w());
+    for point in 0..case.problem.points.len() {
+        let block = b.fixed_view::<3, 3>(3 * point, 3 * point).into_owned();
+        let inverse_factor = block.cholesky().and_then(|factor| factor.l().try_inverse());
+        let inverse_factor = inverse_factor.unwrap_or(Matrix3::repeat(f64::NAN));
+        for row in [0, 6] {
+            let mut coupling = u.fixed_view_mut::<6, 3>(row, 3 * point);
+            let w = coupling.clone_owned();
+            coupling.copy_from(&formula(w, inverse_factor));
+        }
+    }
+    u
+}
+
+fn coupling_factor(formula: Formula) -> Comparison {
+    let against = "the Cholesky factor of the whole matrix with the points first";
+    compared((against, 1e-8, 6), formula, |case| {
+        let (points, cameras) = (case.b().nrows(), case.a().nrows());
+        let mut whole = DMatrix::zeros(points + cameras, points + cameras);
+        whole.view_mut((0, 0), (points, points)).copy_from(&case.b());
+        whole.view_mut((points, points), (cameras, cameras)).copy_from(&case.a());
+        whole.view_mut((points, 0), (cameras, points)).copy_from(&case.w());
+        let factor = whole.cholesky().map(|factor| factor.l());
+        let factor =
+            factor.unwrap_or(DMatrix::from_element(points + cameras, points + cameras, f64::NAN));
+        factor.view((points, 0), (cameras, points)).into_owned()
+    })
+}
+
+fn damping(chapter: &mut Chapter) {
+    let formula: Formula = |case| {
+        let (s, rhs) = case.solver().reduced_system(case.damping).unwrap_or_default();
+        column(inverse(s) * rhs)
+    };
+    let mutants: [(_, Formula); 4] = [
+        ("damped after eliminating", |case| {
+            let rhs = case.cameras_pull() - case.w() * inverse(case.b()) * case.points_pull();
+            column(inverse(damped(schur(case), case.damping)) * rhs)
+        }),
+        ("points not damped", |case| damped_step(case, case.damping, 0.0)),
+        ("cameras not damped", |case| damped_step(case, 0.0, case.damping)),
+        ("damping dropped", |case| damped_step(case, 0.0, 0.0)),
+    ];
+    chapter.equation("damped-reduction", damped_reduction, formula, &mutants);
+
+    let formula: Formula =
+        |case| number(case.solver().step(case.damping).map_or(f64::NAN, |step| step.promised));
+    let mutants: [(_, Formula); 4] = [
+        ("points' own part dropped", |case| promise(case, [1.0, 0.0, 1.0])),
+        ("cameras' part dropped", |case| promise(case, [0.0, 1.0, 1.0])),
+        ("what damping holds back dropped", |case| promise(case, [1.0, 1.0, 0.0])),
+        ("sign of the damping", |case| promise(case, [1.0, 1.0, -1.0])),
+    ];
+    chapter.equation("promise-in-parts", promise_in_parts, formula, &mutants);
+}
+
+/// The cameras' step when cameras and points are damped like this.
+fn damped_step(case: &Case, cameras: f64, points: f64) -> DMatrix<f64> {
+    let through = case.w() * inverse(damped(case.b(), points));
+    let s = damped(case.a(), cameras) - &through * case.w().transpose();
+    column(inverse(s) * (case.cameras_pull() - through * case.points_pull()))
+}
+
+fn damped_reduction(formula: Formula) -> Comparison {
+    let against = "the whole problem with one more measurement of zero for each unknown";
+    compared((against, 1e-8, 7), formula, |case| {
+        let (jacobian, error) = case.with_measurements_of_zero(case.damping);
+        column(case.cameras_of(&best_fit(&jacobian, &error)))
+    })
+}
+
+/// The promise with its three parts weighted.
+fn promise(case: &Case, [cameras, points, held]: [f64; 3]) -> DMatrix<f64> {
+    let of_points = inverse(damped(case.b(), case.damping));
+    let through = case.w() * &of_points;
+    let s = damped(case.a(), case.damping) - &through * case.w().transpose();
+    let rhs = case.cameras_pull() - &through * case.points_pull();
+    let cameras_step = inverse(s) * &rhs;
+    let points_step = &of_points * (case.points_pull() - case.w().tr_mul(&cameras_step));
+    let weighted = |step: &DVector<f64>, diagonal: DVector<f64>| {
+        case.damping * step.component_mul(step).dot(&diagonal)
+    };
+    let held_back =
+        weighted(&cameras_step, case.a().diagonal()) + weighted(&points_step, case.b().diagonal());
+    let points_part = case.points_pull().dot(&(of_points * case.points_pull()));
+    number(0.5 * (cameras * rhs.dot(&cameras_step) + points * points_part + held * held_back))
+}
+
+fn promise_in_parts(formula: Formula) -> Comparison {
+    let against = "the cost of the linearized pixels before and after the step";
+    compared((against, 1e-8, 8), formula, |case| {
+        let (jacobian, error) = case.with_measurements_of_zero(case.damping);
+        let left = &case.error - case.jacobian() * best_fit(&jacobian, &error);
+        number(0.5 * (case.error.norm_squared() - left.norm_squared()))
+    })
+}
+
+fn counting(chapter: &mut Chapter) {
+    let formula: Count = |problem| {
+        let solver = Solver::new(problem, &Options::default());
+        solver.map_or(f64::NAN, |solver| solver.report(Stop::IterationLimit).block_products as f64)
+    };
+    let mutants: [(_, Count); 4] = [
+        ("a camera without itself", |problem| counted(problem, |n| n * (n - 1.0) / 2.0)),
+        ("both orders", |problem| counted(problem, |n| n * n)),
+        ("half dropped", |problem| counted(problem, |n| n * (n + 1.0))),
+        ("one for each observation", |problem| counted(problem, |n| n)),
+    ];
+    chapter.equation("block-products", block_products, formula, &mutants);
+}
+
+type Count = fn(&Ba) -> f64;
+
+/// The sum over points of what a formula makes of the number of moving cameras that see each.
+fn counted(problem: &Ba, formula: fn(f64) -> f64) -> f64 {
+    let mut seen = vec![0.0; problem.points.len()];
+    for factor in problem.factors.iter().filter(|factor| !problem.fixed[factor.keyframe]) {
+        seen[factor.point] += 1.0;
+    }
+    seen.into_iter().map(formula).sum()
+}
+
+fn block_products(formula: Count) -> Comparison {
+    let against = "the loop over all pairs of cameras and all points";
+    let mut comparison = Comparison::absolute(against, 0.1, "products");
+    let mut random = Random::new(9);
+    for seed in 0..30 {
+        let (cameras, reach) = (random.uniform(4.0..16.0) as usize, random.uniform(1.5..4.0));
+        let problem = Scene::street(cameras, reach, 1.0, seed).problem;
+        let mut sees = vec![vec![false; problem.points.len()]; cameras];
+        problem.factors.iter().for_each(|factor| sees[factor.keyframe][factor.point] = true);
+        let mut products = 0.0;
+        for (first, second) in (1..cameras).flat_map(|k| (1..=k).map(move |other| (k, other))) {
+            for point in 0..problem.points.len() {
+                let is_used = sees.iter().filter(|sees| sees[point]).count() > 1;
+                let both = sees[first][point] && sees[second][point];
+                products += f64::from(u8::from(is_used && both));
+            }
+        }
+        comparison.add(&[formula(&problem)], &[products]);
+    }
+    comparison
+}
+
+fn cameras(chapter: &mut Chapter) {
+    let formula: BalPixel =
+        |camera, point| camera.project(point).unwrap_or(Vector2::repeat(f64::NAN));
+    let mutants: [(_, BalPixel); 4] = [
+        ("looks along +z", |camera, point| -bal_pixel_with(camera, point, 1.0, |r2| r2)),
+        ("r for its square", |camera, point| bal_pixel_with(camera, point, 1.0, f64::sqrt)),
+        ("lens dropped", |camera, point| bal_pixel_with(camera, point, 0.0, |r2| r2)),
+        ("sign of the lens", |camera, point| bal_pixel_with(camera, point, -1.0, |r2| r2)),
+    ];
+    chapter.equation("bal-pixel", bal_pixel, formula, &mutants);
+}
+
+type BalPixel = fn(&BalCamera, &Vector3<f64>) -> Vector2<f64>;
+
+fn bal_pixel_with(
+    camera: &BalCamera,
+    point: &Vector3<f64>,
+    lens: f64,
+    of_square: fn(f64) -> f64,
+) -> Vector2<f64> {
+    let point = camera.rotation * point + camera.translation;
+    let slopes = -point.xy() / point.z;
+    let r2 = of_square(slopes.norm_squared());
+    let stretch = 1.0 + lens * (camera.radial[0] * r2 + camera.radial[1] * r2 * r2);
+    camera.focal_length * stretch * slopes
+}
+
+fn bal_pixel(formula: BalPixel) -> Comparison {
+    let against = "direction and distance from the middle of the picture, by angles";
+    let mut comparison = Comparison::absolute(against, 1e-8, "px");
+    let mut random = Random::new(10);
+    for _ in 0..STATES {
+        let camera = BalCamera {
+            rotation: random.rotation(3.0),
+            translation: random.direction(1.0),
+            focal_length: random.logarithmic(200.0..1500.0),
+            radial: [random.uniform(-0.3..0.3), random.uniform(-0.1..0.1)],
+        };
+        // A point in front of the camera in its own axes, of which z points backwards.
+        let in_camera =
+            Rotation3::new(std::f64::consts::PI * Vector3::x()) * random.point(2.0..20.0);
+        let in_world = camera.rotation.inverse() * (in_camera - camera.translation);
+        let off_axis = in_camera.angle(&-Vector3::z());
+        let around = in_camera.y.atan2(in_camera.x);
+        let r = off_axis.tan();
+        let [k1, k2] = camera.radial;
+        let distance = camera.focal_length * (r + k1 * r.powi(3) + k2 * r.powi(5));
+        let oracle = distance * Vector2::new(around.cos(), around.sin());
+        comparison.add(formula(&camera, &in_world).as_slice(), oracle.as_slice());
+    }
+    comparison
+}

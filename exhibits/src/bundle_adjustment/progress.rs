@@ -1,0 +1,158 @@
+//! Solves of the ring and of the street, and how they went.
+
+use std::collections::BTreeMap;
+
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::{BaReport, Camera, Options, Solver, Stop};
+
+use super::dense::Ba;
+
+/// Standard deviation of each coordinate of a pixel.
+pub const NOISE: f64 = 1.0;
+
+/// How far the cameras of the street see along it, in metres.
+pub const REACH: f64 = 2.5;
+
+/// The ring of the chapter.
+pub fn ring() -> Ba {
+    Scene::ring(8, 40, NOISE, 1).problem
+}
+
+/// A street so short that all of it can be drawn.
+pub fn short_street() -> Ba {
+    Scene::street(10, REACH, NOISE, 1).problem
+}
+
+/// A street that takes longer to solve than the ring.
+pub fn street() -> Ba {
+    Scene::street(30, REACH, NOISE, 1).problem
+}
+
+/// A street that is long enough for its structure to matter.
+pub fn long_street() -> Ba {
+    Scene::street(200, REACH, NOISE, 1).problem
+}
+
+/// A solve that goes on until no decrease is left.
+pub fn solved(problem: Ba) -> BaReport {
+    solved_from(problem, Options::default().damping)
+}
+
+/// The same with this damping at the start.
+pub fn solved_from(mut problem: Ba, damping: f64) -> BaReport {
+    let options = Options { relative_decrease: 1e-12, damping, ..Options::default() };
+    problem.solve(&options).expect("a problem")
+}
+
+/// How the end of the street is off, across it and in metres.
+pub struct Bend {
+    /// What is left to be moved after two iterations, by the camera in the middle.
+    pub half: f64,
+    /// The same by the last camera.
+    pub end: f64,
+    /// How far the last camera is from where it really stands after two iterations, and when all
+    /// are done.
+    pub plateau_from_truth: f64,
+    pub from_truth: f64,
+    /// The largest difference between where cameras end with the usual damping and with a light
+    /// one at the start.
+    pub by_damping: f64,
+}
+
+pub fn bend(light: f64) -> Bend {
+    let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
+    let cameras = |iterations: usize, damping: f64| {
+        let mut problem = street();
+        let options = Options { iterations, damping, relative_decrease: 1e-14 };
+        problem.solve(&options).expect("a problem");
+        problem.cameras
+    };
+    let usual = Options::default().damping;
+    let (early, late, lightly) = (cameras(2, usual), cameras(60, usual), cameras(60, light));
+    let left = |k: usize| (early[k].centre().y - late[k].centre().y).abs();
+    let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
+    let last = truth.len() - 1;
+    Bend {
+        half: left(truth.len() / 2),
+        end: left(last),
+        plateau_from_truth: (early[last].centre() - truth[last].centre()).y.abs(),
+        from_truth: (late[last].centre() - truth[last].centre()).y.abs(),
+        by_damping: apart.fold(0.0, f64::max),
+    }
+}
+
+/// What a report says before anything is solved.
+pub fn unsolved(problem: &Ba) -> BaReport {
+    let solver = Solver::new(problem, &Options::default()).expect("a problem");
+    solver.report(Stop::IterationLimit)
+}
+
+/// The ring with a second camera fixed, which fixes its size; its cost, and the costs at the end of
+/// the undamped step and of its opposite.
+pub fn step_and_its_opposite() -> [f64; 3] {
+    let mut problem = ring();
+    problem.fixed[1] = true;
+    let mut solver = Solver::new(&problem, &Options::default()).expect("a problem");
+    let step = solver.step(0.0).expect("nothing is free");
+    let mut opposite = problem.clone();
+    for (camera, change) in opposite.cameras.iter_mut().zip(&step.cameras) {
+        *camera = camera.retract(&-change);
+    }
+    for (point, change) in opposite.points.iter_mut().zip(&step.points) {
+        *point -= change;
+    }
+    [solver.cost(), step.cost, unsolved(&opposite).cost]
+}
+
+/// The street when its last camera has come back to the first ones and sees one of their points.
+pub fn closed(mut street: Ba) -> Ba {
+    let seen_by_second = street.factors.iter().filter(|factor| factor.keyframe == 1);
+    let nearest = |point: usize| street.points[point].x;
+    let point = seen_by_second
+        .map(|factor| factor.point)
+        .min_by(|a, b| nearest(*a).total_cmp(&nearest(*b)));
+    let point = point.expect("the second camera sees points");
+    let last = street.cameras.len() - 1;
+    // Where the pixel is makes no difference to the structure.
+    let mut factor = street.factors[0];
+    (factor.keyframe, factor.point) = (last, point);
+    street.factors.push(factor);
+    street
+}
+
+/// How many points each pair of moving cameras shares, by pairs with the larger index first.
+pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
+    let mut seen_by = vec![Vec::new(); problem.points.len()];
+    for factor in &problem.factors {
+        seen_by[factor.point].push(factor.keyframe);
+    }
+    let mut shared = BTreeMap::new();
+    for cameras in seen_by.iter().filter(|cameras| cameras.len() > 1) {
+        let moving: Vec<usize> = cameras.iter().copied().filter(|k| !problem.fixed[*k]).collect();
+        for (index, first) in moving.iter().enumerate() {
+            for second in &moving[..index] {
+                *shared.entry((*first, *second)).or_insert(0) += 1;
+            }
+        }
+    }
+    shared
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{closed, long_street, shared_points, short_street, unsolved};
+
+    #[test]
+    fn the_closed_street_has_one_observation_more_and_loses_none() {
+        let street = long_street();
+        let closed = unsolved(&closed(street.clone()));
+        assert_eq!(closed.dropped, unsolved(&street).dropped);
+    }
+
+    #[test]
+    fn cameras_of_the_street_share_points_with_near_ones_only() {
+        for (first, second) in shared_points(&short_street()).into_keys() {
+            assert!((1..=4).contains(&(first - second)));
+        }
+    }
+}

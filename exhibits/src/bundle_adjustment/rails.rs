@@ -1,0 +1,75 @@
+//! The example that is worked by hand: four cameras around one point, two of them on rails.
+
+use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, SVector, Vector2, Vector3};
+use vislam::bundle_adjustment::{Camera, Options, Solver, TinyBa, View};
+use vislam::reprojection::{Pinhole, ReprojFactor};
+
+const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
+
+/// Where the cameras stand: left, right, above, below. All look along z.
+pub const PLACES: [Vector3<f64>; 4] = [
+    Vector3::new(-1.0, 0.0, 0.0),
+    Vector3::new(1.0, 0.0, 0.0),
+    Vector3::new(0.0, -1.0, 0.0),
+    Vector3::new(0.0, 1.0, 0.0),
+];
+
+pub const POINT: Vector3<f64> = Vector3::new(0.0, 0.0, 4.0);
+
+/// By how many pixels the column that each camera measured is off.
+pub const OFF: [f64; 4] = [0.0, 0.0, 3.0, 1.0];
+
+/// A camera on a rail along x. It looks along z.
+#[derive(Clone)]
+pub struct OnRail(pub Vector3<f64>);
+
+impl Camera<1> for OnRail {
+    fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
+        CAMERA.project_cam(&(point_in_world - self.0))
+    }
+
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<1>> {
+        let camera_from_world = Isometry3::translation(-self.0.x, -self.0.y, -self.0.z);
+        let seen = CAMERA.project_with_jacobians(&camera_from_world, point_in_world)?;
+        // To push the camera to the right is to push the point to the left.
+        let by_camera: SMatrix<f64, 2, 1> = -seen.by_point.column(0);
+        Some(View { pixel: seen.pixel, by_camera, by_point: seen.by_point })
+    }
+
+    fn retract(&self, change: &SVector<f64, 1>) -> Self {
+        Self(self.0 + change[0] * Vector3::x())
+    }
+}
+
+pub fn solver() -> Solver<OnRail, 1> {
+    let cameras = PLACES.map(OnRail).to_vec();
+    let factors = (0..4).map(|keyframe| {
+        let pixel = cameras[keyframe].project(&POINT).expect("the point lies in front");
+        let pixel = pixel + OFF[keyframe] * Vector2::x();
+        ReprojFactor { keyframe, point: 0, pixel, inverse_sigma: 1.0 }
+    });
+    let mut problem = TinyBa::new(cameras.clone(), vec![POINT], factors.collect());
+    problem.fixed = vec![true, true, false, false];
+    Solver::new(&problem, &Options::default()).expect("a problem")
+}
+
+/// The curvature of each unknown before elimination: of a camera, and of the point along x.
+pub fn curvatures() -> (f64, f64) {
+    let rows = PLACES.map(|place| OnRail(place).differentiate(&POINT).expect("a pixel"));
+    let camera = rows[2].by_camera.norm_squared();
+    (camera, rows.iter().map(|row| row.by_point.column(0).norm_squared()).sum())
+}
+
+/// What pulls at the cameras on rails before elimination, and at the point along x.
+pub fn pulls() -> ([f64; 2], f64) {
+    let pull = |k: usize| {
+        let row = OnRail(PLACES[k]).differentiate(&POINT).expect("a pixel");
+        (row.by_camera[(0, 0)] * OFF[k], row.by_point[(0, 0)] * OFF[k])
+    };
+    ([pull(2).0, pull(3).0], (0..4).map(|k| pull(k).1).sum())
+}
+
+/// The reduced system and its right-hand side.
+pub fn reduced() -> (DMatrix<f64>, DVector<f64>) {
+    solver().reduced_system(0.0).expect("nothing is free")
+}
