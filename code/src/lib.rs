@@ -14,7 +14,9 @@
 
 pub mod bearing;
 pub mod bundle_adjustment;
+pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod preintegration;
 pub mod reprojection;
 pub mod two_views;

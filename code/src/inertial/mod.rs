@@ -1,0 +1,20 @@
+//! What an inertial measurement unit measures, and how a state moves with it.
+//!
+//! The body frame is that of the sensor. Rotations are `world_from_body`, positions and
+//! velocities are in the world, whose z axis points up against [`GRAVITY`]. The gyroscope
+//! gives the angular velocity in the body frame, in rad/s. The accelerometer gives the
+//! *specific force* in the body frame, in m/s²: acceleration less gravity, so that it reads
+//! +9.81 upward at rest. Where two sensors stand in one vector, the gyroscope comes first.
+
+mod camera;
+pub mod euroc;
+mod motion;
+mod noise;
+mod sample;
+mod state;
+
+pub use camera::CameraImu;
+pub use motion::{Angles, Course, Moment, Motion};
+pub use noise::{ImuNoise, NoiseError};
+pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
+pub use state::{GRAVITY, NavState};

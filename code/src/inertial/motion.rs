@@ -1,0 +1,219 @@
+//! Motions that are known exactly at every time, and what a perfect sensor reads on them.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::{ImuBias, ImuNoise, ImuSample, NavState};
+
+// ANCHOR: course
+/// A number that changes with time, c + r t + a t²/2 + A sin(ω t + θ), and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Course {
+    /// Its value c, in its unit.
+    pub value: f64,
+    /// Its rate r, per second.
+    pub rate: f64,
+    /// Its acceleration a, per second squared.
+    pub acceleration: f64,
+    /// The amplitude A of its oscillation, in its unit.
+    pub amplitude: f64,
+    /// The angular frequency ω of its oscillation, in rad/s.
+    pub frequency: f64,
+    /// The phase θ of its oscillation, in radians.
+    pub phase: f64,
+}
+
+impl Course {
+    /// Value, first and second derivative after `t` seconds.
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        let Self { value, rate, acceleration, amplitude, frequency, phase } = *self;
+        let (sin, cos) = (frequency * t + phase).sin_cos();
+        [
+            value + rate * t + 0.5 * acceleration * t * t + amplitude * sin,
+            rate + acceleration * t + amplitude * frequency * cos,
+            acceleration - amplitude * frequency * frequency * sin,
+        ]
+    }
+    // ANCHOR_END: course
+
+    /// A number that stays as it is.
+    pub fn constant(value: f64) -> Self {
+        Self { value, ..Self::default() }
+    }
+
+    /// A number that begins at zero and changes at a rate.
+    pub fn linear(rate: f64) -> Self {
+        Self { rate, ..Self::default() }
+    }
+
+    /// An oscillation A sin(ω t + θ).
+    pub fn wave(amplitude: f64, frequency: f64, phase: f64) -> Self {
+        Self { amplitude, frequency, phase, ..Self::default() }
+    }
+}
+
+/// Angles of the body in the world, in radians: the rotation is
+/// `Rz(yaw) Ry(pitch) Rx(roll)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Angles {
+    /// About the vertical.
+    pub yaw: Course,
+    /// About the axis to the left, after the yaw.
+    pub pitch: Course,
+    /// About the axis ahead, after yaw and pitch.
+    pub roll: Course,
+}
+
+// ANCHOR: motion
+/// A motion by formula: the three coordinates of the position in the world, in metres, and the
+/// angles.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// Coordinates in the world, in metres.
+    pub position: [Course; 3],
+    /// How the body is turned.
+    pub angles: Angles,
+}
+
+/// All there is to know about a motion at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Where the body is, how it is turned and how fast it goes.
+    pub state: NavState,
+    /// Its angular velocity, in the body frame, in rad/s.
+    pub angular_velocity: Vector3<f64>,
+    /// Its acceleration, in the world, in m/s².
+    pub acceleration: Vector3<f64>,
+}
+
+impl Moment {
+    /// What a perfect sensor reads: the specific force Rᵀ (a − g).
+    pub fn sample(&self, gravity: &Vector3<f64>) -> ImuSample {
+        let body_from_world = self.state.world_from_body.inverse();
+        let accelerometer = body_from_world * (self.acceleration - gravity);
+        ImuSample { gyro: self.angular_velocity, accelerometer }
+    }
+}
+// ANCHOR_END: motion
+
+impl Motion {
+    // ANCHOR: moment
+    /// The motion after `t` seconds.
+    pub fn at(&self, t: f64) -> Moment {
+        let [x, y, z] = self.position.map(|course| course.at(t));
+        let [yaw, yaw_rate, _] = self.angles.yaw.at(t);
+        let [pitch, pitch_rate, _] = self.angles.pitch.at(t);
+        let [roll, roll_rate, _] = self.angles.roll.at(t);
+        let about_z = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+        let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
+        let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
+        // Each rate turns about its axis as the later rotations leave it.
+        let yawing = about_y.inverse() * Vector3::z() * yaw_rate;
+        let pitching = about_x.inverse() * (Vector3::y() * pitch_rate + yawing);
+        Moment {
+            state: NavState {
+                world_from_body: about_z * about_y * about_x,
+                velocity: Vector3::new(x[1], y[1], z[1]),
+                position: Vector3::new(x[0], y[0], z[0]),
+            },
+            angular_velocity: Vector3::x() * roll_rate + pitching,
+            acceleration: Vector3::new(x[2], y[2], z[2]),
+        }
+    }
+    // ANCHOR_END: moment
+
+    /// What a perfect sensor reads at the times 0, dt, 2 dt, …, `count` of them.
+    pub fn samples(&self, gravity: &Vector3<f64>, dt: f64, count: usize) -> Vec<ImuSample> {
+        (0..count).map(|k| self.at(k as f64 * dt).sample(gravity)).collect()
+    }
+
+    // ANCHOR: motions
+    /// Standing still in the air.
+    pub fn hover() -> Self {
+        Self::default()
+    }
+
+    /// Turning about the vertical without moving, at `rate` rad/s.
+    pub fn turn_on_the_spot(rate: f64) -> Self {
+        Self { angles: Angles { yaw: Course::linear(rate), ..Angles::default() }, ..Self::default() }
+    }
+
+    /// A level circle to the left from the origin, nose ahead, at `speed` m/s and `rate` rad/s.
+    /// In the body frame the acceleration is constant.
+    pub fn level_turn(speed: f64, rate: f64) -> Self {
+        let radius = speed / rate;
+        let y = Course { value: radius, ..Course::wave(radius, rate, -FRAC_PI_2) };
+        let position = [Course::wave(radius, rate, 0.0), y, Course::default()];
+        Self { position, ..Self::turn_on_the_spot(rate) }
+    }
+
+    /// A figure-eight, six metres by three, that rises and falls, with the nose swinging and the
+    /// body rolling and pitching: every axis turns and accelerates, and nothing stays constant.
+    pub fn figure_eight() -> Self {
+        let position =
+            [Course::wave(3.0, 0.8, 0.0), Course::wave(1.5, 1.6, 0.0), Course::wave(0.5, 1.1, 0.4)];
+        let yaw = Course::wave(1.0, 0.9, 0.2);
+        let pitch = Course::wave(0.3, 1.3, 1.0);
+        let roll = Course::wave(0.4, 1.7, 0.0);
+        Self { position, angles: Angles { yaw, pitch, roll } }
+    }
+    // ANCHOR_END: motions
+
+    /// Straight ahead at `velocity` m/s in the world, with the angles given.
+    pub fn constant_velocity(velocity: &Vector3<f64>, angles: Angles) -> Self {
+        Self { position: [0, 1, 2].map(|axis| Course::linear(velocity[axis])), angles }
+    }
+
+    /// From rest with a constant `acceleration` in the world, in m/s², with the angles given.
+    pub fn constant_acceleration(acceleration: &Vector3<f64>, angles: Angles) -> Self {
+        let along = |axis: usize| Course { acceleration: acceleration[axis], ..Course::default() };
+        Self { position: [0, 1, 2].map(along), angles }
+    }
+
+    // ANCHOR: body_acceleration
+    /// From rest with an `acceleration` that is constant in the frame of a body that turns about
+    /// the vertical, in m/s² and at `rate` rad/s. A rate of zero has no such formula: that is
+    /// [`Motion::constant_acceleration`].
+    pub fn constant_body_acceleration(acceleration: &Vector3<f64>, rate: f64) -> Self {
+        let size = acceleration.xy().norm();
+        let direction = acceleration.y.atan2(acceleration.x);
+        // The acceleration is that of a wave; what it leaves at time zero is taken off.
+        let level = |phase: f64| {
+            let wave = Course::wave(-size / (rate * rate), rate, phase);
+            let [value, speed, _] = wave.at(0.0);
+            Course { value: -value, rate: -speed, ..wave }
+        };
+        let up = Course { acceleration: acceleration.z, ..Course::default() };
+        let position = [level(direction + FRAC_PI_2), level(direction), up];
+        Self { position, ..Self::turn_on_the_spot(rate) }
+    }
+    // ANCHOR_END: body_acceleration
+}
+
+// ANCHOR: corrupt
+impl ImuNoise {
+    /// A perfect reading as a sensor with this noise and a bias gives it, for a step of `dt`
+    /// seconds. `normal` draws from the normal distribution with mean zero and variance one.
+    pub fn corrupt(
+        &self,
+        sample: &ImuSample,
+        bias: &ImuBias,
+        dt: f64,
+        mut normal: impl FnMut() -> f64,
+    ) -> ImuSample {
+        let root = dt.sqrt();
+        let mut noise = |density: f64| Vector3::from_fn(|_, _| density / root * normal());
+        let (gyro, accelerometer) = (noise(self.gyro), noise(self.accelerometer));
+        sample.biased(bias).biased(&ImuBias { gyro, accelerometer })
+    }
+
+    /// The bias `seconds` later, after its random walk.
+    pub fn walk(&self, bias: &ImuBias, seconds: f64, mut normal: impl FnMut() -> f64) -> ImuBias {
+        let root = seconds.sqrt();
+        let mut step = |density: f64| Vector3::from_fn(|_, _| density * root * normal());
+        let (gyro, accelerometer) = (step(self.gyro_walk), step(self.accelerometer_walk));
+        ImuBias { gyro: bias.gyro + gyro, accelerometer: bias.accelerometer + accelerometer }
+    }
+}
+// ANCHOR_END: corrupt

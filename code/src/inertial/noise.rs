@@ -1,0 +1,82 @@
+//! How noisy an inertial measurement unit is.
+
+use nalgebra::{Matrix6, Vector6};
+use thiserror::Error;
+
+// ANCHOR: noise
+/// Noise as continuous densities, the same along all axes. The variance of a reading depends on
+/// the step it stands for; the density does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImuNoise {
+    /// White noise of the gyroscope, in rad/s/√Hz.
+    pub gyro: f64,
+    /// White noise of the accelerometer, in m/s²/√Hz.
+    pub accelerometer: f64,
+    /// Random walk of the gyroscope's bias, in rad/s²/√Hz.
+    pub gyro_walk: f64,
+    /// Random walk of the accelerometer's bias, in m/s³/√Hz.
+    pub accelerometer_walk: f64,
+}
+
+impl ImuNoise {
+    /// A poor sensor, as in cheap consumer devices.
+    pub const fn mems() -> Self {
+        Self { gyro: 3.5e-3, accelerometer: 2.0e-2, gyro_walk: 2e-4, accelerometer_walk: 1e-2 }
+    }
+
+    /// The sensor of the EuRoC flights, an ADIS16448, as its data set gives it.
+    pub const fn euroc() -> Self {
+        Self {
+            gyro: 1.6968e-4,
+            accelerometer: 2.0e-3,
+            gyro_walk: 1.9393e-5,
+            accelerometer_walk: 3.0e-3,
+        }
+    }
+}
+// ANCHOR_END: noise
+
+impl ImuNoise {
+    // ANCHOR: discrete
+    /// The 6×6 covariance of a reading that stands for a step of `dt` seconds, gyroscope first:
+    /// density squared over the step. A shorter step averages over less time.
+    pub fn discrete(&self, dt: f64) -> Matrix6<f64> {
+        let (g, a) = (self.gyro * self.gyro / dt, self.accelerometer * self.accelerometer / dt);
+        Matrix6::from_diagonal(&Vector6::new(g, g, g, a, a, a))
+    }
+
+    /// The 6×6 covariance of how far the biases walk in `seconds`, gyroscope first: density
+    /// squared times the time.
+    pub fn bias_walk(&self, seconds: f64) -> Matrix6<f64> {
+        let (g, a) = (self.gyro_walk.powi(2) * seconds, self.accelerometer_walk.powi(2) * seconds);
+        Matrix6::from_diagonal(&Vector6::new(g, g, g, a, a, a))
+    }
+    // ANCHOR_END: discrete
+
+    /// Whether the densities can be those of a sensor. Zero is allowed: it switches a source of
+    /// noise off.
+    ///
+    /// # Errors
+    ///
+    /// [`NoiseError`] names the first density that is negative or not finite.
+    pub fn check(&self) -> Result<(), NoiseError> {
+        let named = [
+            ("gyro", self.gyro),
+            ("accelerometer", self.accelerometer),
+            ("gyro_walk", self.gyro_walk),
+            ("accelerometer_walk", self.accelerometer_walk),
+        ];
+        let bad = named.into_iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite()));
+        bad.map_or(Ok(()), |(name, value)| Err(NoiseError { name, value }))
+    }
+}
+
+/// A density is none.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("the noise density `{name}` is {value}; give a finite number that is not negative")]
+pub struct NoiseError {
+    /// Its field in [`ImuNoise`].
+    pub name: &'static str,
+    /// The value given.
+    pub value: f64,
+}

@@ -1,0 +1,189 @@
+//! Readings of an inertial measurement unit.
+
+use nalgebra::{Vector3, Vector6};
+use thiserror::Error;
+
+// ANCHOR: sample
+/// One reading, in the body frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImuSample {
+    /// Angular velocity, in rad/s.
+    pub gyro: Vector3<f64>,
+    /// Specific force, acceleration less gravity, in m/s².
+    pub accelerometer: Vector3<f64>,
+}
+
+/// What the sensors add to every reading, changing slowly.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ImuBias {
+    /// Of the gyroscope, in rad/s.
+    pub gyro: Vector3<f64>,
+    /// Of the accelerometer, in m/s².
+    pub accelerometer: Vector3<f64>,
+}
+// ANCHOR_END: sample
+
+impl ImuSample {
+    // ANCHOR: corrected
+    /// The reading less the bias.
+    pub fn corrected(&self, bias: &ImuBias) -> Self {
+        Self {
+            gyro: self.gyro - bias.gyro,
+            accelerometer: self.accelerometer - bias.accelerometer,
+        }
+    }
+    // ANCHOR_END: corrected
+
+    /// The reading plus the bias, as a sensor with that bias gives it.
+    pub fn biased(&self, bias: &ImuBias) -> Self {
+        Self {
+            gyro: self.gyro + bias.gyro,
+            accelerometer: self.accelerometer + bias.accelerometer,
+        }
+    }
+
+    /// The reading halfway between two.
+    pub fn mean(first: &Self, second: &Self) -> Self {
+        Self {
+            gyro: 0.5 * (first.gyro + second.gyro),
+            accelerometer: 0.5 * (first.accelerometer + second.accelerometer),
+        }
+    }
+
+    /// Whether all six numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.gyro.iter().chain(self.accelerometer.iter()).all(|value| value.is_finite())
+    }
+}
+
+impl ImuBias {
+    /// The bias as six numbers, gyroscope first.
+    pub fn vector(&self) -> Vector6<f64> {
+        let (g, a) = (&self.gyro, &self.accelerometer);
+        Vector6::new(g.x, g.y, g.z, a.x, a.y, a.z)
+    }
+
+    /// The bias of six numbers, gyroscope first.
+    pub fn from_vector(vector: &Vector6<f64>) -> Self {
+        Self {
+            gyro: vector.fixed_rows::<3>(0).into(),
+            accelerometer: vector.fixed_rows::<3>(3).into(),
+        }
+    }
+
+    /// Whether all six numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.vector().iter().all(|value| value.is_finite())
+    }
+}
+
+// ANCHOR: stamped
+/// A reading and when it was taken, on the clock of the sensor. The clock counts in integers
+/// because a time since 1970 in nanoseconds does not fit into the digits of an `f64`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StampedSample {
+    /// Time, in nanoseconds.
+    pub nanoseconds: i64,
+    /// The reading.
+    pub sample: ImuSample,
+}
+
+impl StampedSample {
+    /// Seconds from this reading to another one, negative when that one is earlier.
+    pub fn seconds_to(&self, later: &Self) -> f64 {
+        seconds_between(self.nanoseconds, later.nanoseconds)
+    }
+
+    /// The reading at a time between two, on the straight line through them. Outside of them
+    /// the line goes on; two readings at one time give the first.
+    pub fn interpolate(first: &Self, second: &Self, nanoseconds: i64) -> Self {
+        let whole = first.seconds_to(second);
+        let part = seconds_between(first.nanoseconds, nanoseconds);
+        let weight = if whole == 0.0 { 0.0 } else { part / whole };
+        let (a, b) = (&first.sample, &second.sample);
+        let sample = ImuSample {
+            gyro: a.gyro + weight * (b.gyro - a.gyro),
+            accelerometer: a.accelerometer + weight * (b.accelerometer - a.accelerometer),
+        };
+        Self { nanoseconds, sample }
+    }
+}
+// ANCHOR_END: stamped
+
+/// The difference as a float; times may lie at the ends of their range.
+fn seconds_between(from: i64, to: i64) -> f64 {
+    1e-9 * (i128::from(to) - i128::from(from)) as f64
+}
+
+// ANCHOR: between
+/// The readings from one time to another. Images seldom come at the time of a reading, so the
+/// first and the last are interpolated where they do not.
+///
+/// # Errors
+///
+/// [`WindowError`] when the times are not in order or not covered by the readings, or when the
+/// readings are not in order.
+pub fn between(
+    samples: &[StampedSample],
+    start: i64,
+    end: i64,
+) -> Result<Vec<StampedSample>, WindowError> {
+    if start >= end {
+        return Err(WindowError::Order { start, end });
+    }
+    // The last reading that is not after the start, and the first that is not before the end.
+    let first = samples.partition_point(|sample| sample.nanoseconds <= start);
+    let last = samples.partition_point(|sample| sample.nanoseconds < end);
+    if first == 0 || last == samples.len() {
+        return Err(WindowError::NotCovered { start, end });
+    }
+    let mut window = samples[first - 1..=last.max(first - 1)].to_vec();
+    cut(&mut window, start, end)?;
+    Ok(window)
+}
+// ANCHOR_END: between
+
+/// Moves the first reading to the start and the last one to the end.
+fn cut(window: &mut [StampedSample], start: i64, end: i64) -> Result<(), WindowError> {
+    if let Some(late) = window.windows(2).position(|w| w[0].nanoseconds >= w[1].nanoseconds) {
+        return Err(WindowError::Unsorted { nanoseconds: window[late + 1].nanoseconds });
+    }
+    let count = window.len();
+    if count < 2 {
+        return Err(WindowError::NotCovered { start, end });
+    }
+    let first = StampedSample::interpolate(&window[0], &window[1], start);
+    let last = StampedSample::interpolate(&window[count - 2], &window[count - 1], end);
+    (window[0], window[count - 1]) = (first, last);
+    Ok(())
+}
+
+/// Why there are no readings for an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum WindowError {
+    /// The interval is empty.
+    #[error("the interval from {start} ns to {end} ns is empty; give an end after the start")]
+    Order {
+        /// Start given, in nanoseconds.
+        start: i64,
+        /// End given, in nanoseconds.
+        end: i64,
+    },
+    /// There is no reading before the start or after the end.
+    #[error(
+        "the readings do not cover {start} ns to {end} ns; there must be one at or before the \
+         start and one at or after the end"
+    )]
+    NotCovered {
+        /// Start given, in nanoseconds.
+        start: i64,
+        /// End given, in nanoseconds.
+        end: i64,
+    },
+    /// Readings are not in the order of their times.
+    #[error("the reading at {nanoseconds} ns is not later than the one before; sort them")]
+    Unsorted {
+        /// Time of the reading that is late, in nanoseconds.
+        nanoseconds: i64,
+    },
+}

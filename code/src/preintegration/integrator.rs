@@ -1,0 +1,313 @@
+//! The sums over the readings, one reading at a time.
+//!
+//! The error of the attitude is held as a rotation vector θ = ΔR φ in the *first* body frame.
+//! There it stays where it is while the body turns, and of the error dynamics only two cross
+//! products are left. What is handed out is in the order and frames of the module.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
+use crate::inertial::{ImuBias, ImuNoise, ImuSample};
+use crate::manifold::so3;
+
+// ANCHOR: preintegrator
+/// Sums up readings one by one. [`Preintegrator::finish`] gives the result so far, and more
+/// readings may follow.
+#[derive(Debug, Clone)]
+pub struct Preintegrator {
+    /// Steps longer than this, in seconds, are refused as gaps. At first [`LONGEST_STEP`].
+    pub longest_step: f64,
+    bias: ImuBias,
+    noise: ImuNoise,
+    duration: f64,
+    steps: usize,
+    greatest_force_squared: f64,
+    deltas: Deltas,
+    covariance: Covariance,
+    jacobian: Jacobian,
+}
+// ANCHOR_END: preintegrator
+
+/// Second moments of the errors θ, v and p; the blocks on and below the diagonal.
+#[derive(Debug, Clone, Default)]
+struct Covariance {
+    tt: Matrix3<f64>,
+    vt: Matrix3<f64>,
+    vv: Matrix3<f64>,
+    pt: Matrix3<f64>,
+    pv: Matrix3<f64>,
+    pp: Matrix3<f64>,
+}
+
+/// Derivatives of θ, v and p by the biases of gyroscope and accelerometer.
+#[derive(Debug, Clone, Default)]
+struct Jacobian {
+    theta_gyro: Matrix3<f64>,
+    velocity_gyro: Matrix3<f64>,
+    position_gyro: Matrix3<f64>,
+    velocity_accelerometer: Matrix3<f64>,
+    position_accelerometer: Matrix3<f64>,
+}
+
+// ANCHOR: step
+/// What one step adds, by whichever rule.
+struct Step {
+    dt: f64,
+    /// The rotation at its end.
+    rotation: Rotation3<f64>,
+    /// The rotation that turns the force into the first frame.
+    along: Rotation3<f64>,
+    /// What the velocity gains.
+    velocity: Vector3<f64>,
+    /// Derivative of θ at the end of the step by the angular velocity.
+    turned: Matrix3<f64>,
+    /// The same where the force acts, if that is not the beginning.
+    turned_halfway: Option<Matrix3<f64>>,
+}
+// ANCHOR_END: step
+
+impl Preintegrator {
+    /// Sums that are empty.
+    ///
+    /// # Errors
+    ///
+    /// [`PreintegrationError::Bias`] or [`PreintegrationError::Noise`] when these cannot be used.
+    pub fn new(bias: &ImuBias, noise: &ImuNoise) -> Result<Self, PreintegrationError> {
+        noise.check()?;
+        if !bias.is_finite() {
+            let (gyro, accelerometer) = (bias.gyro.into(), bias.accelerometer.into());
+            return Err(PreintegrationError::Bias { gyro, accelerometer });
+        }
+        let (rotation, zero) = (Rotation3::identity(), Vector3::zeros());
+        Ok(Self {
+            longest_step: LONGEST_STEP,
+            bias: *bias,
+            noise: *noise,
+            duration: 0.0,
+            steps: 0,
+            greatest_force_squared: 0.0,
+            deltas: Deltas { rotation, velocity: zero, position: zero },
+            covariance: Covariance::default(),
+            jacobian: Jacobian::default(),
+        })
+    }
+
+    // ANCHOR: integrate
+    /// Adds a step of `dt` seconds in which the reading holds: the left rule.
+    ///
+    /// # Errors
+    ///
+    /// [`PreintegrationError::Step`], [`PreintegrationError::Gap`] or
+    /// [`PreintegrationError::Sample`]; the sums stay as they were.
+    pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
+        self.check(sample, dt)?;
+        let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
+        let along = self.deltas.rotation;
+        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * gyro));
+        let rotation = along * turn;
+        self.advance(&Step {
+            dt,
+            rotation,
+            along,
+            velocity: dt * (along * accelerometer),
+            turned: dt * (rotation.matrix() * right_jacobian),
+            turned_halfway: None,
+        });
+        self.note_force(&accelerometer);
+        Ok(())
+    }
+    // ANCHOR_END: integrate
+
+    // ANCHOR: integrate_midpoint
+    /// Adds a step of `dt` seconds between two readings: the midpoint rule.
+    ///
+    /// Neighbouring steps share a reading and its noise. The covariance treats each step as one
+    /// reading with noise of its own, which sums to the same but for half a reading at each end.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Preintegrator::integrate`].
+    pub fn integrate_midpoint(
+        &mut self,
+        start: &ImuSample,
+        end: &ImuSample,
+        dt: f64,
+    ) -> Result<(), PreintegrationError> {
+        self.check(start, dt)?;
+        self.check(end, dt)?;
+        let ImuSample { gyro, accelerometer } =
+            ImuSample::mean(start, end).corrected(&self.bias);
+        let (half_turn, half_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * gyro));
+        let along = self.deltas.rotation * half_turn;
+        let rotation = along * half_turn;
+        let halfway = 0.5 * dt * (along.matrix() * half_jacobian);
+        self.advance(&Step {
+            dt,
+            rotation,
+            along,
+            velocity: dt * (along * accelerometer),
+            // The second half turns like the first, from where that ends.
+            turned: halfway + 0.5 * dt * (rotation.matrix() * half_jacobian),
+            turned_halfway: Some(halfway),
+        });
+        self.note_force(&accelerometer);
+        Ok(())
+    }
+    // ANCHOR_END: integrate_midpoint
+
+    fn note_force(&mut self, force: &Vector3<f64>) {
+        self.greatest_force_squared = self.greatest_force_squared.max(force.norm_squared());
+    }
+
+    /// Whether a reading and the step it stands for can be used.
+    fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
+        let (step, longest) = (self.steps, self.longest_step);
+        if dt > 0.0 && dt <= longest && sample.is_finite() {
+            return Ok(());
+        }
+        Err(if dt.is_nan() || dt <= 0.0 {
+            PreintegrationError::Step { step, dt }
+        } else if sample.is_finite() {
+            PreintegrationError::Gap { step, dt, longest }
+        } else {
+            let (gyro, accelerometer) = (sample.gyro.into(), sample.accelerometer.into());
+            PreintegrationError::Sample { step, gyro, accelerometer }
+        })
+    }
+
+    // ANCHOR: advance
+    /// Covariance and Jacobians use the deltas and one another as they are before the step, so
+    /// the order of the lines matters.
+    fn advance(&mut self, step: &Step) {
+        self.covariance.advance(step, &self.noise);
+        self.jacobian.advance(step);
+        let dt = step.dt;
+        self.deltas.position += dt * (self.deltas.velocity + 0.5 * step.velocity);
+        self.deltas.velocity += step.velocity;
+        self.deltas.rotation = step.rotation;
+        self.duration += dt;
+        self.steps += 1;
+    }
+    // ANCHOR_END: advance
+
+    // ANCHOR: finish
+    /// The sums so far.
+    ///
+    /// # Errors
+    ///
+    /// [`PreintegrationError::Empty`] before the first step, [`PreintegrationError::Overflow`]
+    /// when the readings were too large to be summed.
+    pub fn finish(&self) -> Result<Preintegrated, PreintegrationError> {
+        if self.steps == 0 {
+            return Err(PreintegrationError::Empty);
+        }
+        let body_from_first = self.deltas.rotation.matrix().transpose();
+        let covariance = self.covariance.assemble(&body_from_first);
+        let bias_jacobian = self.jacobian.assemble(&body_from_first);
+        let Self { duration, steps, deltas, bias, .. } = *self;
+        let finite = |entries: &[f64]| entries.iter().all(|entry| entry.is_finite());
+        let position_is_finite = finite(deltas.position.as_slice());
+        if !(finite(covariance.as_slice()) && finite(bias_jacobian.as_slice()) && position_is_finite)
+        {
+            return Err(PreintegrationError::Overflow { steps });
+        }
+        let greatest_force = self.greatest_force_squared.sqrt();
+        Ok(Preintegrated { duration, steps, deltas, covariance, bias_jacobian, bias, greatest_force })
+    }
+    // ANCHOR_END: finish
+}
+
+impl Covariance {
+    // ANCHOR: advance_covariance
+    /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
+    /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
+    /// of the accelerometer.
+    fn advance(&mut self, step: &Step, noise: &ImuNoise) {
+        let Step { dt, velocity: c, turned, turned_halfway, .. } = step;
+        let (dt, half) = (*dt, 0.5 * dt);
+        let gyro_variance = noise.gyro * noise.gyro / dt;
+        let scaled = gyro_variance * turned.transpose();
+        let (mut theta_acting, mut theta_across) = (self.tt, self.tt);
+        if let Some(halfway) = turned_halfway {
+            theta_acting += gyro_variance * (halfway * halfway.transpose());
+            theta_across += halfway * scaled;
+        }
+        let dt_theta = -cross(c, &theta_across);
+        let (dv, dp) = (-cross(c, &self.vt.transpose()), -cross(c, &self.pt.transpose()));
+        let white = Matrix3::from_diagonal_element(noise.accelerometer * noise.accelerometer * dt);
+        let dd = white + cross(c, &cross(c, &theta_acting).transpose());
+        let both = dv + dv.transpose() + dd;
+        self.pp += dt * (self.pv + self.pv.transpose() + half * (2.0 * self.vv + both))
+            + half * (dp + dp.transpose()) - half * half * dd;
+        self.pv += dp.transpose() + dt * (self.vv + dv.transpose()) + half * (dv + dd);
+        self.vv += both;
+        self.pt += dt * self.vt + half * dt_theta;
+        self.vt += dt_theta;
+        self.tt += turned * scaled;
+    }
+    // ANCHOR_END: advance_covariance
+
+    // ANCHOR: assemble
+    /// The covariance of (φ, v, p): φ is θ seen from the last body frame.
+    fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9 {
+        let b = body_from_first;
+        let (vt, pt) = (self.vt * b.transpose(), self.pt * b.transpose());
+        let symmetric = |m: &Matrix3<f64>| 0.5 * (m + m.transpose());
+        let mut covariance = Matrix9::zeros();
+        let mut put = |row, column, block: &Matrix3<f64>| {
+            covariance.fixed_view_mut::<3, 3>(row, column).copy_from(block);
+            covariance.fixed_view_mut::<3, 3>(column, row).copy_from(&block.transpose());
+        };
+        put(0, 0, &symmetric(&(b * self.tt * b.transpose())));
+        put(3, 0, &vt);
+        put(6, 0, &pt);
+        put(3, 3, &symmetric(&self.vv));
+        put(6, 3, &self.pv);
+        put(6, 6, &symmetric(&self.pp));
+        covariance
+    }
+    // ANCHOR_END: assemble
+}
+
+impl Jacobian {
+    // ANCHOR: advance_jacobian
+    /// A bias enters like an angular velocity and a force of the opposite sign.
+    fn advance(&mut self, step: &Step) {
+        let Step { dt, velocity: c, turned, turned_halfway, along, .. } = step;
+        let (dt, half) = (*dt, 0.5 * dt);
+        let theta = turned_halfway.map_or(self.theta_gyro, |halfway| self.theta_gyro - halfway);
+        let by_gyro = -cross(c, &theta);
+        let by_accelerometer = -dt * along.matrix();
+        self.position_gyro += dt * self.velocity_gyro + half * by_gyro;
+        self.position_accelerometer += dt * self.velocity_accelerometer + half * by_accelerometer;
+        self.velocity_gyro += by_gyro;
+        self.velocity_accelerometer += by_accelerometer;
+        self.theta_gyro -= turned;
+    }
+    // ANCHOR_END: advance_jacobian
+
+    /// The derivative of (φ, v, p): φ is θ seen from the last body frame.
+    fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9x6 {
+        let mut jacobian = Matrix9x6::zeros();
+        let mut put = |row, column, block: &Matrix3<f64>| {
+            jacobian.fixed_view_mut::<3, 3>(row, column).copy_from(block);
+        };
+        put(0, 0, &(body_from_first * self.theta_gyro));
+        put(3, 0, &self.velocity_gyro);
+        put(6, 0, &self.position_gyro);
+        put(3, 3, &self.velocity_accelerometer);
+        put(6, 3, &self.position_accelerometer);
+        jacobian
+    }
+}
+
+// ANCHOR: cross
+/// c × each column, without the products by the zeros of the skew-symmetric matrix.
+fn cross(c: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
+    let column = |k: usize| {
+        let (x, y, z) = (m[(0, k)], m[(1, k)], m[(2, k)]);
+        Vector3::new(c.y * z - c.z * y, c.z * x - c.x * z, c.x * y - c.y * x)
+    };
+    Matrix3::from_columns(&[column(0), column(1), column(2)])
+}
+// ANCHOR_END: cross
