@@ -228,7 +228,11 @@ fn a_camera_sits_at_the_end_of_its_lever_arm() {
     let (camera, state) = (camera(), Motion::figure_eight().at(0.8).state);
     let lever = camera.body_from_camera.translation.vector;
     let centre = state.position + state.world_from_body * lever;
-    assert_abs_diff_eq!(camera.world_from_camera(&state).translation.vector, centre, epsilon = 1e-14);
+    assert_abs_diff_eq!(
+        camera.world_from_camera(&state).translation.vector,
+        centre,
+        epsilon = 1e-14
+    );
     let seen = camera.camera_from_world(&state) * nalgebra::Point3::from(centre);
     assert_abs_diff_eq!(seen.coords, Vector3::zeros(), epsilon = 1e-14);
 }
@@ -337,13 +341,14 @@ const LONG_HEADER: &str = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m],
     q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], \
     b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], \
     b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]";
-const SHORT_HEADER: &str =
-    "#time(ns),px,py,pz,qw,qx,qy,qz,vx,vy,vz,bwx,bwy,bwz,bax,bay,baz";
+const SHORT_HEADER: &str = "#time(ns),px,py,pz,qw,qx,qy,qz,vx,vy,vz,bwx,bwy,bwz,bax,bay,baz";
 
 #[test]
 fn readings_are_read_from_text() {
-    let text = format!("{IMU_HEADER}\r\n1403715273262142976,1,2,3,4,5,6e0\r\n\r\n\
-        1403715273267142912, -1, 0.5, 0, 0, 0, 9.81\r\n");
+    let text = format!(
+        "{IMU_HEADER}\r\n1403715273262142976,1,2,3,4,5,6e0\r\n\r\n\
+        1403715273267142912, -1, 0.5, 0, 0, 0, 9.81\r\n"
+    );
     let samples = read_imu(&text).unwrap();
     assert_eq!(samples.len(), 2);
     assert_eq!(samples[0].nanoseconds, 1_403_715_273_262_142_976);
@@ -385,10 +390,7 @@ fn a_fault_in_a_file_is_told_with_its_line() {
     }
     let order = EurocFault::Order { before: 1, nanoseconds: 1 };
     assert_eq!(bad("1,0,0,0,0,0,0"), fault(3, order));
-    assert_eq!(
-        bad("2,0,0,x,0,0,0").to_string(),
-        "line 3: `x` is not a finite number"
-    );
+    assert_eq!(bad("2,0,0,x,0,0,0").to_string(), "line 3: `x` is not a finite number");
 }
 
 #[test]

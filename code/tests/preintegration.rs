@@ -252,7 +252,12 @@ fn the_sums_are_those_of_the_dense_recursion() {
             let whiten = sums.sqrt_information().unwrap();
             let whitened = whiten * covariance * whiten.transpose();
             assert_abs_diff_eq!(whitened, Matrix9::identity(), epsilon = 1e-9);
-            assert_relative_eq!(sums.bias_jacobian, jacobian, max_relative = 1e-11, epsilon = 1e-12);
+            assert_relative_eq!(
+                sums.bias_jacobian,
+                jacobian,
+                max_relative = 1e-11,
+                epsilon = 1e-12
+            );
         }
     }
 }
@@ -353,11 +358,13 @@ fn the_residual_jacobians_are_its_slopes() {
             imu_residual(&sums, first, second, &GRAVITY, bias)
         };
         assert_eq!(found.residual, residual(&first, &second, &bias));
-        let by_first =
-            differences::<9>(1e-3, |step| residual(&first.retract(step.as_slice()), &second, &bias));
+        let by_first = differences::<9>(1e-3, |step| {
+            residual(&first.retract(step.as_slice()), &second, &bias)
+        });
         assert_blocks(&found.by_first, &by_first, 1e-6);
-        let by_second =
-            differences::<9>(1e-3, |step| residual(&first, &second.retract(step.as_slice()), &bias));
+        let by_second = differences::<9>(1e-3, |step| {
+            residual(&first, &second.retract(step.as_slice()), &bias)
+        });
         assert_blocks(&found.by_second, &by_second, 1e-6);
         let by_bias = differences::<6>(1e-3, |step| {
             residual(&first, &second, &ImuBias::from_vector(&(at_bias + step)))
@@ -625,7 +632,11 @@ fn a_reading_that_is_not_finite_leaves_the_sums_as_they_were() {
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for axis in 0..6 {
             let mut bad = good;
-            if axis < 3 { bad.gyro[axis] = value } else { bad.accelerometer[axis - 3] = value }
+            if axis < 3 {
+                bad.gyro[axis] = value
+            } else {
+                bad.accelerometer[axis - 3] = value
+            }
             for found in [
                 integrator.integrate(&bad, 0.005),
                 integrator.integrate_midpoint(&bad, &good, 0.005),

@@ -22,16 +22,29 @@ pub struct GroundTruth {
 // ANCHOR_END: ground_truth
 
 /// Names of the columns, without units, as the files of the data set have them.
-const IMU: [&[&str]; 1] = [&[
-    "timestamp", "w_RS_S_x", "w_RS_S_y", "w_RS_S_z", "a_RS_S_x", "a_RS_S_y", "a_RS_S_z",
-]];
+const IMU: [&[&str]; 1] =
+    [&["timestamp", "w_RS_S_x", "w_RS_S_y", "w_RS_S_z", "a_RS_S_x", "a_RS_S_y", "a_RS_S_z"]];
 
 /// Two styles: that of the data set, and a shorter one of corrected files.
 const GROUND_TRUTH: [&[&str]; 2] = [
     &[
-        "timestamp", "p_RS_R_x", "p_RS_R_y", "p_RS_R_z", "q_RS_w", "q_RS_x", "q_RS_y", "q_RS_z",
-        "v_RS_R_x", "v_RS_R_y", "v_RS_R_z", "b_w_RS_S_x", "b_w_RS_S_y", "b_w_RS_S_z",
-        "b_a_RS_S_x", "b_a_RS_S_y", "b_a_RS_S_z",
+        "timestamp",
+        "p_RS_R_x",
+        "p_RS_R_y",
+        "p_RS_R_z",
+        "q_RS_w",
+        "q_RS_x",
+        "q_RS_y",
+        "q_RS_z",
+        "v_RS_R_x",
+        "v_RS_R_y",
+        "v_RS_R_z",
+        "b_w_RS_S_x",
+        "b_w_RS_S_y",
+        "b_w_RS_S_z",
+        "b_a_RS_S_x",
+        "b_a_RS_S_y",
+        "b_a_RS_S_z",
     ],
     &[
         "time", "px", "py", "pz", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "bwx", "bwy", "bwz",

@@ -136,7 +136,10 @@ impl Motion {
 
     /// Turning about the vertical without moving, at `rate` rad/s.
     pub fn turn_on_the_spot(rate: f64) -> Self {
-        Self { angles: Angles { yaw: Course::linear(rate), ..Angles::default() }, ..Self::default() }
+        Self {
+            angles: Angles { yaw: Course::linear(rate), ..Angles::default() },
+            ..Self::default()
+        }
     }
 
     /// A level circle to the left from the origin, nose ahead, at `speed` m/s and `rate` rad/s.

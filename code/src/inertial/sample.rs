@@ -27,19 +27,13 @@ impl ImuSample {
     // ANCHOR: corrected
     /// The reading less the bias.
     pub fn corrected(&self, bias: &ImuBias) -> Self {
-        Self {
-            gyro: self.gyro - bias.gyro,
-            accelerometer: self.accelerometer - bias.accelerometer,
-        }
+        Self { gyro: self.gyro - bias.gyro, accelerometer: self.accelerometer - bias.accelerometer }
     }
     // ANCHOR_END: corrected
 
     /// The reading plus the bias, as a sensor with that bias gives it.
     pub fn biased(&self, bias: &ImuBias) -> Self {
-        Self {
-            gyro: self.gyro + bias.gyro,
-            accelerometer: self.accelerometer + bias.accelerometer,
-        }
+        Self { gyro: self.gyro + bias.gyro, accelerometer: self.accelerometer + bias.accelerometer }
     }
 
     /// The reading halfway between two.

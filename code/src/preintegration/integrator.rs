@@ -135,8 +135,7 @@ impl Preintegrator {
     ) -> Result<(), PreintegrationError> {
         self.check(start, dt)?;
         self.check(end, dt)?;
-        let ImuSample { gyro, accelerometer } =
-            ImuSample::mean(start, end).corrected(&self.bias);
+        let ImuSample { gyro, accelerometer } = ImuSample::mean(start, end).corrected(&self.bias);
         let (half_turn, half_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * gyro));
         let along = self.deltas.rotation * half_turn;
         let rotation = along * half_turn;
@@ -207,12 +206,22 @@ impl Preintegrator {
         let Self { duration, steps, deltas, bias, .. } = *self;
         let finite = |entries: &[f64]| entries.iter().all(|entry| entry.is_finite());
         let position_is_finite = finite(deltas.position.as_slice());
-        if !(finite(covariance.as_slice()) && finite(bias_jacobian.as_slice()) && position_is_finite)
+        if !(finite(covariance.as_slice())
+            && finite(bias_jacobian.as_slice())
+            && position_is_finite)
         {
             return Err(PreintegrationError::Overflow { steps });
         }
         let greatest_force = self.greatest_force_squared.sqrt();
-        Ok(Preintegrated { duration, steps, deltas, covariance, bias_jacobian, bias, greatest_force })
+        Ok(Preintegrated {
+            duration,
+            steps,
+            deltas,
+            covariance,
+            bias_jacobian,
+            bias,
+            greatest_force,
+        })
     }
     // ANCHOR_END: finish
 }
@@ -238,7 +247,8 @@ impl Covariance {
         let dd = white + cross(c, &cross(c, &theta_acting).transpose());
         let both = dv + dv.transpose() + dd;
         self.pp += dt * (self.pv + self.pv.transpose() + half * (2.0 * self.vv + both))
-            + half * (dp + dp.transpose()) - half * half * dd;
+            + half * (dp + dp.transpose())
+            - half * half * dd;
         self.pv += dp.transpose() + dt * (self.vv + dv.transpose()) + half * (dv + dd);
         self.vv += both;
         self.pt += dt * self.vt + half * dt_theta;

@@ -204,7 +204,8 @@ impl Preintegrated {
             (step.fixed_rows::<3>(0).norm(), step.fixed_rows::<3>(3).norm());
         Neglected {
             rotation: gyro.powi(2) * t.powi(2) / 4.0,
-            velocity: gyro.powi(2) * force * t.powi(3) / 4.0 + gyro * accelerometer * t.powi(2) / 2.0,
+            velocity: gyro.powi(2) * force * t.powi(3) / 4.0
+                + gyro * accelerometer * t.powi(2) / 2.0,
             position: gyro.powi(2) * force * t.powi(4) / 16.0
                 + gyro * accelerometer * t.powi(3) / 6.0,
         }
