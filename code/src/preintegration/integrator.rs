@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use super::block::Block;
 use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
 use crate::inertial::{ImuBias, ImuNoise, ImuSample};
 use crate::manifold::so3;
@@ -31,22 +32,23 @@ pub struct Preintegrator {
 /// Second moments of the errors θ, v and p; the blocks on and below the diagonal.
 #[derive(Debug, Clone, Default)]
 struct Covariance {
-    tt: Matrix3<f64>,
-    vt: Matrix3<f64>,
-    vv: Matrix3<f64>,
-    pt: Matrix3<f64>,
-    pv: Matrix3<f64>,
-    pp: Matrix3<f64>,
+    tt: Block,
+    vt: Block,
+    vv: Block,
+    pt: Block,
+    pv: Block,
+    pp: Block,
 }
 
-/// Derivatives of θ, v and p by the biases of gyroscope and accelerometer.
+/// Derivatives of θ, v and p by the biases of gyroscope and accelerometer. Those by the
+/// gyroscope's are transposed, as their recursion wants them.
 #[derive(Debug, Clone, Default)]
 struct Jacobian {
-    theta_gyro: Matrix3<f64>,
-    velocity_gyro: Matrix3<f64>,
-    position_gyro: Matrix3<f64>,
-    velocity_accelerometer: Matrix3<f64>,
-    position_accelerometer: Matrix3<f64>,
+    theta_gyro: Block,
+    velocity_gyro: Block,
+    position_gyro: Block,
+    velocity_accelerometer: Block,
+    position_accelerometer: Block,
 }
 
 // ANCHOR: step
@@ -54,15 +56,15 @@ struct Jacobian {
 struct Step {
     dt: f64,
     /// The rotation at its end.
-    rotation: Rotation3<f64>,
+    rotation: Block,
     /// The rotation that turns the force into the first frame.
-    along: Rotation3<f64>,
+    along: Block,
     /// What the velocity gains.
     velocity: Vector3<f64>,
     /// Derivative of θ at the end of the step by the angular velocity.
-    turned: Matrix3<f64>,
+    turned: Block,
     /// The same where the force acts, if that is not the beginning.
-    turned_halfway: Option<Matrix3<f64>>,
+    turned_halfway: Option<Block>,
 }
 // ANCHOR_END: step
 
@@ -102,15 +104,15 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
-        let along = self.deltas.rotation;
         let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * gyro));
-        let rotation = along * turn;
+        let along = Block::of(self.deltas.rotation.matrix());
+        let rotation = along * Block::of(turn.matrix());
         self.advance(&Step {
             dt,
             rotation,
             along,
-            velocity: dt * (along * accelerometer),
-            turned: dt * (rotation.matrix() * right_jacobian),
+            velocity: dt * (self.deltas.rotation * accelerometer),
+            turned: dt * (rotation * Block::of(&right_jacobian)),
             turned_halfway: None,
         });
         self.note_force(&accelerometer);
@@ -137,16 +139,18 @@ impl Preintegrator {
         self.check(end, dt)?;
         let ImuSample { gyro, accelerometer } = ImuSample::mean(start, end).corrected(&self.bias);
         let (half_turn, half_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * gyro));
-        let along = self.deltas.rotation * half_turn;
+        let half_turn = Block::of(half_turn.matrix());
+        let half_jacobian = 0.5 * dt * Block::of(&half_jacobian);
+        let along = Block::of(self.deltas.rotation.matrix()) * half_turn;
         let rotation = along * half_turn;
-        let halfway = 0.5 * dt * (along.matrix() * half_jacobian);
+        let halfway = along * half_jacobian;
         self.advance(&Step {
             dt,
             rotation,
             along,
-            velocity: dt * (along * accelerometer),
+            velocity: dt * (along.matrix() * accelerometer),
             // The second half turns like the first, from where that ends.
-            turned: halfway + 0.5 * dt * (rotation.matrix() * half_jacobian),
+            turned: halfway + rotation * half_jacobian,
             turned_halfway: Some(halfway),
         });
         self.note_force(&accelerometer);
@@ -183,7 +187,7 @@ impl Preintegrator {
         let dt = step.dt;
         self.deltas.position += dt * (self.deltas.velocity + 0.5 * step.velocity);
         self.deltas.velocity += step.velocity;
-        self.deltas.rotation = step.rotation;
+        self.deltas.rotation = Rotation3::from_matrix_unchecked(step.rotation.matrix());
         self.duration += dt;
         self.steps += 1;
     }
@@ -230,30 +234,29 @@ impl Covariance {
     // ANCHOR: advance_covariance
     /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
     /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
-    /// of the accelerometer.
+    /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
     fn advance(&mut self, step: &Step, noise: &ImuNoise) {
         let Step { dt, velocity: c, turned, turned_halfway, .. } = step;
         let (dt, half) = (*dt, 0.5 * dt);
-        let gyro_variance = noise.gyro * noise.gyro / dt;
-        let scaled = gyro_variance * turned.transpose();
-        let (mut theta_acting, mut theta_across) = (self.tt, self.tt);
+        let scaled = noise.gyro * noise.gyro / dt * *turned;
+        let (mut acting, mut across) = (self.tt, self.tt);
         if let Some(halfway) = turned_halfway {
-            theta_acting += gyro_variance * (halfway * halfway.transpose());
-            theta_across += halfway * scaled;
+            acting = acting + noise.gyro * noise.gyro / dt * (*halfway * halfway.transpose());
+            across = across + scaled * halfway.transpose();
         }
-        let dt_theta = -cross(c, &theta_across);
-        let (dv, dp) = (-cross(c, &self.vt.transpose()), -cross(c, &self.pt.transpose()));
-        let white = Matrix3::from_diagonal_element(noise.accelerometer * noise.accelerometer * dt);
-        let dd = white + cross(c, &cross(c, &theta_acting).transpose());
-        let both = dv + dv.transpose() + dd;
-        self.pp += dt * (self.pv + self.pv.transpose() + half * (2.0 * self.vv + both))
-            + half * (dp + dp.transpose())
-            - half * half * dd;
-        self.pv += dp.transpose() + dt * (self.vv + dv.transpose()) + half * (dv + dd);
-        self.vv += both;
-        self.pt += dt * self.vt + half * dt_theta;
-        self.vt += dt_theta;
-        self.tt += turned * scaled;
+        let white = noise.accelerometer * noise.accelerometer * dt;
+        let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
+        let dd = acting.times_hat(c).transpose().times_hat(c) + Block::diagonal(white);
+        let dt_theta = across.times_hat(c).transpose();
+        let carried = self.vv + vd;
+        let pp = dt * (self.pv + half * carried) + half * pd + 0.5 * half * half * dd;
+        let vv = vd + 0.5 * dd;
+        self.pp = self.pp + pp + pp.transpose();
+        self.pv = self.pv + pd + dt * carried + half * (vd.transpose() + dd);
+        self.vv = self.vv + vv + vv.transpose();
+        self.pt = self.pt + dt * self.vt + half * dt_theta;
+        self.vt = self.vt + dt_theta;
+        self.tt = self.tt + scaled * turned.transpose();
     }
     // ANCHOR_END: advance_covariance
 
@@ -261,19 +264,21 @@ impl Covariance {
     /// The covariance of (φ, v, p): φ is θ seen from the last body frame.
     fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9 {
         let b = body_from_first;
-        let (vt, pt) = (self.vt * b.transpose(), self.pt * b.transpose());
+        let Self { tt, vt, vv, pt, pv, pp } = self;
+        let [tt, vt, vv, pt, pv, pp] = [tt, vt, vv, pt, pv, pp].map(Block::matrix);
+        let (vt, pt) = (vt * b.transpose(), pt * b.transpose());
         let symmetric = |m: &Matrix3<f64>| 0.5 * (m + m.transpose());
         let mut covariance = Matrix9::zeros();
         let mut put = |row, column, block: &Matrix3<f64>| {
             covariance.fixed_view_mut::<3, 3>(row, column).copy_from(block);
             covariance.fixed_view_mut::<3, 3>(column, row).copy_from(&block.transpose());
         };
-        put(0, 0, &symmetric(&(b * self.tt * b.transpose())));
+        put(0, 0, &symmetric(&(b * tt * b.transpose())));
         put(3, 0, &vt);
         put(6, 0, &pt);
-        put(3, 3, &symmetric(&self.vv));
-        put(6, 3, &self.pv);
-        put(6, 6, &symmetric(&self.pp));
+        put(3, 3, &symmetric(&vv));
+        put(6, 3, &pv);
+        put(6, 6, &symmetric(&pp));
         covariance
     }
     // ANCHOR_END: assemble
@@ -285,14 +290,17 @@ impl Jacobian {
     fn advance(&mut self, step: &Step) {
         let Step { dt, velocity: c, turned, turned_halfway, along, .. } = step;
         let (dt, half) = (*dt, 0.5 * dt);
-        let theta = turned_halfway.map_or(self.theta_gyro, |halfway| self.theta_gyro - halfway);
-        let by_gyro = -cross(c, &theta);
-        let by_accelerometer = -dt * along.matrix();
-        self.position_gyro += dt * self.velocity_gyro + half * by_gyro;
-        self.position_accelerometer += dt * self.velocity_accelerometer + half * by_accelerometer;
-        self.velocity_gyro += by_gyro;
-        self.velocity_accelerometer += by_accelerometer;
-        self.theta_gyro -= turned;
+        let theta = match turned_halfway {
+            Some(halfway) => self.theta_gyro - halfway.transpose(),
+            None => self.theta_gyro,
+        };
+        let (by_gyro, by_force) = (theta.times_hat(c), dt * *along);
+        self.position_gyro = self.position_gyro + dt * self.velocity_gyro + half * by_gyro;
+        self.velocity_gyro = self.velocity_gyro + by_gyro;
+        self.theta_gyro = self.theta_gyro - turned.transpose();
+        self.position_accelerometer =
+            self.position_accelerometer + dt * self.velocity_accelerometer - half * by_force;
+        self.velocity_accelerometer = self.velocity_accelerometer - by_force;
     }
     // ANCHOR_END: advance_jacobian
 
@@ -302,22 +310,11 @@ impl Jacobian {
         let mut put = |row, column, block: &Matrix3<f64>| {
             jacobian.fixed_view_mut::<3, 3>(row, column).copy_from(block);
         };
-        put(0, 0, &(body_from_first * self.theta_gyro));
-        put(3, 0, &self.velocity_gyro);
-        put(6, 0, &self.position_gyro);
-        put(3, 3, &self.velocity_accelerometer);
-        put(6, 3, &self.position_accelerometer);
+        put(0, 0, &(body_from_first * self.theta_gyro.transpose().matrix()));
+        put(3, 0, &self.velocity_gyro.transpose().matrix());
+        put(6, 0, &self.position_gyro.transpose().matrix());
+        put(3, 3, &self.velocity_accelerometer.matrix());
+        put(6, 3, &self.position_accelerometer.matrix());
         jacobian
     }
 }
-
-// ANCHOR: cross
-/// c × each column, without the products by the zeros of the skew-symmetric matrix.
-fn cross(c: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
-    let column = |k: usize| {
-        let (x, y, z) = (m[(0, k)], m[(1, k)], m[(2, k)]);
-        Vector3::new(c.y * z - c.z * y, c.z * x - c.x * z, c.x * y - c.y * x)
-    };
-    Matrix3::from_columns(&[column(0), column(1), column(2)])
-}
-// ANCHOR_END: cross

@@ -8,6 +8,7 @@
 //! ΔR exp(φ), in radians; velocity in m/s and position in metres, both in the first body frame.
 //! Biases are ordered gyroscope, accelerometer.
 
+mod block;
 mod dynamics;
 mod integrator;
 mod residual;
