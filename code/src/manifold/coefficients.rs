@@ -20,17 +20,26 @@ pub struct Turn {
 }
 
 /// The coefficients of a turn, from the square of its angle.
+#[inline]
 pub fn turn(square: f64) -> Turn {
-    if square < SERIES_END {
-        let sinc_remainder = polynomial(&SINC_REMAINDER, square);
-        let sinc = 1.0 - square * sinc_remainder;
-        Turn { sinc, cosc: polynomial(&COSC, square), sinc_remainder }
+    if square < SHORT_END {
+        turn_by_series::<SHORT>(square)
+    } else if square < SERIES_END {
+        turn_by_series::<14>(square)
     } else {
         let angle = square.sqrt();
         let (sine, cosine) = angle.sin_cos();
         let sinc = sine / angle;
         Turn { sinc, cosc: (1.0 - cosine) / square, sinc_remainder: (1.0 - sinc) / square }
     }
+}
+
+/// By the first `N` terms of each series.
+#[inline]
+fn turn_by_series<const N: usize>(square: f64) -> Turn {
+    let sinc_remainder = polynomial(&SINC_REMAINDER[..N], square);
+    let sinc = 1.0 - square * sinc_remainder;
+    Turn { sinc, cosc: polynomial(&COSC[..N], square), sinc_remainder }
 }
 // ANCHOR_END: turn
 
@@ -74,6 +83,11 @@ pub fn cotangent_remainder_slope(square: f64) -> f64 {
 /// The squared angle, a little beyond π², up to which the series are used.
 const SERIES_END: f64 = 10.0;
 
+/// The squared angle, that of 7 degrees, up to which [`SHORT`] terms are enough: they leave out
+/// less than 1e-17 of the sum. A gyroscope turns no further from one reading to the next.
+const SHORT_END: f64 = 0.015;
+const SHORT: usize = 5;
+
 /// As many terms as leave out less than 1e-17 of the sum at [`SERIES_END`].
 type Series = [f64; 14];
 
@@ -111,12 +125,13 @@ const fn factorial(n: u32) -> f64 {
 // ANCHOR: polynomial
 /// c₀ + c₁ x + c₂ x² + … Horner's rule is applied to the even and to the odd powers, since
 /// a processor evaluates two short chains of operations side by side.
-fn polynomial(coefficients: &Series, x: f64) -> f64 {
+#[inline]
+fn polynomial(coefficients: &[f64], x: f64) -> f64 {
     let square = x * x;
     let (mut even, mut odd) = (0.0, 0.0);
-    for k in (0..coefficients.len() / 2).rev() {
-        even = even * square + coefficients[2 * k];
-        odd = odd * square + coefficients[2 * k + 1];
+    for k in (0..coefficients.len()).rev() {
+        let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+        *sum = *sum * square + coefficients[k];
     }
     even + x * odd
 }

@@ -29,6 +29,7 @@ pub fn exp(phi: &Vector3<f64>) -> Rotation3<f64> {
 
 /// The matrix I + a φ^ + b φ^ φ^, entry by entry: products of matrices take twice as long.
 #[rustfmt::skip]
+#[inline]
 fn hat_polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
     let (x, y, z) = (a * phi.x, a * phi.y, a * phi.z);
     let (xx, yy, zz) = (b * phi.x * phi.x, b * phi.y * phi.y, b * phi.z * phi.z);
@@ -116,6 +117,7 @@ pub fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
 
 // ANCHOR: exp_with_right_jacobian
 /// [`exp`] and [`right_jacobian`] of one vector, in less time than two calls.
+#[inline]
 pub fn exp_with_right_jacobian(phi: &Vector3<f64>) -> (Rotation3<f64>, Matrix3<f64>) {
     let Turn { sinc, cosc, sinc_remainder } = turn(phi.norm_squared());
     let rotation = Rotation3::from_matrix_unchecked(hat_polynomial(phi, sinc, cosc));

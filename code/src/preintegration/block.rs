@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Block([[f64; 4]; 3]);
 
 impl Block {
+    #[inline(always)]
     pub fn of(m: &Matrix3<f64>) -> Self {
         Self(from_fn(|k| [m[(0, k)], m[(1, k)], m[(2, k)], 0.0]))
     }
@@ -21,10 +22,12 @@ impl Block {
         Self([[value, 0.0, 0.0, 0.0], [0.0, value, 0.0, 0.0], [0.0, 0.0, value, 0.0]])
     }
 
+    #[inline(always)]
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::from_fn(|row, column| self.0[column][row])
     }
 
+    #[inline(always)]
     pub fn transpose(&self) -> Self {
         let [a, b, c] = &self.0;
         Self([[a[0], b[0], c[0], 0.0], [a[1], b[1], c[1], 0.0], [a[2], b[2], c[2], 0.0]])

@@ -181,6 +181,7 @@ impl Preintegrator {
     // ANCHOR: advance
     /// Covariance and Jacobians use the deltas and one another as they are before the step, so
     /// the order of the lines matters.
+    #[inline(always)]
     fn advance(&mut self, step: &Step) {
         self.covariance.advance(step, &self.noise);
         self.jacobian.advance(step);
@@ -235,6 +236,7 @@ impl Covariance {
     /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
     /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
     /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
+    #[inline(always)]
     fn advance(&mut self, step: &Step, noise: &ImuNoise) {
         let Step { dt, velocity: c, turned, turned_halfway, .. } = step;
         let (dt, half) = (*dt, 0.5 * dt);
@@ -287,6 +289,7 @@ impl Covariance {
 impl Jacobian {
     // ANCHOR: advance_jacobian
     /// A bias enters like an angular velocity and a force of the opposite sign.
+    #[inline(always)]
     fn advance(&mut self, step: &Step) {
         let Step { dt, velocity: c, turned, turned_halfway, along, .. } = step;
         let (dt, half) = (*dt, 0.5 * dt);
