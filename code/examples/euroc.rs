@@ -67,7 +67,6 @@ fn name(rule: Rule) -> &'static str {
     }
 }
 
-// ANCHOR: report
 /// One line: all intervals of one length by one rule.
 fn report(
     samples: &[StampedSample],
@@ -99,7 +98,6 @@ fn report(
     println!("  {:.1}", nees / f64::from(count));
     Ok(())
 }
-// ANCHOR_END: report
 
 /// Pairs of states this far apart, to a millisecond, one after the other.
 fn intervals(truth: &[GroundTruth], seconds: f64) -> Vec<(&GroundTruth, &GroundTruth)> {

@@ -23,8 +23,10 @@ pub struct Course {
     /// The phase θ of its oscillation, in radians.
     pub phase: f64,
 }
+// ANCHOR_END: course
 
 impl Course {
+    // ANCHOR: course_at
     /// Value, first and second derivative after `t` seconds.
     pub fn at(&self, t: f64) -> [f64; 3] {
         let Self { value, rate, acceleration, amplitude, frequency, phase } = *self;
@@ -35,7 +37,7 @@ impl Course {
             acceleration - amplitude * frequency * frequency * sin,
         ]
     }
-    // ANCHOR_END: course
+    // ANCHOR_END: course_at
 
     /// A number that stays as it is.
     pub fn constant(value: f64) -> Self {
@@ -86,16 +88,18 @@ pub struct Moment {
     /// Its acceleration, in the world, in m/s².
     pub acceleration: Vector3<f64>,
 }
+// ANCHOR_END: motion
 
 impl Moment {
+    // ANCHOR: perfect_sample
     /// What a perfect sensor reads: the specific force Rᵀ (a − g).
     pub fn sample(&self, gravity: &Vector3<f64>) -> ImuSample {
         let body_from_world = self.state.world_from_body.inverse();
         let accelerometer = body_from_world * (self.acceleration - gravity);
         ImuSample { gyro: self.angular_velocity, accelerometer }
     }
+    // ANCHOR_END: perfect_sample
 }
-// ANCHOR_END: motion
 
 impl Motion {
     // ANCHOR: moment
@@ -128,7 +132,6 @@ impl Motion {
         (0..count).map(|k| self.at(k as f64 * dt).sample(gravity)).collect()
     }
 
-    // ANCHOR: motions
     /// Standing still in the air.
     pub fn hover() -> Self {
         Self::default()
@@ -142,6 +145,7 @@ impl Motion {
         }
     }
 
+    // ANCHOR: motions
     /// A level circle to the left from the origin, nose ahead, at `speed` m/s and `rate` rad/s.
     /// In the body frame the acceleration is constant.
     pub fn level_turn(speed: f64, rate: f64) -> Self {

@@ -17,8 +17,10 @@ pub struct ImuNoise {
     /// Random walk of the accelerometer's bias, in m/s³/√Hz.
     pub accelerometer_walk: f64,
 }
+// ANCHOR_END: noise
 
 impl ImuNoise {
+    // ANCHOR: sensors
     /// A poor sensor, as in cheap consumer devices.
     pub const fn mems() -> Self {
         Self { gyro: 3.5e-3, accelerometer: 2.0e-2, gyro_walk: 2e-4, accelerometer_walk: 1e-2 }
@@ -33,10 +35,8 @@ impl ImuNoise {
             accelerometer_walk: 3.0e-3,
         }
     }
-}
-// ANCHOR_END: noise
+    // ANCHOR_END: sensors
 
-impl ImuNoise {
     // ANCHOR: discrete
     /// The 6×6 covariance of a reading that stands for a step of `dt` seconds, gyroscope first:
     /// density squared over the step. A shorter step averages over less time.

@@ -46,9 +46,8 @@ impl ImuSample {
 
     /// Whether all six numbers are finite.
     pub fn is_finite(&self) -> bool {
-        // A difference of equals is zero, unless they are infinite or no numbers.
-        let (g, a) = (self.gyro - self.gyro, self.accelerometer - self.accelerometer);
-        g.sum() + a.sum() == 0.0
+        let finite = |vector: &Vector3<f64>| vector.iter().all(|value| value.is_finite());
+        finite(&self.gyro) && finite(&self.accelerometer)
     }
 }
 
@@ -83,6 +82,7 @@ pub struct StampedSample {
     /// The reading.
     pub sample: ImuSample,
 }
+// ANCHOR_END: stamped
 
 impl StampedSample {
     /// Seconds from this reading to another one, negative when that one is earlier.
@@ -90,6 +90,7 @@ impl StampedSample {
         seconds_between(self.nanoseconds, later.nanoseconds)
     }
 
+    // ANCHOR: interpolate
     /// The reading at a time between two, on the straight line through them. Outside of them
     /// the line goes on; two readings at one time give the first.
     pub fn interpolate(first: &Self, second: &Self, nanoseconds: i64) -> Self {
@@ -103,8 +104,8 @@ impl StampedSample {
         };
         Self { nanoseconds, sample }
     }
+    // ANCHOR_END: interpolate
 }
-// ANCHOR_END: stamped
 
 /// The difference as a float; times may lie at the ends of their range.
 fn seconds_between(from: i64, to: i64) -> f64 {

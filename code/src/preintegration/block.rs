@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(32))]
 pub struct Block([[f64; 4]; 3]);
+// ANCHOR_END: block
 
 impl Block {
     #[inline(always)]
@@ -33,6 +34,7 @@ impl Block {
         Self([[a[0], b[0], c[0], 0.0], [a[1], b[1], c[1], 0.0], [a[2], b[2], c[2], 0.0]])
     }
 
+    // ANCHOR: times_hat
     /// The matrix times c^, without the products by zeros.
     #[inline(always)]
     pub fn times_hat(&self, c: &Vector3<f64>) -> Self {
@@ -43,8 +45,8 @@ impl Block {
             from_fn(|i| c.y * x[i] - c.x * y[i]),
         ])
     }
+    // ANCHOR_END: times_hat
 }
-// ANCHOR_END: block
 
 impl Add for Block {
     type Output = Self;
@@ -70,6 +72,16 @@ impl Mul<Block> for f64 {
     #[inline(always)]
     fn mul(self, block: Block) -> Block {
         Block(from_fn(|k| from_fn(|i| self * block.0[k][i])))
+    }
+}
+
+impl Mul<Vector3<f64>> for Block {
+    type Output = Vector3<f64>;
+
+    #[inline(always)]
+    fn mul(self, v: Vector3<f64>) -> Vector3<f64> {
+        let [x, y, z] = &self.0;
+        Vector3::from_fn(|i, _| x[i] * v.x + y[i] * v.y + z[i] * v.z)
     }
 }
 

@@ -17,10 +17,13 @@ pub struct ErrorDynamics {
     pub from_reading: Matrix9x6,
 }
 
+// ANCHOR_END: error_dynamics
+
 /// The dynamics of a step of `dt` seconds from the delta `rotation`, with a reading free of bias.
 /// With [`Rule::Midpoint`] that is the mean of the two.
 ///
 /// [`Preintegrator`](super::Preintegrator) computes the same without zeros and ones.
+// ANCHOR: dynamics_of_a_step
 pub fn error_dynamics(
     rule: Rule,
     rotation: &Rotation3<f64>,
@@ -39,7 +42,7 @@ pub fn error_dynamics(
     let turning = before_force * (leak * so3::left_jacobian(&before));
     assemble(&turn, &leak, dt, &[dt * right_jacobian, turning, dt * along.matrix()])
 }
-// ANCHOR_END: error_dynamics
+// ANCHOR_END: dynamics_of_a_step
 
 // ANCHOR: dynamics_blocks
 /// The matrices from their blocks. `reading` holds the derivatives of φ and v by the angular

@@ -23,7 +23,9 @@ pub struct Preintegrator {
     duration: f64,
     steps: usize,
     greatest_force_squared: f64,
-    deltas: Deltas,
+    rotation: Block,
+    velocity: Vector3<f64>,
+    position: Vector3<f64>,
     covariance: Covariance,
     jacobian: Jacobian,
 }
@@ -59,8 +61,8 @@ struct Step {
     rotation: Block,
     /// The rotation that turns the force into the first frame.
     along: Block,
-    /// What the velocity gains.
-    velocity: Vector3<f64>,
+    /// The force, in the frame that `along` turns.
+    force: Vector3<f64>,
     /// Derivative of θ at the end of the step by the angular velocity.
     turned: Block,
     /// The same where the force acts, if that is not the beginning.
@@ -80,7 +82,6 @@ impl Preintegrator {
             let (gyro, accelerometer) = (bias.gyro.into(), bias.accelerometer.into());
             return Err(PreintegrationError::Bias { gyro, accelerometer });
         }
-        let (rotation, zero) = (Rotation3::identity(), Vector3::zeros());
         Ok(Self {
             longest_step: LONGEST_STEP,
             bias: *bias,
@@ -88,7 +89,9 @@ impl Preintegrator {
             duration: 0.0,
             steps: 0,
             greatest_force_squared: 0.0,
-            deltas: Deltas { rotation, velocity: zero, position: zero },
+            rotation: Block::diagonal(1.0),
+            velocity: Vector3::zeros(),
+            position: Vector3::zeros(),
             covariance: Covariance::default(),
             jacobian: Jacobian::default(),
         })
@@ -105,22 +108,20 @@ impl Preintegrator {
         self.check(sample, dt)?;
         let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
         let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * gyro));
-        let along = Block::of(self.deltas.rotation.matrix());
+        let along = self.rotation;
         let rotation = along * Block::of(turn.matrix());
         self.advance(&Step {
             dt,
             rotation,
             along,
-            velocity: dt * (self.deltas.rotation * accelerometer),
+            force: accelerometer,
             turned: dt * (rotation * Block::of(&right_jacobian)),
             turned_halfway: None,
         });
-        self.note_force(&accelerometer);
         Ok(())
     }
     // ANCHOR_END: integrate
 
-    // ANCHOR: integrate_midpoint
     /// Adds a step of `dt` seconds between two readings: the midpoint rule.
     ///
     /// Neighbouring steps share a reading and its noise. The covariance treats each step as one
@@ -129,6 +130,7 @@ impl Preintegrator {
     /// # Errors
     ///
     /// As those of [`Preintegrator::integrate`].
+    // ANCHOR: integrate_midpoint
     pub fn integrate_midpoint(
         &mut self,
         start: &ImuSample,
@@ -137,30 +139,18 @@ impl Preintegrator {
     ) -> Result<(), PreintegrationError> {
         self.check(start, dt)?;
         self.check(end, dt)?;
-        let ImuSample { gyro, accelerometer } = ImuSample::mean(start, end).corrected(&self.bias);
-        let (half_turn, half_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * gyro));
-        let half_turn = Block::of(half_turn.matrix());
-        let half_jacobian = 0.5 * dt * Block::of(&half_jacobian);
-        let along = Block::of(self.deltas.rotation.matrix()) * half_turn;
-        let rotation = along * half_turn;
-        let halfway = along * half_jacobian;
-        self.advance(&Step {
-            dt,
-            rotation,
-            along,
-            velocity: dt * (along.matrix() * accelerometer),
-            // The second half turns like the first, from where that ends.
-            turned: halfway + rotation * half_jacobian,
-            turned_halfway: Some(halfway),
-        });
-        self.note_force(&accelerometer);
+        let mean = ImuSample::mean(start, end).corrected(&self.bias);
+        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * mean.gyro));
+        // The second half turns like the first, from where that ends.
+        let (turn, jacobian) = (Block::of(turn.matrix()), 0.5 * dt * Block::of(&right_jacobian));
+        let along = self.rotation * turn;
+        let (rotation, halfway) = (along * turn, along * jacobian);
+        let turned = halfway + rotation * jacobian;
+        let force = mean.accelerometer;
+        self.advance(&Step { dt, rotation, along, force, turned, turned_halfway: Some(halfway) });
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
-
-    fn note_force(&mut self, force: &Vector3<f64>) {
-        self.greatest_force_squared = self.greatest_force_squared.max(force.norm_squared());
-    }
 
     /// Whether a reading and the step it stands for can be used.
     fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
@@ -183,79 +173,74 @@ impl Preintegrator {
     /// the order of the lines matters.
     #[inline(always)]
     fn advance(&mut self, step: &Step) {
-        self.covariance.advance(step, &self.noise);
-        self.jacobian.advance(step);
         let dt = step.dt;
-        self.deltas.position += dt * (self.deltas.velocity + 0.5 * step.velocity);
-        self.deltas.velocity += step.velocity;
-        self.deltas.rotation = Rotation3::from_matrix_unchecked(step.rotation.matrix());
+        let gain = dt * (step.along * step.force);
+        self.covariance.advance(step, &gain, &self.noise);
+        self.jacobian.advance(step, &gain);
+        self.position += dt * (self.velocity + 0.5 * gain);
+        self.velocity += gain;
+        self.rotation = step.rotation;
         self.duration += dt;
         self.steps += 1;
+        self.greatest_force_squared = self.greatest_force_squared.max(step.force.norm_squared());
     }
     // ANCHOR_END: advance
 
-    // ANCHOR: finish
     /// The sums so far.
     ///
     /// # Errors
     ///
     /// [`PreintegrationError::Empty`] before the first step, [`PreintegrationError::Overflow`]
     /// when the readings were too large to be summed.
+    // ANCHOR: finish
     pub fn finish(&self) -> Result<Preintegrated, PreintegrationError> {
-        if self.steps == 0 {
+        let Self { duration, steps, bias, velocity, position, .. } = *self;
+        if steps == 0 {
             return Err(PreintegrationError::Empty);
         }
-        let body_from_first = self.deltas.rotation.matrix().transpose();
+        let rotation = Rotation3::from_matrix_unchecked(self.rotation.matrix());
+        let body_from_first = rotation.matrix().transpose();
         let covariance = self.covariance.assemble(&body_from_first);
         let bias_jacobian = self.jacobian.assemble(&body_from_first);
-        let Self { duration, steps, deltas, bias, .. } = *self;
-        let finite = |entries: &[f64]| entries.iter().all(|entry| entry.is_finite());
-        let position_is_finite = finite(deltas.position.as_slice());
-        if !(finite(covariance.as_slice())
-            && finite(bias_jacobian.as_slice())
-            && position_is_finite)
-        {
+        let greatest_force = self.greatest_force_squared.sqrt();
+        let deltas = Deltas { rotation, velocity, position };
+        let entries = covariance.iter().chain(&bias_jacobian).chain(&position);
+        if !entries.chain([&greatest_force]).all(|entry| entry.is_finite()) {
             return Err(PreintegrationError::Overflow { steps });
         }
-        let greatest_force = self.greatest_force_squared.sqrt();
-        Ok(Preintegrated {
-            duration,
-            steps,
-            deltas,
-            covariance,
-            bias_jacobian,
-            bias,
-            greatest_force,
-        })
+        #[rustfmt::skip]
+        let sums = Preintegrated {
+            duration, steps, deltas, covariance, bias_jacobian, bias, greatest_force,
+        };
+        Ok(sums)
     }
     // ANCHOR_END: finish
 }
 
 impl Covariance {
-    // ANCHOR: advance_covariance
     /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
     /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
     /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
     #[inline(always)]
-    fn advance(&mut self, step: &Step, noise: &ImuNoise) {
-        let Step { dt, velocity: c, turned, turned_halfway, .. } = step;
-        let (dt, half) = (*dt, 0.5 * dt);
-        let scaled = noise.gyro * noise.gyro / dt * *turned;
+    // ANCHOR: advance_covariance
+    fn advance(&mut self, step: &Step, c: &Vector3<f64>, noise: &ImuNoise) {
+        let (dt, half, turned) = (step.dt, 0.5 * step.dt, step.turned);
+        let gyro_variance = noise.gyro * noise.gyro / dt;
+        let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
+        let scaled = gyro_variance * turned;
         let (mut acting, mut across) = (self.tt, self.tt);
-        if let Some(halfway) = turned_halfway {
-            acting = acting + noise.gyro * noise.gyro / dt * (*halfway * halfway.transpose());
+        if let Some(halfway) = step.turned_halfway {
+            acting = acting + gyro_variance * (halfway * halfway.transpose());
             across = across + scaled * halfway.transpose();
         }
-        let white = noise.accelerometer * noise.accelerometer * dt;
         let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
-        let dd = acting.times_hat(c).transpose().times_hat(c) + Block::diagonal(white);
+        let dd = acting.times_hat(c).transpose().times_hat(c) + white;
         let dt_theta = across.times_hat(c).transpose();
         let carried = self.vv + vd;
         let pp = dt * (self.pv + half * carried) + half * pd + 0.5 * half * half * dd;
-        let vv = vd + 0.5 * dd;
         self.pp = self.pp + pp + pp.transpose();
         self.pv = self.pv + pd + dt * carried + half * (vd.transpose() + dd);
-        self.vv = self.vv + vv + vv.transpose();
+        self.vv = carried + vd.transpose() + dd;
         self.pt = self.pt + dt * self.vt + half * dt_theta;
         self.vt = self.vt + dt_theta;
         self.tt = self.tt + scaled * turned.transpose();
@@ -290,17 +275,16 @@ impl Jacobian {
     // ANCHOR: advance_jacobian
     /// A bias enters like an angular velocity and a force of the opposite sign.
     #[inline(always)]
-    fn advance(&mut self, step: &Step) {
-        let Step { dt, velocity: c, turned, turned_halfway, along, .. } = step;
-        let (dt, half) = (*dt, 0.5 * dt);
-        let theta = match turned_halfway {
+    fn advance(&mut self, step: &Step, c: &Vector3<f64>) {
+        let (dt, half) = (step.dt, 0.5 * step.dt);
+        let theta = match step.turned_halfway {
             Some(halfway) => self.theta_gyro - halfway.transpose(),
             None => self.theta_gyro,
         };
-        let (by_gyro, by_force) = (theta.times_hat(c), dt * *along);
+        let (by_gyro, by_force) = (theta.times_hat(c), dt * step.along);
         self.position_gyro = self.position_gyro + dt * self.velocity_gyro + half * by_gyro;
         self.velocity_gyro = self.velocity_gyro + by_gyro;
-        self.theta_gyro = self.theta_gyro - turned.transpose();
+        self.theta_gyro = self.theta_gyro - step.turned.transpose();
         self.position_accelerometer =
             self.position_accelerometer + dt * self.velocity_accelerometer - half * by_force;
         self.velocity_accelerometer = self.velocity_accelerometer - by_force;

@@ -35,7 +35,7 @@ pub type Vector9 = SMatrix<f64, 9, 1>;
 /// [`Preintegrator::longest_step`] says otherwise.
 pub const LONGEST_STEP: f64 = 0.1;
 
-// ANCHOR: preintegrated
+// ANCHOR: deltas
 /// What the readings of an interval say about the motion from its first to its last frame,
 /// without gravity and without the velocity at the beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +48,9 @@ pub struct Deltas {
     pub position: Vector3<f64>,
 }
 
+// ANCHOR_END: deltas
+
+// ANCHOR: preintegrated
 /// The readings of one interval, summed up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preintegrated {
@@ -100,7 +103,6 @@ pub enum Rule {
     Midpoint,
 }
 
-// ANCHOR: preintegrate_stamped
 /// Sums up readings from the time of the first to that of the last, which with the left rule
 /// counts only by its time. Steps longer than `longest_step` seconds are gaps.
 ///
@@ -108,6 +110,7 @@ pub enum Rule {
 ///
 /// A [`PreintegrationError`] when there are fewer than two readings, when times do not increase
 /// or leave a gap, or with a number that cannot be one.
+// ANCHOR: preintegrate_stamped
 pub fn preintegrate_stamped(
     samples: &[StampedSample],
     rule: Rule,

@@ -25,6 +25,9 @@ pub fn imu_residual(
     stack(&phi, &v, &p)
 }
 
+// ANCHOR_END: residual
+
+// ANCHOR: stated
 /// The deltas of two states that are `t` seconds apart.
 fn stated(t: f64, first: &NavState, second: &NavState, gravity: &Vector3<f64>) -> Deltas {
     let body_from_world = first.world_from_body.inverse();
@@ -35,7 +38,7 @@ fn stated(t: f64, first: &NavState, second: &NavState, gravity: &Vector3<f64>) -
         position: body_from_world * (second.position - coasting),
     }
 }
-// ANCHOR_END: residual
+// ANCHOR_END: stated
 
 fn stack(phi: &Vector3<f64>, velocity: &Vector3<f64>, position: &Vector3<f64>) -> Vector9 {
     let mut stacked = Vector9::zeros();
@@ -109,6 +112,9 @@ fn by_first(
     jacobian
 }
 
+// ANCHOR_END: by_first
+
+// ANCHOR: by_second
 /// By the second state, which each delta contains once.
 fn by_second(inverse: &Matrix3<f64>, body_from_world: &Matrix3<f64>) -> Matrix9 {
     let mut jacobian = Matrix9::zeros();
@@ -117,7 +123,7 @@ fn by_second(inverse: &Matrix3<f64>, body_from_world: &Matrix3<f64>) -> Matrix9 
     jacobian.fixed_view_mut::<3, 3>(6, 6).copy_from(body_from_world);
     jacobian
 }
-// ANCHOR_END: by_first
+// ANCHOR_END: by_second
 
 // ANCHOR: by_bias
 /// By the bias. The rotation is corrected by exp(J δ), and a further step of δ comes out of it
@@ -164,7 +170,10 @@ pub struct LinearizedBiasWalk {
     pub by_second: Matrix6<f64>,
 }
 
+// ANCHOR_END: bias_walk
+
 impl BiasWalk {
+    // ANCHOR: bias_walk_linearize
     /// The walk of the biases in an interval of `duration` seconds.
     ///
     /// # Errors
@@ -183,5 +192,5 @@ impl BiasWalk {
             by_second: self.sqrt_information,
         }
     }
+    // ANCHOR_END: bias_walk_linearize
 }
-// ANCHOR_END: bias_walk
