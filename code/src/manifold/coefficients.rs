@@ -211,14 +211,16 @@ mod tests {
     }
 
     #[test]
-    fn the_series_meet_the_closed_forms_where_they_end() {
-        let (inside, outside) = (SERIES_END * (1.0 - f64::EPSILON), SERIES_END);
+    fn the_series_meet_where_one_ends_and_the_next_begins() {
         let values = |square| {
             let (turn, slopes) = (turn(square), slopes(square));
             [turn.sinc, turn.cosc, turn.sinc_remainder, slopes.cosc, slopes.sinc_remainder]
         };
-        for (series, closed_form) in values(inside).into_iter().zip(values(outside)) {
-            assert!((series - closed_form).abs() < 1e-15, "{series} and {closed_form}");
+        for end in [SHORT_END, SERIES_END] {
+            let (inside, outside) = (end * (1.0 - f64::EPSILON), end);
+            for (below, above) in values(inside).into_iter().zip(values(outside)) {
+                assert!((below - above).abs() < 1e-15, "{below} and {above}");
+            }
         }
     }
 
