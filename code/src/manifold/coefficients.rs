@@ -8,7 +8,6 @@
 //! Written as in a textbook, they subtract nearly equal numbers at small angles. Their
 //! power series do not, and fourteen terms reach beyond π.
 
-// ANCHOR: turn
 /// What multiplies φ^ and φ^ φ^ in a rotation by the angle t and in its Jacobian.
 pub struct Turn {
     /// sin t / t, with an error relative to one.
@@ -19,6 +18,7 @@ pub struct Turn {
     pub sinc_remainder: f64,
 }
 
+// ANCHOR: turn
 /// The coefficients of a turn, from the square of its angle.
 #[inline]
 pub fn turn(square: f64) -> Turn {
