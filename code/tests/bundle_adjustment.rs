@@ -6,7 +6,7 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{
     DMatrix, DVector, Isometry3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
 };
-use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::bundle_adjustment::{
     BaError, BalCamera, BalError, BalFault, Camera, FreeDirections, Options, PosedPinhole, Solver,
     Stop, TinyBa, View, read_bal,
@@ -404,25 +404,6 @@ fn covariances_are_blocks_of_the_inverse_of_the_whole_system() {
         let difference = covariance.point(point).unwrap() - block;
         assert!(difference.norm() < 1e-8 * block.norm());
     }
-}
-
-/// The estimate grown about the fixed camera until it has the size of the truth.
-fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<PosedPinhole> {
-    let fixed = truth[0].centre();
-    let (mut product, mut square) = (0.0, 0.0);
-    for (estimated, true_camera) in estimate.iter().zip(truth) {
-        let arm = estimated.centre() - fixed;
-        product += arm.dot(&(true_camera.centre() - fixed));
-        square += arm.norm_squared();
-    }
-    let grow = |camera: &PosedPinhole| {
-        let centre = fixed + product / square * (camera.centre() - fixed);
-        let rotation = camera.camera_from_world.rotation;
-        let translation = -(rotation * centre);
-        let camera_from_world = Isometry3::from_parts(translation.into(), rotation);
-        PosedPinhole { camera_from_world, ..*camera }
-    };
-    estimate.iter().map(grow).collect()
 }
 
 #[test]

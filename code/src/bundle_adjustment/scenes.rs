@@ -200,3 +200,25 @@ impl Random {
         sigma * radius * self.uniform(0.0, TAU).cos()
     }
 }
+
+/// An estimate's cameras, grown about the first of the true ones until the sum of squares of what
+/// is left of their positions' errors is least: single cameras do not know the scale. The
+/// lists belong together, camera by camera.
+pub fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<PosedPinhole> {
+    let Some(first) = truth.first() else { return estimate.to_vec() };
+    let fixed = first.centre();
+    let (mut product, mut square) = (0.0, 0.0);
+    for (estimated, true_camera) in estimate.iter().zip(truth) {
+        let arm = estimated.centre() - fixed;
+        product += arm.dot(&(true_camera.centre() - fixed));
+        square += arm.norm_squared();
+    }
+    let grown = |camera: &PosedPinhole| {
+        let centre = fixed + product / square * (camera.centre() - fixed);
+        let rotation = camera.camera_from_world.rotation;
+        let translation = -(rotation * centre);
+        let camera_from_world = Isometry3::from_parts(translation.into(), rotation);
+        PosedPinhole { camera_from_world, ..*camera }
+    };
+    estimate.iter().map(grown).collect()
+}

@@ -1,8 +1,8 @@
 //! Are errors as large as their covariances say?
 
-use nalgebra::{DVector, Isometry3};
-use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Options, PosedPinhole};
+use nalgebra::DVector;
+use vislam::bundle_adjustment::Options;
+use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::manifold::se3;
 
 use super::whole::{Ba, at_truth, solver};
@@ -16,26 +16,6 @@ const LIVE_RUNS: usize = 100;
 /// Probability outside the band of the mean, and outside that of a single run.
 const OUTSIDE_MEAN: f64 = 0.001;
 pub const OUTSIDE_RUN: f64 = 0.05;
-
-/// Cameras grown about the first until the sum of squares of what is left of their positions'
-/// errors is least.
-pub fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<PosedPinhole> {
-    let fixed = truth[0].centre();
-    let (mut product, mut square) = (0.0, 0.0);
-    for (estimated, true_camera) in estimate.iter().zip(truth) {
-        let arm = estimated.centre() - fixed;
-        product += arm.dot(&(true_camera.centre() - fixed));
-        square += arm.norm_squared();
-    }
-    let grown = |camera: &PosedPinhole| {
-        let centre = fixed + product / square * (camera.centre() - fixed);
-        let rotation = camera.camera_from_world.rotation;
-        let translation = -(rotation * centre);
-        let camera_from_world = Isometry3::from_parts(translation.into(), rotation);
-        PosedPinhole { camera_from_world, ..*camera }
-    };
-    estimate.iter().map(grown).collect()
-}
 
 /// The normalized error of a ring's cameras, with noise of so many pixels where one was stated.
 pub fn normalized_error(seed: u64, noise: f64) -> f64 {

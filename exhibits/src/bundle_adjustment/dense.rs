@@ -2,11 +2,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Camera, Options, PosedPinhole, Solver, TinyBa};
+use vislam::bundle_adjustment::{Camera, Options, PosedPinhole, Solver};
 
+use super::whole::{Ba, Whole};
 use crate::random::Random;
-
-pub type Ba = TinyBa<PosedPinhole, 6>;
 
 const CAMERAS: usize = 4;
 /// The first two cameras are fixed, so that nothing is free.
@@ -25,6 +24,17 @@ pub struct Case {
     pub cameras_step: DVector<f64>,
 }
 
+/// Measured less expected, whitened, two numbers for each observation.
+fn errors(problem: &Ba) -> DVector<f64> {
+    let mut errors = DVector::zeros(2 * problem.factors.len());
+    for (index, factor) in problem.factors.iter().enumerate() {
+        let pixel = problem.cameras[factor.keyframe].project(&problem.points[factor.point]);
+        let error = factor.residual(&pixel.expect("the points lie in front of all cameras"));
+        errors.fixed_rows_mut::<2>(2 * index).copy_from(&error);
+    }
+    errors
+}
+
 impl Case {
     pub fn random(random: &mut Random) -> Self {
         let seed = random.uniform(0.0..1e9) as u64;
@@ -37,33 +47,15 @@ impl Case {
         for factor in &mut problem.factors {
             factor.inverse_sigma = random.uniform(0.5..2.0);
         }
+        let Whole { cameras: by_cameras, points: by_points } = Whole::new(&problem);
         let moving = CAMERAS - FIXED;
-        let mut case = Self {
-            by_cameras: DMatrix::zeros(2 * problem.factors.len(), 6 * moving),
-            by_points: DMatrix::zeros(2 * problem.factors.len(), 3 * POINTS),
-            error: DVector::zeros(2 * problem.factors.len()),
+        Self {
+            by_cameras,
+            by_points,
+            error: errors(&problem),
             damping: random.logarithmic(0.01..1.0),
             cameras_step: DVector::from_fn(6 * moving, |_, _| random.normal(0.1)),
             problem,
-        };
-        case.linearize();
-        case
-    }
-
-    fn linearize(&mut self) {
-        for (index, factor) in self.problem.factors.iter().enumerate() {
-            let camera = &self.problem.cameras[factor.keyframe];
-            let view = camera.differentiate(&self.problem.points[factor.point]);
-            let view = view.expect("the points lie in front of all cameras");
-            let row = 2 * index;
-            if let Some(k) = factor.keyframe.checked_sub(FIXED) {
-                let block = factor.inverse_sigma * view.by_camera;
-                self.by_cameras.fixed_view_mut::<2, 6>(row, 6 * k).copy_from(&block);
-            }
-            let block = factor.inverse_sigma * view.by_point;
-            self.by_points.fixed_view_mut::<2, 3>(row, 3 * factor.point).copy_from(&block);
-            let error = factor.residual(&view.pixel);
-            self.error.fixed_rows_mut::<2>(row).copy_from(&error);
         }
     }
 

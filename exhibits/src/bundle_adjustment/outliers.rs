@@ -2,11 +2,10 @@
 
 use std::sync::OnceLock;
 
-use vislam::bundle_adjustment::scenes::Scene;
+use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::bundle_adjustment::{Camera, Options};
 
 use super::certainty::expected_cost;
-use super::consistency::at_true_scale;
 use super::whole::{Ba, solver};
 use crate::chapter::Chapter;
 

@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, Stop};
 
-use super::dense::{Ba, Case, best_fit, damped, inverse};
+use super::dense::{Case, best_fit, damped, inverse};
+use super::whole::Ba;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BaReport, Camera, Options, Solver, Stop};
 
-use super::dense::Ba;
+use super::whole::Ba;
 
 /// Standard deviation of each coordinate of a pixel.
 pub const NOISE: f64 = 1.0;

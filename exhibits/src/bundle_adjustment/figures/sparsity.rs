@@ -11,8 +11,8 @@ use plotters::prelude::SVGBackend;
 use plotters::style::{Color, RGBColor};
 use vislam::bundle_adjustment::{Options, Solver};
 
-use crate::bundle_adjustment::dense::Ba;
 use crate::bundle_adjustment::progress::{shared_points, short_street};
+use crate::bundle_adjustment::whole::Ba;
 use crate::figure::{self, Drawn, Figure, GRID, INK, SERIES, letters_around};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
