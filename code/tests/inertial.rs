@@ -155,6 +155,74 @@ fn without_rotation_a_constant_acceleration_is_propagated_exactly() {
     assert!(propagated(&motion, 20, false).iter().all(|error| *error < 1e-12));
 }
 
+/// Where a level sensor that rests at the origin is believed to be after a minute.
+fn after_a_minute(bias: &ImuBias) -> NavState {
+    let read = Motion::hover().at(0.0).sample(&GRAVITY).biased(bias);
+    let step = |state: NavState, _| state.propagate_midpoint(&read, &read, &GRAVITY, 0.01);
+    (0..6000).fold(NavState::origin(), step)
+}
+
+// ANCHOR: drift
+#[test]
+fn a_bias_of_the_accelerometer_drifts_with_the_square_of_the_time() {
+    let bias = ImuBias { accelerometer: Vector3::new(0.02, 0.0, 0.0), ..ImuBias::default() };
+    let drift = after_a_minute(&bias).position;
+    assert_abs_diff_eq!(drift, Vector3::new(36.0, 0.0, 0.0), epsilon = 1e-9);
+}
+
+#[test]
+fn a_bias_of_the_gyroscope_drifts_with_its_cube_through_gravity() {
+    let bias = ImuBias { gyro: Vector3::new(0.0, 1e-3, 0.0), ..ImuBias::default() };
+    let drift = after_a_minute(&bias).position;
+    // g b t³/6, less what a sine lacks of its angle.
+    assert_abs_diff_eq!(drift.x, 353.16, epsilon = 0.1);
+    let upright = ImuBias { gyro: Vector3::new(0.0, 0.0, 1e-3), ..ImuBias::default() };
+    assert_abs_diff_eq!(after_a_minute(&upright).position, Vector3::zeros(), epsilon = 1e-9);
+}
+// ANCHOR_END: drift
+
+#[test]
+fn the_first_state_stays_outside_of_what_the_readings_add() {
+    let samples = Motion::level_turn(1.5, 0.8).samples(&GRAVITY, 0.01, 101);
+    let run = |first: NavState, gravity: Vector3<f64>| {
+        samples
+            .windows(2)
+            .fold(first, |state, pair| state.propagate_midpoint(&pair[0], &pair[1], &gravity, 0.01))
+    };
+    let own = run(NavState::origin(), Vector3::zeros());
+    let first = Motion::figure_eight().at(2.0).state;
+    let (reached, turned) = (run(first, GRAVITY), first.world_from_body);
+    let rotation = turned * own.world_from_body;
+    assert_abs_diff_eq!(reached.world_from_body, rotation, epsilon = 1e-12);
+    let velocity = first.velocity + GRAVITY + turned * own.velocity;
+    assert_abs_diff_eq!(reached.velocity, velocity, epsilon = 1e-12);
+    let fallen = first.position + first.velocity + 0.5 * GRAVITY;
+    assert_abs_diff_eq!(reached.position, fallen + turned * own.position, epsilon = 1e-12);
+}
+
+#[test]
+fn a_turn_about_the_vertical_changes_nothing_that_a_resting_sensor_reads() {
+    let facing = |yaw: f64| {
+        let (pitch, roll) = (Course::constant(0.3), Course::constant(-0.8));
+        let angles = Angles { yaw: Course::constant(yaw), pitch, roll };
+        Motion { angles, ..Motion::hover() }.at(0.0).sample(&GRAVITY).accelerometer
+    };
+    assert_abs_diff_eq!(facing(0.0), facing(2.2), epsilon = 1e-12);
+    let force = facing(1.0);
+    assert_abs_diff_eq!(force.y.atan2(force.z), -0.8, epsilon = 1e-12);
+    assert_abs_diff_eq!((-force.x).atan2(force.y.hypot(force.z)), 0.3, epsilon = 1e-12);
+}
+
+#[test]
+fn on_a_level_turn_a_clock_that_is_off_is_corrected_exactly() {
+    let (camera, motion) =
+        (CameraImu { time_offset: 0.2, ..camera() }, Motion::level_turn(1.0, 2.0));
+    let moment = motion.at(0.5);
+    let moved = camera.world_from_camera_at_same_reading(&moment.state, &moment.angular_velocity);
+    let truth = camera.world_from_camera(&motion.at(0.7).state);
+    assert_abs_diff_eq!(se3::local(&moved, &truth), Vector6::zeros(), epsilon = 1e-12);
+}
+
 #[test]
 fn a_state_moves_by_nine_numbers_rotation_first() {
     let state = Motion::figure_eight().at(1.0).state;

@@ -12,6 +12,7 @@ mod bundle_adjustment;
 mod chapter;
 mod comparison;
 mod figure;
+mod inertial;
 mod least_squares;
 mod manifold;
 mod random;
@@ -37,6 +38,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("reprojection", reprojection::exhibits),
     ("two_views", two_views::exhibits),
     ("bundle_adjustment", bundle_adjustment::exhibits),
+    ("inertial", inertial::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

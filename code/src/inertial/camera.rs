@@ -24,19 +24,17 @@ impl CameraImu {
         self.world_from_camera(state).inverse()
     }
 
-    /// The pose of the camera. Its translation is the camera's centre p + R l, for the lever
-    /// arm l.
+    /// The pose of the camera, T_wb T_bc. Its translation is the camera's centre p + R l, for
+    /// the lever arm l.
     pub fn world_from_camera(&self, state: &NavState) -> Isometry3<f64> {
         state.world_from_body() * self.body_from_camera
     }
     // ANCHOR_END: camera_pose
 
     // ANCHOR: camera_twist
-    /// The velocity of the camera as a twist (ρ, φ) in its own frame, in m/s and rad/s: after a
-    /// short time t its pose is `world_from_camera` exp(t ξ). A body that turns swings the
-    /// camera about on its lever arm, which adds ω × l to the velocity.
-    ///
-    /// `angular_velocity` is that of the body, in its frame, in rad/s.
+    /// The velocity of the camera as a twist (ρ, φ) in its own frame, in m/s and rad/s. A body
+    /// that turns swings the camera about on its lever arm: ρ is {eq:inertial-camera-velocity}
+    /// in the camera. `angular_velocity` is that of the body, in its frame, in rad/s.
     pub fn twist(&self, state: &NavState, angular_velocity: &Vector3<f64>) -> Vector6<f64> {
         let lever = self.body_from_camera.translation.vector;
         let velocity = state.world_from_body.inverse() * state.velocity;
@@ -46,9 +44,8 @@ impl CameraImu {
         Vector6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z)
     }
 
-    /// The pose of the camera when its own clock shows the time that the sensor's clock showed
-    /// at `state`: the body has moved on for [`CameraImu::time_offset`], to first order with
-    /// constant velocity and angular velocity.
+    /// The pose of the camera when its clock shows the time that the sensor's clock showed at
+    /// `state`: it has moved on with its twist. Implements {eq:inertial-time-offset}.
     pub fn world_from_camera_at_same_reading(
         &self,
         state: &NavState,
@@ -66,7 +63,8 @@ impl CameraImu {
 
     // ANCHOR: lever_arm
     /// The acceleration at the camera, in the body frame, of a body that accelerates and turns:
-    /// besides that of the body α × l + ω × (ω × l), for the lever arm l.
+    /// besides that of the body α × l + ω × (ω × l), for the lever arm l. Implements
+    /// {eq:inertial-camera-acceleration}.
     ///
     /// `acceleration` in m/s², `angular_velocity` in rad/s and `angular_acceleration` in rad/s²,
     /// all in the body frame.

@@ -92,7 +92,7 @@ pub struct Moment {
 
 impl Moment {
     // ANCHOR: perfect_sample
-    /// What a perfect sensor reads: the specific force Rᵀ (a − g).
+    /// What a perfect sensor reads. Implements {eq:inertial-specific-force}.
     pub fn sample(&self, gravity: &Vector3<f64>) -> ImuSample {
         let body_from_world = self.state.world_from_body.inverse();
         let accelerometer = body_from_world * (self.acceleration - gravity);
@@ -201,7 +201,7 @@ impl Motion {
 // ANCHOR: corrupt
 impl ImuNoise {
     /// A perfect reading as a sensor with this noise and a bias gives it, for a step of `dt`
-    /// seconds. `normal` draws from the normal distribution with mean zero and variance one.
+    /// seconds. `normal` draws with mean zero and variance one. Implements {eq:inertial-model}.
     pub fn corrupt(
         &self,
         sample: &ImuSample,

@@ -38,8 +38,8 @@ impl ImuNoise {
     // ANCHOR_END: sensors
 
     // ANCHOR: discrete
-    /// The 6×6 covariance of a reading that stands for a step of `dt` seconds, gyroscope first:
-    /// density squared over the step. A shorter step averages over less time.
+    /// The 6×6 covariance of a reading that stands for a step of `dt` seconds, gyroscope first.
+    /// A shorter step averages over less time. Implements {eq:inertial-density}.
     pub fn discrete(&self, dt: f64) -> Matrix6<f64> {
         let (g, a) = (self.gyro * self.gyro / dt, self.accelerometer * self.accelerometer / dt);
         Matrix6::from_diagonal(&Vector6::new(g, g, g, a, a, a))

@@ -25,7 +25,7 @@ pub struct ImuBias {
 
 impl ImuSample {
     // ANCHOR: corrected
-    /// The reading less the bias.
+    /// The reading less the bias, {eq:inertial-model} solved for what is felt.
     pub fn corrected(&self, bias: &ImuBias) -> Self {
         Self { gyro: self.gyro - bias.gyro, accelerometer: self.accelerometer - bias.accelerometer }
     }

@@ -55,16 +55,15 @@ impl NavState {
     // ANCHOR: propagate
     /// The state `dt` seconds on, by the left rule: the reading, free of bias, holds for the
     /// whole step, and its force acts in the direction the body has at the beginning.
-    ///
-    /// Position comes first and rotation last, each from the values before the step. Then all
-    /// that a reading adds is turned by the first rotation of all, and can be summed without it.
+    /// Implements {eq:inertial-left-rule}.
     pub fn propagate(&self, sample: &ImuSample, gravity: &Vector3<f64>, dt: f64) -> Self {
         let along = self.world_from_body;
         self.advance(&along, sample, gravity, dt)
     }
 
     /// The state `dt` seconds on, by the midpoint rule: the mean of the readings at the two ends
-    /// of the step holds for it, and its force acts in the direction the body has halfway.
+    /// holds for the step, and its force acts in the direction the body has halfway.
+    /// Implements {eq:inertial-midpoint-rule}.
     pub fn propagate_midpoint(
         &self,
         start: &ImuSample,
@@ -79,7 +78,8 @@ impl NavState {
     // ANCHOR_END: propagate
 
     // ANCHOR: advance
-    /// One step in which the force is turned into the world by `along`.
+    /// One step in which the force is turned into the world by `along`. Each line reads the
+    /// state before the step, so that {eq:inertial-first-state} holds exactly.
     fn advance(
         &self,
         along: &Rotation3<f64>,

@@ -1,0 +1,34 @@
+//! What chapter `inertial` shows: what an inertial sensor feels, how wrong it is, and where that leads.
+//!
+//! Each part registers its equations, then checks them, and the numbers that belong to them.
+
+mod averages;
+mod calibration;
+mod camera;
+mod clock;
+mod drift;
+mod figures;
+mod gravity;
+mod noise;
+mod oracle;
+mod rules;
+mod strapdown;
+
+use crate::chapter::Chapter;
+
+/// Random states at which an equation is compared, unless its oracle is costly.
+const STATES: usize = 500;
+
+/// Registers the chapter's exhibits.
+pub fn exhibits(chapter: &mut Chapter) {
+    gravity::exhibits(chapter);
+    noise::exhibits(chapter);
+    averages::exhibits(chapter);
+    strapdown::exhibits(chapter);
+    rules::exhibits(chapter);
+    drift::exhibits(chapter);
+    camera::exhibits(chapter);
+    clock::exhibits(chapter);
+    calibration::numbers(chapter);
+    figures::figures(chapter);
+}

@@ -1,0 +1,203 @@
+//! What averaging does to noise and to a bias that walks.
+
+use nalgebra::{Vector3, Vector6};
+use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
+
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+/// Registers the equations and numbers.
+pub fn exhibits(chapter: &mut Chapter) {
+    let mutants: [(_, Variance); 5] = [
+        ("noise that does not fall", |s, w, tau| s * s + w * w * tau / 3.0),
+        ("a walk that does not rise", |s, w, tau| s * s / tau + w * w / 3.0),
+        ("walk of the whole window", |s, w, tau| s * s / tau + w * w * tau),
+        ("both means' noise", |s, w, tau| 2.0 * s * s / tau + w * w * tau / 3.0),
+        ("walk dropped", |s, _, tau| s * s / tau),
+    ];
+    chapter.equation("inertial-allan-lines", inertial_allan_lines, averaged, &mutants);
+
+    let mutants: [(_, Variance); 4] = [
+        ("noise alone", |s, _, t| s * s / t),
+        ("no noise", |_, w, t| w * w * t / 3.0),
+        ("walk of the whole time", |s, w, t| s * s / t + w * w * t),
+        ("a walk that averages out", |s, w, t| s * s / t + w * w / (3.0 * t)),
+    ];
+    chapter.equation("inertial-bias-average", inertial_bias_average, averaged, &mutants);
+    numbers(chapter);
+}
+
+/// The variance of both equations, for a density of white noise, one of a walk, and a time.
+pub fn averaged(sigma: f64, walk: f64, time: f64) -> f64 {
+    sigma * sigma / time + walk * walk * time / 3.0
+}
+
+type Variance = fn(f64, f64, f64) -> f64;
+
+fn inertial_allan_lines(formula: Variance) -> Comparison {
+    let against = "half the square of the weight of every single increment, summed over 4,000";
+    let mut comparison = Comparison::relative(against, 1e-5);
+    // Two neighbouring means, the second one less the first.
+    let weights: Vec<f64> = (0..4000).map(|k| if k < 2000 { -1.0 } else { 1.0 } / 2000.0).collect();
+    compare(&mut comparison, 11, formula, |sigma, walk, tau| {
+        0.5 * variance(&weights, 0.0, sigma, walk, tau / 2000.0)
+    });
+    comparison
+}
+
+fn inertial_bias_average(formula: Variance) -> Comparison {
+    let against = "the square of the weight of every single increment, summed over 2,000";
+    let mut comparison = Comparison::relative(against, 1e-5);
+    let weights = vec![1.0 / 2000.0; 2000];
+    compare(&mut comparison, 12, formula, |sigma, walk, time| {
+        variance(&weights, -1.0, sigma, walk, time / 2000.0)
+    });
+    comparison
+}
+
+fn compare(
+    comparison: &mut Comparison,
+    seed: u64,
+    formula: Variance,
+    oracle: impl Fn(f64, f64, f64) -> f64,
+) {
+    let mut random = Random::new(seed);
+    for _ in 0..100 {
+        let sigma = random.logarithmic(1e-4..1e-2);
+        let walk = sigma * random.logarithmic(0.01..1.0);
+        let time = 3_f64.sqrt() * sigma / walk * random.logarithmic(0.2..5.0);
+        comparison.add(&[formula(sigma, walk, time)], &[oracle(sigma, walk, time)]);
+    }
+}
+
+/// Variance of a sum of readings with these weights, to which the bias at the end is added with a
+/// weight of its own. The bias takes its steps in the middle of readings.
+fn variance(weights: &[f64], end: f64, sigma: f64, walk: f64, dt: f64) -> f64 {
+    let white: f64 = weights.iter().map(|w| w * w * sigma * sigma / dt).sum();
+    // An increment of the walk is in every later reading, in half of its own, and in the end.
+    let mut later = end;
+    let mut walked = 0.0;
+    for weight in weights.iter().rev() {
+        walked += (later + 0.5 * weight).powi(2) * walk * walk * dt;
+        later += weight;
+    }
+    white + walked
+}
+
+fn numbers(chapter: &mut Chapter) {
+    let best = |sigma: f64, walk: f64| 3_f64.sqrt() * sigma / walk;
+    let (poor, good) = (ImuNoise::mems(), ImuNoise::euroc());
+    chapter.number("best_mems_gyro", best(poor.gyro, poor.gyro_walk), "s", 0);
+    chapter.number("best_euroc_gyro", best(good.gyro, good.gyro_walk), "s", 0);
+    chapter.number("best_mems_acc", best(poor.accelerometer, poor.accelerometer_walk), "s", 1);
+    chapter.number("best_euroc_acc", best(good.accelerometer, good.accelerometer_walk), "s", 1);
+    let least = |sigma: f64, walk: f64| averaged(sigma, walk, best(sigma, walk)).sqrt();
+    let gyro = least(poor.gyro, poor.gyro_walk);
+    chapter.number("least_mems_gyro", gyro.to_degrees(), "°/s", 3);
+    let fading = (poor.gyro * poor.gyro_walk).sqrt();
+    chapter.number("fading_mems_gyro", fading.to_degrees(), "°/s", 3);
+    let long = 600.0;
+    chapter.number("long_average", long / 60.0, "min", 0);
+    let told = poor.gyro / f64::sqrt(long);
+    chapter.number("long_told", told.to_degrees(), "°/s", 3);
+    let true_deviation = averaged(poor.gyro, poor.gyro_walk, long).sqrt();
+    chapter.number("long_true", true_deviation.to_degrees(), "°/s", 3);
+    chapter.number("long_factor", true_deviation / told, "", 0);
+    chapter.number("averaging_runs", RUNS as f64, "", 0);
+    chapter.number("staying_deg", STAYING.to_degrees(), "°/s", 2);
+    chapter.number("allan_hours", HOURS, "h", 0);
+}
+
+/// Resting sensors in the figure of averages.
+pub const RUNS: usize = 200;
+/// A bias that stays, in rad/s.
+pub const STAYING: f64 = 2e-3;
+/// Readings in a second of the figure of averages.
+const AVERAGED_RATE: f64 = 20.0;
+
+/// What the mean of a resting gyroscope's readings is used for.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Case {
+    /// There is no bias: what is left of the noise.
+    NoBias,
+    /// A bias stays as it is: what is left of noise and bias, if both are taken for noise.
+    Stays,
+    /// The bias walks: the mean less the bias at the end.
+    Walks,
+}
+
+/// Errors of means over these times, in seconds: root mean square over runs, in rad/s.
+pub fn errors_of_means(case: Case, times: &[f64]) -> Vec<f64> {
+    let (noise, dt) = (ImuNoise::mems(), 1.0 / AVERAGED_RATE);
+    let mut random = Random::new(13);
+    let mut squares = vec![0.0; times.len()];
+    for _ in 0..RUNS {
+        let mut bias = if case == Case::Stays { STAYING } else { 0.0 };
+        let (mut sum, mut count, mut next) = (0.0, 0.0, 0);
+        while next < times.len() {
+            let step = random.normal(noise.gyro_walk * dt.sqrt());
+            bias += if case == Case::Walks { step } else { 0.0 };
+            sum += bias + random.normal(noise.gyro / dt.sqrt());
+            count += 1.0;
+            if count * dt >= times[next] - 1e-9 {
+                let known = if case == Case::Walks { bias } else { 0.0 };
+                squares[next] += (sum / count - known).powi(2) / RUNS as f64;
+                next += 1;
+            }
+        }
+    }
+    squares.into_iter().map(f64::sqrt).collect()
+}
+
+/// The same by the formulas.
+pub fn expected_error(case: Case, time: f64) -> f64 {
+    let noise = ImuNoise::mems();
+    match case {
+        Case::NoBias => averaged(noise.gyro, 0.0, time).sqrt(),
+        Case::Stays => averaged(noise.gyro, 0.0, time).sqrt().hypot(STAYING),
+        Case::Walks => averaged(noise.gyro, noise.gyro_walk, time).sqrt(),
+    }
+}
+
+/// Length of the resting recording behind the figure of Allan deviations.
+const HOURS: f64 = 2.0;
+/// Readings in a second of it.
+const RATE: f64 = 50.0;
+
+/// Allan deviations of a simulated resting sensor, gyroscope and accelerometer, for windows of
+/// these numbers of readings. The six axes count as three and three.
+pub fn allan_deviations(noise: &ImuNoise, windows: &[usize], seed: u64) -> Vec<[f64; 2]> {
+    let mut random = Random::new(seed);
+    let dt = 1.0 / RATE;
+    let resting = ImuSample { gyro: Vector3::zeros(), accelerometer: Vector3::zeros() };
+    let mut bias = ImuBias::default();
+    let mut sums = vec![Vector6::zeros()];
+    for k in 0..(3600.0 * HOURS * RATE) as usize {
+        bias = noise.walk(&bias, dt, || random.normal(1.0));
+        let read = noise.corrupt(&resting, &bias, dt, || random.normal(1.0));
+        let six = ImuBias { gyro: read.gyro, accelerometer: read.accelerometer }.vector();
+        sums.push(sums[k] + six);
+    }
+    windows.iter().map(|&window| allan_deviation(&sums, window)).collect()
+}
+
+/// From sums of the readings: half the mean squared difference of neighbouring means.
+fn allan_deviation(sums: &[Vector6<f64>], window: usize) -> [f64; 2] {
+    let mean = |k: usize| (sums[k + window] - sums[k]) / window as f64;
+    let starts = (0..sums.len() - 2 * window).step_by(window.div_ceil(4));
+    let mut squares = [0.0; 2];
+    let count = starts.len() as f64;
+    for k in starts {
+        let difference = mean(k + window) - mean(k);
+        for (sensor, square) in squares.iter_mut().enumerate() {
+            *square += difference.fixed_rows::<3>(3 * sensor).norm_squared() / (6.0 * count);
+        }
+    }
+    squares.map(f64::sqrt)
+}
+
+/// Seconds of a window of so many readings.
+pub fn seconds(window: usize) -> f64 {
+    window as f64 / RATE
+}

@@ -1,0 +1,103 @@
+//! A camera at the end of a lever arm.
+
+use nalgebra::Vector3;
+use vislam::inertial::{CameraImu, Moment};
+
+use super::STATES;
+use super::oracle::{bend, camera, motion, slope};
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+/// Registers the equations and numbers.
+pub fn exhibits(chapter: &mut Chapter) {
+    let formula: Velocity = |camera, moment| {
+        let twist = camera.twist(&moment.state, &moment.angular_velocity);
+        let rotation = camera.world_from_camera(&moment.state).rotation;
+        rotation * Vector3::from(twist.fixed_rows::<3>(0))
+    };
+    let mutants: [(_, Velocity); 4] = [
+        ("lever arm forgotten", |_, m| m.state.velocity),
+        ("sign of the product", |c, m| m.state.velocity - m.state.world_from_body * swing_of(c, m)),
+        ("swing not turned", |c, m| m.state.velocity + swing_of(c, m)),
+        ("lever arm from the camera", |c, m| {
+            let lever = c.body_from_camera.inverse().translation.vector;
+            m.state.velocity + m.state.world_from_body * m.angular_velocity.cross(&lever)
+        }),
+    ];
+    chapter.equation("inertial-camera-velocity", inertial_camera_velocity, formula, &mutants);
+
+    let formula: Acceleration = |camera, own, w, alpha| camera.acceleration(own, w, alpha);
+    let mutants: [(_, Acceleration); 4] = [
+        ("outward", |c, own, w, alpha| own + alpha.cross(&arm(c)) - w.cross(&w.cross(&arm(c)))),
+        ("turning speeds up by itself", |c, own, w, _| own + w.cross(&w.cross(&arm(c)))),
+        ("steady turn forgotten", |c, own, _, alpha| own + alpha.cross(&arm(c))),
+        ("sign of the speeding up", |c, own, w, alpha| {
+            own - alpha.cross(&arm(c)) + w.cross(&w.cross(&arm(c)))
+        }),
+    ];
+    let check = inertial_camera_acceleration;
+    chapter.equation("inertial-camera-acceleration", check, formula, &mutants);
+    numbers(chapter);
+}
+
+fn arm(camera: &CameraImu) -> Vector3<f64> {
+    camera.body_from_camera.translation.vector
+}
+
+/// ω × l, in the body frame.
+fn swing_of(camera: &CameraImu, moment: &Moment) -> Vector3<f64> {
+    moment.angular_velocity.cross(&arm(camera))
+}
+
+/// The velocity of the camera in the world.
+type Velocity = fn(&CameraImu, &Moment) -> Vector3<f64>;
+
+fn inertial_camera_velocity(formula: Velocity) -> Comparison {
+    let against = "differences of the camera's place along known motions";
+    let mut comparison = Comparison::absolute(against, 1e-8, "m/s");
+    let mut random = Random::new(50);
+    for _ in 0..STATES {
+        let (motion, camera) = (motion(&mut random), camera(&mut random));
+        let t = random.uniform(0.0..5.0);
+        let place = |s: f64| {
+            let body = motion.at(t + s).state;
+            body.position + body.world_from_body * arm(&camera)
+        };
+        let found = formula(&camera, &motion.at(t));
+        comparison.add(found.as_slice(), slope(place, 1e-3).as_slice());
+    }
+    comparison
+}
+
+/// Takes the body's acceleration, its angular velocity and its angular acceleration.
+type Acceleration = fn(&CameraImu, &Vector3<f64>, &Vector3<f64>, &Vector3<f64>) -> Vector3<f64>;
+
+fn inertial_camera_acceleration(formula: Acceleration) -> Comparison {
+    let against = "second differences of the camera's place along known motions";
+    let mut comparison = Comparison::absolute(against, 1e-6, "m/s²");
+    let mut random = Random::new(51);
+    for _ in 0..STATES {
+        let (motion, camera) = (motion(&mut random), camera(&mut random));
+        let t = random.uniform(0.0..5.0);
+        let place = |s: f64| {
+            let body = motion.at(t + s).state;
+            body.position + body.world_from_body * arm(&camera)
+        };
+        let moment = motion.at(t);
+        let body_from_world = moment.state.world_from_body.inverse();
+        let alpha = slope(|s| motion.at(t + s).angular_velocity, 1e-3);
+        let own = body_from_world * moment.acceleration;
+        let found = formula(&camera, &own, &moment.angular_velocity, &alpha);
+        comparison.add(found.as_slice(), (body_from_world * bend(place, 4e-3)).as_slice());
+    }
+    comparison
+}
+
+fn numbers(chapter: &mut Chapter) {
+    let (arm, rate) = (0.1, 3.0);
+    chapter.number("arm_cm", 100.0 * arm, "cm", 0);
+    chapter.number("arm_rate", rate, "rad/s", 0);
+    chapter.number("arm_speed", 100.0 * arm * rate, "cm/s", 0);
+    chapter.number("arm_inward", arm * rate * rate, "m/s²", 1);
+}

@@ -1,0 +1,189 @@
+//! How wrong the two rules are, in one step and after many.
+
+use nalgebra::{Rotation3, Vector3};
+use vislam::inertial::{GRAVITY, ImuSample, Motion, NavState};
+use vislam::manifold::so3;
+
+use super::noise::STEP;
+use super::oracle::{bend, motion, slope};
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+/// Registers the equations and numbers.
+pub fn exhibits(chapter: &mut Chapter) {
+    left(chapter);
+    midpoint(chapter);
+    numbers(chapter);
+}
+
+/// A motion at one time: rotation, and both readings with two derivatives each.
+struct Local {
+    r: Rotation3<f64>,
+    w: [Vector3<f64>; 3],
+    f: [Vector3<f64>; 3],
+}
+
+impl Local {
+    fn of(motion: &Motion, t: f64) -> Self {
+        let read = |s: f64| motion.at(t + s).sample(&GRAVITY);
+        let (gyro, force) = (|s: f64| read(s).gyro, |s: f64| read(s).accelerometer);
+        Self {
+            r: motion.at(t).state.world_from_body,
+            w: [gyro(0.0), slope(gyro, 1e-3), bend(gyro, 4e-3)],
+            f: [force(0.0), slope(force, 1e-3), bend(force, 4e-3)],
+        }
+    }
+
+    /// The rate of the specific force in the world.
+    fn jerk(&self) -> Vector3<f64> {
+        self.r * (self.w[0].cross(&self.f[0]) + self.f[1])
+    }
+}
+
+/// Gives the errors of rotation, velocity and position, each divided by its power of the step.
+type StepError = fn(&Local) -> [Vector3<f64>; 3];
+
+fn left(chapter: &mut Chapter) {
+    let formula: StepError = |x| [x.w[1] / 2.0, x.jerk() / 2.0, x.jerk() / 6.0];
+    let mutants: [(_, StepError); 4] = [
+        ("sign", |x| [x.w[1] / -2.0, x.jerk() / -2.0, x.jerk() / -6.0]),
+        ("the turn of the force dropped", |x| {
+            [x.w[1] / 2.0, x.r * x.f[1] / 2.0, x.r * x.f[1] / 6.0]
+        }),
+        ("the change of the force dropped", |x| {
+            let turned = x.r * x.w[0].cross(&x.f[0]);
+            [x.w[1] / 2.0, turned / 2.0, turned / 6.0]
+        }),
+        ("in the body", |x| {
+            let jerk = x.r.inverse() * x.jerk();
+            [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
+        }),
+    ];
+    chapter.equation("inertial-left-error", inertial_left_error, formula, &mutants);
+}
+
+fn inertial_left_error(formula: StepError) -> Comparison {
+    let step =
+        |x: &NavState, [start, _]: &[ImuSample; 2], dt: f64| x.propagate(start, &GRAVITY, dt);
+    single_steps(30, formula, step, [2, 2, 3])
+}
+
+fn midpoint(chapter: &mut Chapter) {
+    let formula: StepError = |x| [midpoint_turn(x), midpoint_velocity(x), x.jerk() / -12.0];
+    let mutants: [(_, StepError); 4] = [
+        ("sign", |x| [-midpoint_turn(x), -midpoint_velocity(x), x.jerk() / 12.0]),
+        ("axes that stay", |x| [x.w[2] / -12.0, midpoint_velocity(x), x.jerk() / -12.0]),
+        ("the force's turn taken once", |x| {
+            let once = x.r * x.w[0].cross(&(x.w[0].cross(&x.f[0]) + x.f[1])) / 24.0;
+            [midpoint_turn(x), once - later(x), x.jerk() / -12.0]
+        }),
+        ("the change of rate dropped", |x| {
+            let dropped = x.r * x.w[1].cross(&x.f[0]) / 12.0;
+            [midpoint_turn(x), midpoint_velocity(x) + dropped, x.jerk() / -12.0]
+        }),
+    ];
+    chapter.equation("inertial-midpoint-error", inertial_midpoint_error, formula, &mutants);
+}
+
+fn midpoint_turn(x: &Local) -> Vector3<f64> {
+    (x.w[0].cross(&x.w[1]) - x.w[2]) / 12.0
+}
+
+fn midpoint_velocity(x: &Local) -> Vector3<f64> {
+    let twice = x.w[0].cross(&(x.w[0].cross(&x.f[0]) + 2.0 * x.f[1]));
+    x.r * twice / 24.0 - later(x)
+}
+
+fn later(x: &Local) -> Vector3<f64> {
+    x.r * (x.f[2] + x.w[1].cross(&x.f[0])) / 12.0
+}
+
+fn inertial_midpoint_error(formula: StepError) -> Comparison {
+    let step = |x: &NavState, [start, end]: &[ImuSample; 2], dt: f64| {
+        x.propagate_midpoint(start, end, &GRAVITY, dt)
+    };
+    single_steps(31, formula, step, [3, 3, 3])
+}
+
+/// Compares with single steps along known motions, extrapolated to steps of no length.
+fn single_steps(
+    seed: u64,
+    formula: StepError,
+    step: impl Fn(&NavState, &[ImuSample; 2], f64) -> NavState,
+    powers: [i32; 3],
+) -> Comparison {
+    let against = "single steps of 2 and 4 ms along known motions, extrapolated";
+    let mut comparison = Comparison::relative(against, 3e-3);
+    let mut random = Random::new(seed);
+    for _ in 0..200 {
+        let motion = motion(&mut random);
+        let t = random.uniform(0.0..5.0);
+        let error = |dt: f64| {
+            let reads = [0.0, dt].map(|s| motion.at(t + s).sample(&GRAVITY));
+            let found = step(&motion.at(t).state, &reads, dt);
+            let truth = motion.at(t + dt).state;
+            let turned = so3::local(&found.world_from_body, &truth.world_from_body);
+            let moved = [truth.velocity - found.velocity, truth.position - found.position];
+            let scaled = [turned, moved[0], moved[1]];
+            [0, 1, 2].map(|k| scaled[k] / dt.powi(powers[k]))
+        };
+        let (coarse, fine) = (error(4e-3), error(2e-3));
+        let oracle = [0, 1, 2].map(|k| 2.0 * fine[k] - coarse[k]);
+        comparison.add(&nine(&formula(&Local::of(&motion, t))), &nine(&oracle));
+    }
+    comparison
+}
+
+fn nine(vectors: &[Vector3<f64>; 3]) -> Vec<f64> {
+    vectors.iter().flat_map(|vector| vector.iter().copied()).collect()
+}
+
+/// Seconds over which many steps are taken.
+pub const DURATION: f64 = 10.0;
+
+/// Rates of a sensor in the figure, in readings per second.
+pub const RATES: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
+
+/// Error of position after [`DURATION`] along the figure-eight, in metres.
+pub fn position_error(rate: f64, midpoint: bool) -> f64 {
+    let motion = Motion::figure_eight();
+    let (dt, steps) = (1.0 / rate, (DURATION * rate).round() as usize);
+    let samples = motion.samples(&GRAVITY, dt, steps + 1);
+    let mut state = motion.at(0.0).state;
+    for pair in samples.windows(2) {
+        state = if midpoint {
+            state.propagate_midpoint(&pair[0], &pair[1], &GRAVITY, dt)
+        } else {
+            state.propagate(&pair[0], &GRAVITY, dt)
+        };
+    }
+    (state.position - motion.at(DURATION).state.position).norm()
+}
+
+/// Slope of the straight line through logarithms of these values over those of the places.
+pub fn exponent(places: &[f64], values: &[f64]) -> f64 {
+    let count = places.len() as f64;
+    let mean = |of: &[f64]| of.iter().map(|value| value.ln()).sum::<f64>() / count;
+    let (x, y) = (mean(places), mean(values));
+    let pairs = places.iter().zip(values);
+    let both: f64 = pairs.map(|(p, v)| (p.ln() - x) * (v.ln() - y)).sum();
+    both / places.iter().map(|p| (p.ln() - x).powi(2)).sum::<f64>()
+}
+
+fn numbers(chapter: &mut Chapter) {
+    chapter.number("rule_duration", DURATION, "s", 0);
+    let steps = RATES.map(|rate| 1.0 / rate);
+    // The coarsest steps are not small yet.
+    let fitted = |midpoint| {
+        let errors = RATES.map(|rate| position_error(rate, midpoint));
+        exponent(&steps[2..], &errors[2..])
+    };
+    chapter.number("left_order", fitted(false), "", 2);
+    chapter.number("midpoint_order", fitted(true), "", 2);
+    chapter.number("left_200_cm", 100.0 * position_error(200.0, false), "cm", 1);
+    chapter.number("midpoint_200_mm", 1e3 * position_error(200.0, true), "mm", 1);
+    // A velocity that is brought up to date before the position adds g dt² in every step.
+    let too_much = GRAVITY.norm() * STEP;
+    chapter.number("wrong_order_cm", 100.0 * too_much, "cm", 1);
+}
