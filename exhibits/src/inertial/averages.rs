@@ -110,7 +110,7 @@ fn numbers(chapter: &mut Chapter) {
 }
 
 /// Resting sensors in the figure of averages.
-pub const RUNS: usize = 200;
+pub const RUNS: usize = 500;
 /// A bias that stays, in rad/s.
 pub const STAYING: f64 = 2e-3;
 /// Readings in a second of the figure of averages.

@@ -133,7 +133,7 @@ const GYRO_BIAS: f64 = 1e-3;
 const ACCELEROMETER_BIAS: f64 = 0.02;
 
 /// Times in the figure, in seconds.
-pub const TIMES: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 40.0, 60.0];
+pub const TIMES: [f64; 7] = [1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0];
 
 /// Runs for each source.
 pub const RUNS: usize = 40;
@@ -195,6 +195,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("drift_gyro_bias", 1e3 * GYRO_BIAS, "mrad/s", 0);
     chapter.number("drift_gyro_bias_deg", GYRO_BIAS.to_degrees(), "°/s", 2);
     chapter.number("drift_acc_bias", 100.0 * ACCELEROMETER_BIAS, "cm/s²", 0);
+    chapter.number("drift_ab_hand", ACCELEROMETER_BIAS, "m/s²", 2);
     chapter.number("drift_runs", RUNS as f64, "", 0);
     let equal = 3.0 * ACCELEROMETER_BIAS / (GRAVITY.norm() * GYRO_BIAS);
     chapter.number("drift_equal", equal, "s", 1);

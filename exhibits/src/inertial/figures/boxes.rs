@@ -24,7 +24,7 @@ pub fn boxes() -> Figure {
     Figure {
         columns: vec!["case", "acceleration upward (m/s²)", "reading upward (m/s²)"],
         rows: rows.collect(),
-        svg: figure::draw(640, |drawing| {
+        svg: figure::draw(600, |drawing| {
             for (index, ((name, up), read)) in CASES.iter().zip(read).enumerate() {
                 one(drawing, 230 + 410 * index as i32, name, *up, read)?;
             }
@@ -46,8 +46,9 @@ fn one(drawing: &Drawing, x: i32, name: &str, up: f64, read: f64) -> Drawn {
     }
     let weight = [(x - 45, sunk - 28), (x + 45, sunk + 28)];
     drawing.draw(&Rectangle::new(weight, SERIES[0].filled()))?;
-    let walls = [(x - HALF, MIDDLE - HALF), (x + HALF, MIDDLE + HALF)];
-    drawing.draw(&Rectangle::new(walls, INK.stroke_width(6)))?;
+    let (left, right, top, bottom) = (x - HALF, x + HALF, MIDDLE - HALF, MIDDLE + HALF);
+    let walls = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+    drawing.draw(&PathElement::new(walls, INK.stroke_width(6)))?;
     if up == 0.0 {
         let top = MIDDLE + HALF + 6;
         let table = [(x - 190, top), (x + 190, top)];

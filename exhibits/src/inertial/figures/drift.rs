@@ -37,23 +37,23 @@ pub fn drift() -> Figure {
 fn panel(drawing: &Drawing, x_title: &str, name: &str, found: &Series) -> Drawn {
     let with_names = x_title.is_empty();
     let high = if with_names { 2e5 } else { 2e3 };
-    let y_axis = ("drift (m)", (2e-3..high).log_scale(), 4);
-    let mut chart = figure::axes(drawing, (x_title, (1.5..80.0).log_scale(), 3), y_axis)?;
+    let y_axis = ("drift (m)", (4e-4..high).log_scale(), 4);
+    let mut chart = figure::axes(drawing, (x_title, (0.8..120.0).log_scale(), 3), y_axis)?;
     for (index, (source, source_name)) in SOURCES.iter().enumerate() {
         let colour = SERIES[index];
-        let curve = (0..=40).map(|k| 2.0 * 30_f64.powf(f64::from(k) / 40.0));
+        let curve = (0..=40).map(|k| 60_f64.powf(f64::from(k) / 40.0));
         let curve = curve.map(|t| (t, expected(*source, t)));
         chart.draw_series(LineSeries::new(curve, colour.stroke_width(4)))?;
         let places = TIMES.iter().zip(&found[index]);
         chart
             .draw_series(places.map(|(t, drift)| EmptyElement::at((*t, *drift)) + marker(index)))?;
         if with_names {
-            let place = (1.75, 7e4 / 5_f64.powi(index as i32));
+            let place = (1.0, 6e4 / 6_f64.powi(index as i32));
             chart.draw_series([EmptyElement::at(place) + marker(index)])?;
             let beside = (1.1 * place.0, place.1);
             chart.draw_series([Text::new(*source_name, beside, letters_right_of(colour))])?;
         }
     }
-    chart.draw_series([Text::new(name.to_owned(), (28.0, 6e-3), letters_right_of(INK))])?;
+    chart.draw_series([Text::new(name.to_owned(), (25.0, 2e-3), letters_right_of(INK))])?;
     Ok(())
 }

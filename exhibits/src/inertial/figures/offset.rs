@@ -40,7 +40,7 @@ pub fn offset() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(900, |drawing| {
             let x_axis = ("offset of the clocks (ms)", (0.35..75.0).log_scale(), 3);
-            let y_axis = ("pixel error (px)", (2e-5..1e3).log_scale(), 5);
+            let y_axis = ("pixel error (px)", (5e-6..1e3).log_scale(), 5);
             let mut chart = figure::axes(drawing, x_axis, y_axis)?;
             for (index, (pace, corrected, name)) in CASES.iter().enumerate() {
                 let expected = |ms: f64| expected_error(&motions[*pace], 1e-3 * ms, *corrected);
@@ -52,7 +52,7 @@ pub fn offset() -> Figure {
                     places.map(|(ms, px)| EmptyElement::at((*ms, *px)) + marker(index)),
                 )?;
                 let place = (0.42, 3.5e2 / 4_f64.powi(index as i32));
-                let place = if index < 2 { place } else { (5.0, [3.3e-4, 8e-5][index - 2]) };
+                let place = if index < 2 { place } else { (5.0, [1.5e-4, 3e-5][index - 2]) };
                 chart.draw_series([EmptyElement::at(place) + marker(index)])?;
                 let beside = (1.12 * place.0, place.1);
                 chart.draw_series([Text::new(*name, beside, letters_right_of(colour))])?;
