@@ -196,6 +196,8 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("drift_gyro_bias_deg", GYRO_BIAS.to_degrees(), "°/s", 2);
     chapter.number("drift_acc_bias", 100.0 * ACCELEROMETER_BIAS, "cm/s²", 0);
     chapter.number("drift_ab_hand", ACCELEROMETER_BIAS, "m/s²", 2);
+    let blink = SOURCES.map(|(source, _)| expected(source, 0.1).powi(2)).iter().sum::<f64>().sqrt();
+    chapter.number("drift_blink_mm", 1e3 * blink, "mm", 1);
     chapter.number("drift_runs", RUNS as f64, "", 0);
     let equal = 3.0 * ACCELEROMETER_BIAS / (GRAVITY.norm() * GYRO_BIAS);
     chapter.number("drift_equal", equal, "s", 1);

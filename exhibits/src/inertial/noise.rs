@@ -79,6 +79,8 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("euroc_angle", good.gyro.to_degrees(), "°", 3);
     chapter.number("mems_angle_hour", (60.0 * poor.gyro).to_degrees(), "°", 0);
     chapter.number("euroc_angle_hour", (60.0 * good.gyro).to_degrees(), "°", 2);
+    let walked = good.gyro_walk * (3600_f64.powi(3) / 3.0).sqrt();
+    chapter.number("euroc_walk_hour", walked.to_degrees(), "°", 0);
     chapter.number("mems_speed", 100.0 * poor.accelerometer, "cm/s", 1);
     chapter.number("euroc_speed", 100.0 * good.accelerometer, "cm/s", 1);
     let walks = |noise: &ImuNoise| noise.bias_walk(1.0).diagonal().map(f64::sqrt);

@@ -50,7 +50,7 @@ fn panel(drawing: &Drawing, x_title: &str, name: &str, found: &Series) -> Drawn 
         if with_names {
             let place = (1.0, 6e4 / 6_f64.powi(index as i32));
             chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-            let beside = (1.1 * place.0, place.1);
+            let beside = (1.14 * place.0, place.1);
             chart.draw_series([Text::new(*source_name, beside, letters_right_of(colour))])?;
         }
     }
