@@ -149,6 +149,36 @@ fn propagation_is_of_first_order_by_the_left_rule_and_of_second_by_the_midpoint_
     }
 }
 
+/// Error of position after two seconds with readings that are averages over the step after them;
+/// the second end of a step is given its own reading or the next one.
+fn propagated_with_averages(steps: usize, next: usize) -> f64 {
+    let (motion, parts) = (Motion::figure_eight(), 20);
+    let dt = 2.0 / steps as f64;
+    let average = |k: usize| {
+        let times = (0..parts).map(|part| (k as f64 + (part as f64 + 0.5) / parts as f64) * dt);
+        let sum =
+            times.map(|t| motion.at(t).sample(&GRAVITY)).fold(Vector6::zeros(), |sum, read| {
+                let ImuSample { gyro, accelerometer } = read;
+                sum + ImuBias { gyro, accelerometer }.vector()
+            });
+        let ImuBias { gyro, accelerometer } = ImuBias::from_vector(&(sum / parts as f64));
+        ImuSample { gyro, accelerometer }
+    };
+    let state = (0..steps).fold(motion.at(0.0).state, |state, k| {
+        state.propagate_midpoint(&average(k), &average(k + next), &GRAVITY, dt)
+    });
+    (state.position - motion.at(2.0).state.position).norm()
+}
+
+#[test]
+fn readings_that_are_averages_over_their_step_must_not_be_averaged_with_the_next() {
+    for (next, order) in [(0, 2.0), (1, 1.0)] {
+        let [coarse, fine] = [200, 400].map(|steps| propagated_with_averages(steps, next));
+        let measured = (coarse / fine).log2();
+        assert!((measured - order).abs() < 0.1, "order {measured}");
+    }
+}
+
 #[test]
 fn without_rotation_a_constant_acceleration_is_propagated_exactly() {
     let motion = Motion::constant_acceleration(&Vector3::new(1.0, 2.0, -3.0), Angles::default());
