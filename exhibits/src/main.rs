@@ -15,6 +15,7 @@ mod figure;
 mod inertial;
 mod least_squares;
 mod manifold;
+mod preintegration;
 mod random;
 mod record;
 mod report;
@@ -39,6 +40,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("two_views", two_views::exhibits),
     ("bundle_adjustment", bundle_adjustment::exhibits),
     ("inertial", inertial::exhibits),
+    ("preintegration", preintegration::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

@@ -1,0 +1,10 @@
+//! What chapter `preintegration` shows: many inertial readings as one measurement.
+
+mod sums;
+
+use crate::chapter::Chapter;
+
+/// Registers the chapter's exhibits.
+pub fn exhibits(chapter: &mut Chapter) {
+    sums::exhibits(chapter);
+}

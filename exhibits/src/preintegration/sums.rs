@@ -1,0 +1,26 @@
+//! The sums themselves: that no state is in them, how they follow the biases, their derivatives and
+//! their rules.
+
+mod bias;
+mod breaks;
+mod cost;
+mod derivatives;
+mod figures;
+mod independence;
+mod numbers;
+mod oracle;
+mod rules;
+
+use crate::chapter::Chapter;
+
+/// Registers the exhibits.
+pub fn exhibits(chapter: &mut Chapter) {
+    independence::exhibits(chapter);
+    bias::exhibits(chapter);
+    derivatives::exhibits(chapter);
+    rules::exhibits(chapter);
+    numbers::numbers(chapter);
+    breaks::numbers(chapter);
+    cost::numbers(chapter);
+    figures::figures(chapter);
+}

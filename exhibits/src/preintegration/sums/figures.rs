@@ -1,0 +1,6 @@
+//! The figures.
+
+use crate::chapter::Chapter;
+
+/// Registers the figures.
+pub fn figures(_chapter: &mut Chapter) {}

@@ -1,0 +1,6 @@
+//! Numbers in sentences.
+
+use crate::chapter::Chapter;
+
+/// Registers the numbers.
+pub fn numbers(_chapter: &mut Chapter) {}
