@@ -123,6 +123,7 @@ impl Preintegrator {
     // ANCHOR_END: integrate
 
     /// Adds a step of `dt` seconds between two readings: the midpoint rule.
+    /// Implements {eq:preint-midpoint}.
     ///
     /// Neighbouring steps share a reading and its noise. The covariance treats each step as one
     /// reading with noise of its own, which sums to the same but for half a reading at each end.

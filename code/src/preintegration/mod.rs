@@ -37,7 +37,7 @@ pub const LONGEST_STEP: f64 = 0.1;
 
 // ANCHOR: deltas
 /// What the readings of an interval say about the motion from its first to its last frame,
-/// without gravity and without the velocity at the beginning.
+/// without gravity and without the velocity at the beginning. See {eq:deltas}.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deltas {
     /// Takes coordinates of the last body frame to the first.
@@ -74,6 +74,7 @@ pub struct Preintegrated {
 // ANCHOR: preintegrate
 /// Sums up readings of equal steps of `dt` seconds by the left rule: each reading holds from its
 /// time to that of the next one, so there are as many steps as readings.
+/// Implements {eq:preintegrated-sums}.
 ///
 /// # Errors
 ///
@@ -135,7 +136,7 @@ pub fn preintegrate_stamped(
 
 // ANCHOR: correct_for_bias
 /// The deltas as they would be at another bias, to first order in the difference, at the cost of
-/// a few small products.
+/// a few small products. Implements {eq:bias-update}.
 pub fn correct_for_bias(preintegrated: &Preintegrated, bias: &ImuBias) -> Deltas {
     let Deltas { rotation, velocity, position } = preintegrated.deltas;
     let step = preintegrated.bias_jacobian * preintegrated.bias_step(bias);
@@ -202,6 +203,7 @@ impl Preintegrated {
     /// What [`correct_for_bias`] leaves out, at most. With a gyroscope bias off by δ the
     /// direction of each reading is off by up to ¾ δ² t² in second order after a time t, and the
     /// force that is turned wrongly adds up; a force that is itself off by ε is turned by δ t.
+    /// Implements {eq:correction-bound}.
     pub fn neglected(&self, bias: &ImuBias) -> Neglected {
         let (t, force, step) = (self.duration, self.greatest_force, self.bias_step(bias));
         let (gyro, accelerometer) =
@@ -214,7 +216,9 @@ impl Preintegrated {
                 + gyro * accelerometer * t.powi(3) / 6.0,
         }
     }
+    // ANCHOR_END: neglected_by
 
+    // ANCHOR: should_reintegrate
     /// Whether the readings should be summed up again at a bias, because what the correction
     /// leaves out may exceed `fraction` of a standard deviation. A tenth is a good fraction: it
     /// changes a squared error by a hundredth.
@@ -223,7 +227,7 @@ impl Preintegrated {
         let limits = self.sigmas().map(|sigma| fraction * sigma);
         [rotation, velocity, position].iter().zip(limits).any(|(error, limit)| *error > limit)
     }
-    // ANCHOR_END: neglected_by
+    // ANCHOR_END: should_reintegrate
 }
 
 /// Why readings cannot be summed up.

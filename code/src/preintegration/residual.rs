@@ -10,7 +10,7 @@ use crate::manifold::so3;
 // ANCHOR: residual
 /// What two states say about the interval between them less what the readings say, in the order
 /// (φ, v, p), in radians, m/s and metres. Gravity, in the world in m/s², appears here and
-/// nowhere in the deltas.
+/// nowhere in the deltas. Implements {eq:imu-residual}.
 pub fn imu_residual(
     preintegrated: &Preintegrated,
     first: &NavState,
@@ -28,7 +28,7 @@ pub fn imu_residual(
 // ANCHOR_END: residual
 
 // ANCHOR: stated
-/// The deltas of two states that are `t` seconds apart.
+/// The deltas of two states that are `t` seconds apart. Implements {eq:deltas}.
 fn stated(t: f64, first: &NavState, second: &NavState, gravity: &Vector3<f64>) -> Deltas {
     let body_from_world = first.world_from_body.inverse();
     let coasting = first.position + t * first.velocity + 0.5 * t * t * gravity;
@@ -65,7 +65,8 @@ pub struct LinearizedImu {
 // ANCHOR_END: linearized
 
 // ANCHOR: linearize
-/// The residual of an interval and its Jacobians, not whitened.
+/// The residual of an interval and its Jacobians, not whitened: {eq:residual-by-first},
+/// {eq:residual-by-second} and {eq:residual-by-bias}.
 ///
 /// The arguments are those of [`imu_residual`].
 pub fn linearize(
@@ -92,7 +93,7 @@ pub fn linearize(
 
 // ANCHOR: by_first
 /// By the first state. Its rotation turns all three deltas; its velocity also carries it on for
-/// the whole interval.
+/// the whole interval. Implements {eq:residual-by-first}.
 fn by_first(
     stated: &Deltas,
     by_rotation: &Matrix3<f64>,
@@ -115,7 +116,7 @@ fn by_first(
 // ANCHOR_END: by_first
 
 // ANCHOR: by_second
-/// By the second state, which each delta contains once.
+/// By the second state, which each delta contains once. Implements {eq:residual-by-second}.
 fn by_second(inverse: &Matrix3<f64>, body_from_world: &Matrix3<f64>) -> Matrix9 {
     let mut jacobian = Matrix9::zeros();
     jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(inverse);
@@ -128,6 +129,7 @@ fn by_second(inverse: &Matrix3<f64>, body_from_world: &Matrix3<f64>) -> Matrix9 
 // ANCHOR: by_bias
 /// By the bias. The rotation is corrected by exp(J δ), and a further step of δ comes out of it
 /// through the right Jacobian at J δ, then through that of the logarithm.
+/// Implements {eq:residual-by-bias}.
 fn by_bias(preintegrated: &Preintegrated, bias: &ImuBias, phi: &Vector3<f64>) -> Matrix9x6 {
     let by_gyro = preintegrated.bias_jacobian.fixed_view::<3, 3>(0, 0);
     let step = by_gyro * preintegrated.bias_step(bias).fixed_rows::<3>(0);
@@ -153,6 +155,7 @@ impl LinearizedImu {
 
 // ANCHOR: bias_walk
 /// Ties the bias at the beginning of an interval to that at its end, by the random walk between.
+/// Implements {eq:bias-walk-factor}.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BiasWalk {
     /// Whitens the difference of two biases, 6×6.

@@ -1,6 +1,171 @@
-//! Numbers in sentences.
+//! What an optimizer pays for one interval: the readings again, or one factor.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use vislam::preintegration::{Preintegrated, imu_residual, linearize, preintegrate};
 
 use crate::chapter::Chapter;
+use crate::record::{RecordValue, accepted};
 
-/// Registers the numbers.
-pub fn numbers(_chapter: &mut Chapter) {}
+/// Readings in an interval.
+pub const READINGS: [usize; 6] = [20, 50, 100, 200, 500, 1000];
+/// Seconds between two readings.
+const DT: f64 = 0.005;
+/// The fastest of so many turns counts; in each, this many readings are gone through by each way.
+const TURNS: usize = 40;
+const READINGS_IN_A_TURN: usize = 40_000;
+/// Evaluations of a factor that are timed together.
+const EVALUATIONS: usize = 2000;
+
+/// An interval of the figure-eight, its factor and two states.
+struct Interval {
+    samples: Vec<ImuSample>,
+    sums: Preintegrated,
+    first: NavState,
+    second: NavState,
+}
+
+impl Interval {
+    fn of(readings: usize) -> Self {
+        let motion = Motion::figure_eight();
+        let samples = motion.samples(&GRAVITY, DT, readings);
+        let sums = preintegrate(&samples, DT, &ImuBias::default(), &ImuNoise::mems())
+            .expect("the readings are finite");
+        let (first, second) = (motion.at(0.0).state, motion.at(DT * readings as f64).state);
+        Self { samples, sums, first, second }
+    }
+
+    /// The second state from the first and all readings.
+    fn walked(&self) -> NavState {
+        self.samples.iter().fold(self.first, |state, sample| state.propagate(sample, &GRAVITY, DT))
+    }
+
+    /// Microseconds of the state alone, of residual and Jacobians from the readings, and of the same
+    /// from the factor.
+    fn times(&self) -> [f64; 3] {
+        let times = READINGS_IN_A_TURN / self.samples.len();
+        let bias = ImuBias::default();
+        let of_factor =
+            |sums: &Preintegrated| linearize(sums, &self.first, &self.second, &GRAVITY, &bias);
+        [
+            timed(times, || {
+                black_box(black_box(self).walked());
+            }),
+            timed(times, || {
+                let samples = &black_box(self).samples;
+                let sums = preintegrate(samples, DT, &bias, &ImuNoise::mems());
+                black_box(sums.map(|sums| of_factor(&sums)).ok());
+            }),
+            timed(EVALUATIONS, || {
+                black_box(of_factor(&black_box(self).sums));
+            }),
+        ]
+    }
+}
+
+fn timed(times: usize, mut run: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..times {
+        run();
+    }
+    1e6 * start.elapsed().as_secs_f64() / times as f64
+}
+
+/// The fastest times for each number of readings. The intervals take turns, so that whatever else the
+/// machine does meets all of them.
+fn measured() -> [[f64; 3]; READINGS.len()] {
+    let intervals = READINGS.map(Interval::of);
+    let mut fastest = [[f64::INFINITY; 3]; READINGS.len()];
+    for _ in 0..TURNS {
+        for (interval, fastest) in intervals.iter().zip(&mut fastest) {
+            for (fastest, time) in fastest.iter_mut().zip(interval.times()) {
+                *fastest = fastest.min(time);
+            }
+        }
+    }
+    fastest
+}
+
+const NAMES: [[&str; 3]; READINGS.len()] = [
+    ["state_20", "sums_20", "factor_20"],
+    ["state_50", "sums_50", "factor_50"],
+    ["state_100", "sums_100", "factor_100"],
+    ["state_200", "sums_200", "factor_200"],
+    ["state_500", "sums_500", "factor_500"],
+    ["state_1000", "sums_1000", "factor_1000"],
+];
+
+/// Registers the record and, beside it, what can be counted.
+pub fn numbers(chapter: &mut Chapter) {
+    let inputs = vec![
+        ("motion", "Motion::figure_eight() at 200 Hz".to_owned()),
+        ("readings", READINGS.map(|n| n.to_string()).join(" ")),
+        ("turns", TURNS.to_string()),
+        ("readings in a turn", READINGS_IN_A_TURN.to_string()),
+    ];
+    chapter.record("preintegration_cost", inputs, cost);
+
+    let (rate, interval) = (1.0 / DT, 1.0);
+    let readings = rate * interval;
+    let (window, iterations) = (10.0, 8.0);
+    let evaluations = window * iterations;
+    chapter.number("rate", rate, "Hz", 0);
+    chapter.number("readings", readings, "", 0);
+    chapter.number("unknowns_per_second", 9.0 * rate, "", 0);
+    chapter.number("unknowns_per_minute", 60.0 * 9.0 * rate, "", 0);
+    chapter.number("window", window, "", 0);
+    chapter.number("iterations", iterations, "", 0);
+    chapter.number("evaluations", evaluations, "", 0);
+    chapter.number("touched", evaluations * readings, "", 0);
+    chapter.number("factor_bytes", size_of::<Preintegrated>() as f64, "", 0);
+    chapter.number("reading_bytes", size_of::<ImuSample>() as f64, "", 0);
+    chapter.number("readings_bytes", readings * size_of::<ImuSample>() as f64, "", 0);
+
+    let live = Interval::of(200);
+    let reached = live.walked();
+    let residual = imu_residual(&live.sums, &live.first, &reached, &GRAVITY, &ImuBias::default());
+    let digits = -residual.amax().max(1e-16).log10();
+    chapter.number("agreed_digits", digits.floor(), "", 0);
+}
+
+fn cost() -> Vec<RecordValue> {
+    let measured = measured();
+    // Times are those of a machine and an hour.
+    let time =
+        |name, value: f64, decimals| RecordValue {
+            name, value, unit: "µs", decimals, within: 3.0
+        };
+    let mut values = Vec::new();
+    for (names, times) in NAMES.iter().zip(&measured) {
+        for (name, value) in names.iter().zip(times) {
+            values.push(time(*name, *value, if *value < 3.0 { 2 } else { 1 }));
+        }
+    }
+    let last = measured[READINGS.len() - 1];
+    let per_reading = 1e3 * last[1] / READINGS[READINGS.len() - 1] as f64;
+    values.push(RecordValue {
+        name: "per_reading",
+        value: per_reading,
+        unit: "ns",
+        decimals: 0,
+        within: 3.0,
+    });
+    let at_200 = measured[3];
+    let ratio = at_200[1] / at_200[2];
+    values.push(RecordValue {
+        name: "ratio_200",
+        value: ratio,
+        unit: "",
+        decimals: 0,
+        within: 3.0,
+    });
+    values
+}
+
+/// What the accepted record says, in microseconds.
+pub fn recorded() -> [[f64; 3]; READINGS.len()] {
+    let record = accepted(include_str!("../../../records/preintegration_cost.toml"));
+    NAMES.map(|names| names.map(|name| record(name).unwrap_or(1.0)))
+}

@@ -1,0 +1,77 @@
+//! What a first-order correction leaves, over how far the bias has moved.
+
+use nalgebra::Vector3;
+use plotters::coord::combinators::IntoLogRange;
+use plotters::element::{EmptyElement, Text};
+use plotters::series::LineSeries;
+use plotters::style::Color;
+use vislam::inertial::{GRAVITY, ImuBias, Motion};
+
+use crate::figure::{self, Figure, INK, SERIES, letters_right_of, marker};
+use crate::preintegration::sums::bias::after_correction;
+use crate::preintegration::sums::oracle::Readings;
+
+/// Sizes of the move of the gyroscope's bias, in rad/s.
+const SIZES: [f64; 7] = [0.003, 0.006, 0.0125, 0.025, 0.05, 0.1, 0.2];
+
+/// The error of the position in metres, for a second of readings at 200 Hz.
+pub fn left_by(motion: &Motion, axis: &Vector3<f64>, size: f64) -> f64 {
+    let samples = motion.samples(&GRAVITY, 0.005, 200);
+    let readings = Readings { samples, dt: 0.005, bias: ImuBias::default() };
+    let [_, _, position] =
+        after_correction(&readings, &ImuBias { gyro: size * axis, ..ImuBias::default() });
+    position
+}
+
+/// The motions of the figure, each about the vertical and about the axis ahead.
+fn series() -> [(Motion, Vector3<f64>); 6] {
+    let motions =
+        [Motion::figure_eight(), Motion::level_turn(1.0, 0.5), Motion::turn_on_the_spot(0.5)];
+    let [eight, level, spot] = motions;
+    let (ahead, up) = (Vector3::x(), Vector3::z());
+    [(eight, ahead), (level, ahead), (spot, ahead), (eight, up), (level, up), (spot, up)]
+}
+
+const NAMES: [&str; 5] = ["eight, ahead", "turn, ahead", "spot, ahead", "eight, up", "turn, up"];
+
+pub fn correction() -> Figure {
+    let errors = series().map(|(motion, axis)| SIZES.map(|size| left_by(&motion, &axis, size)));
+    let rows = SIZES.iter().enumerate().map(|(index, size)| {
+        let mut row = vec![format!("{size}")];
+        row.extend(errors.iter().map(|errors| {
+            let error = errors[index];
+            if error < 1e-13 { "below 1e-13".to_owned() } else { format!("{error:.2e}") }
+        }));
+        row
+    });
+    Figure {
+        columns: vec![
+            "move of the bias (rad/s)",
+            "figure-eight about ahead (m)",
+            "level turn about ahead (m)",
+            "on the spot about ahead (m)",
+            "figure-eight about up (m)",
+            "level turn about up (m)",
+            "on the spot about up (m)",
+        ],
+        rows: rows.collect(),
+        svg: figure::draw(900, |drawing| {
+            let x_axis = ("move of the gyroscope's bias (rad/s)", (2.5e-3..1.2).log_scale(), 4);
+            let y_axis = ("position error (m)", (1e-8..0.1).log_scale(), 8);
+            let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+            let slope = [(0.02, 3e-7), (0.2, 3e-5)];
+            chart.draw_series(LineSeries::new(slope, INK.stroke_width(3)))?;
+            chart.draw_series([Text::new("slope 2", (0.08, 2e-6), letters_right_of(INK))])?;
+            for (index, errors) in errors.iter().take(5).enumerate() {
+                let places = SIZES.iter().zip(errors).map(|(size, error)| (*size, *error));
+                let line = LineSeries::new(places.clone(), SERIES[index].stroke_width(4));
+                chart.draw_series(line)?;
+                chart.draw_series(places.map(|place| EmptyElement::at(place) + marker(index)))?;
+                let beside = (0.24, errors[SIZES.len() - 1] * [1.0, 2.2, 0.45, 1.0, 1.0][index]);
+                let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
+                chart.draw_series([name])?;
+            }
+            Ok(())
+        }),
+    }
+}
