@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
-use vislam::preintegration::{Preintegrated, Preintegrator, imu_residual};
+use vislam::preintegration::{Preintegrator, imu_residual};
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
 use crate::chapter::Chapter;
@@ -58,11 +58,6 @@ fn order_of_updates(chapter: &mut Chapter) {
     chapter.number("order_turned_mm", 1e3 * (velocity - right.velocity).norm(), "mm/s", 0);
 }
 
-fn whitened(sums: &Preintegrated, first: &NavState, second: &NavState, g: &Vector3<f64>) -> f64 {
-    let residual = imu_residual(sums, first, second, g, &ImuBias::default());
-    sums.sqrt_information().map_or(f64::NAN, |whiten| (whiten * residual).norm())
-}
-
 fn gravity(chapter: &mut Chapter) {
     let (origin, rest) = (NavState::origin(), Motion::hover().at(0.0).sample(&GRAVITY));
     let sums = summed(&vec![rest; STEPS], DT, &ImuBias::default());
@@ -80,7 +75,6 @@ fn gravity(chapter: &mut Chapter) {
         &ImuBias::default(),
     );
     chapter.number("elsewhere_sigmas", elsewhere[5].abs() / sums.sigmas()[1], "", 1);
-    chapter.number("whole_forgotten", whitened(&sums, &origin, &origin, &Vector3::zeros()), "", 0);
 }
 
 fn clipping(chapter: &mut Chapter) {

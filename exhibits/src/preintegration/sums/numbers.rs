@@ -43,7 +43,6 @@ fn by_hand(chapter: &mut Chapter) {
     let jacobian: Matrix3<f64> = sums.bias_jacobian.fixed_view::<3, 3>(0, 0).into();
     chapter.number("hand_rate", RATE, "rad/s", 2);
     chapter.number("hand_time", DURATION, "s", 0);
-    chapter.number("hand_sampling", SAMPLING, "Hz", 0);
     chapter.number("hand_count", count as f64, "", 0);
     chapter.number("hand_move", MOVE, "rad/s", 2);
     chapter.number("hand_angle", so3::log(&sums.deltas.rotation).z, "rad", 2);
@@ -107,20 +106,17 @@ fn again(chapter: &mut Chapter) {
     chapter.number("again_euroc_short_mrad", 1e3 * farthest(&euroc, 0.1), "mrad/s", 0);
     // Standard deviations of the walk in a minute, which is how far a bias moves by itself.
     chapter.number("walk_minute_mrad", 1e3 * mems.gyro_walk * 60_f64.sqrt(), "mrad/s", 1);
-    chapter.number("walk_second_mrad", 1e3 * mems.gyro_walk, "mrad/s", 1);
 }
 
 fn guesses(chapter: &mut Chapter) {
     let sums: Preintegrated = unaware(1.0);
     let bias = super::figures::TRUE_BIAS;
     let [sigmas, squared] = at_guess(&sums, 0.0);
-    let [_, aware] = at_guess(&sums, bias);
     chapter.number("guess_bias", bias, "rad/s", 2);
     chapter.number("guess_turn_mrad", 1e3 * bias, "mrad", 0);
     chapter.number("guess_sigma_mrad", 1e3 * sums.sigmas()[0], "mrad", 1);
     chapter.number("guess_sigmas", sigmas.abs(), "", 1);
     chapter.number("guess_squared", squared, "", 0);
-    chapter.number("guess_aware", aware, "", 1);
     let [long, _] = at_guess(&unaware(10.0), 0.0);
     chapter.number("guess_long_sigmas", long.abs(), "", 0);
     // A guess off by this much is one standard deviation off.
