@@ -677,6 +677,14 @@ fn readings_too_large_to_be_summed_are_an_error() {
 }
 
 #[test]
+fn one_reading_cannot_be_whitened_and_two_can() {
+    let whiten = |steps: usize| at_rest(steps).sqrt_information();
+    assert_eq!(whiten(1), Err(WhiteningError::NotPositiveDefinite));
+    let (two, covariance) = (whiten(2).unwrap(), at_rest(2).covariance);
+    assert_abs_diff_eq!(two * covariance * two.transpose(), Matrix9::identity(), epsilon = 1e-6);
+}
+
+#[test]
 fn without_noise_nothing_can_be_whitened() {
     let silent = ImuNoise { gyro: 0.0, accelerometer: 0.0, ..ImuNoise::mems() };
     let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, 20);

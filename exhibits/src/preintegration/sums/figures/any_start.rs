@@ -13,18 +13,22 @@ const DT: f64 = 0.005;
 const STEPS: usize = 600;
 /// A mark and a row of data for so many steps.
 const EVERY: usize = 60;
-const NAMES: [&str; 3] = ["as it was", "elsewhere and faster", "tilted"];
+const NAMES: [&str; 3] = ["as it was", "turned", "tilted"];
 
 fn starts() -> [NavState; 3] {
     let truth = Motion::figure_eight().at(0.0).state;
-    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 1.9);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 1.2);
     let elsewhere = NavState {
         world_from_body: turn * truth.world_from_body,
-        velocity: turn * truth.velocity + Vector3::new(-1.0, 0.6, 0.0),
-        position: truth.position + Vector3::new(2.0, 1.5, 0.0),
+        velocity: turn * truth.velocity + Vector3::new(-1.2, 0.3, 0.0),
+        position: truth.position + Vector3::new(-3.0, -3.0, 0.0),
     };
     let tilt = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.09);
-    let tilted = NavState { world_from_body: tilt * truth.world_from_body, ..truth };
+    let tilted = NavState {
+        world_from_body: tilt * truth.world_from_body,
+        position: truth.position + Vector3::new(4.5, 0.5, 0.0),
+        ..truth
+    };
     [truth, elsewhere, tilted]
 }
 

@@ -12,7 +12,7 @@ use crate::preintegration::sums::bias::after_correction;
 use crate::preintegration::sums::oracle::Readings;
 
 /// Sizes of the move of the gyroscope's bias, in rad/s.
-const SIZES: [f64; 7] = [0.003, 0.006, 0.0125, 0.025, 0.05, 0.1, 0.2];
+const SIZES: [f64; 9] = [0.003, 0.005, 0.009, 0.015, 0.025, 0.04, 0.07, 0.12, 0.2];
 
 /// The error of the position in metres, for a second of readings at 200 Hz.
 pub fn left_by(motion: &Motion, axis: &Vector3<f64>, size: f64) -> f64 {
@@ -32,7 +32,13 @@ fn series() -> [(Motion, Vector3<f64>); 6] {
     [(eight, ahead), (level, ahead), (spot, ahead), (eight, up), (level, up), (spot, up)]
 }
 
-const NAMES: [&str; 5] = ["eight, ahead", "turn, ahead", "spot, ahead", "eight, up", "turn, up"];
+const NAMES: [&str; 5] = [
+    "figure-eight, about ahead",
+    "level turn, about ahead",
+    "on the spot, about ahead",
+    "figure-eight, about up",
+    "level turn, about up",
+];
 
 pub fn correction() -> Figure {
     let errors = series().map(|(motion, axis)| SIZES.map(|size| left_by(&motion, &axis, size)));
@@ -55,19 +61,24 @@ pub fn correction() -> Figure {
             "on the spot about up (m)",
         ],
         rows: rows.collect(),
-        svg: figure::draw(900, |drawing| {
-            let x_axis = ("move of the gyroscope's bias (rad/s)", (2.5e-3..1.2).log_scale(), 4);
-            let y_axis = ("position error (m)", (1e-8..0.1).log_scale(), 8);
+        svg: figure::draw(1060, |drawing| {
+            let x_axis = ("move of the gyroscope's bias (rad/s)", (2e-3..0.3).log_scale(), 4);
+            let y_axis = ("position error (µm)", (0.03..1e9).log_scale(), 8);
             let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-            let slope = [(0.02, 3e-7), (0.2, 3e-5)];
+            let slope = [(0.02, 0.15), (0.2, 15.0)];
             chart.draw_series(LineSeries::new(slope, INK.stroke_width(3)))?;
-            chart.draw_series([Text::new("slope 2", (0.08, 2e-6), letters_right_of(INK))])?;
+            chart.draw_series([Text::new("slope 2", (0.08, 0.9), letters_right_of(INK))])?;
             for (index, errors) in errors.iter().take(5).enumerate() {
-                let places = SIZES.iter().zip(errors).map(|(size, error)| (*size, *error));
+                let places = SIZES.iter().zip(errors).map(|(size, error)| (*size, 1e6 * error));
                 let line = LineSeries::new(places.clone(), SERIES[index].stroke_width(4));
                 chart.draw_series(line)?;
-                chart.draw_series(places.map(|place| EmptyElement::at(place) + marker(index)))?;
-                let beside = (0.24, errors[SIZES.len() - 1] * [1.0, 2.2, 0.45, 1.0, 1.0][index]);
+                // Three of the lines lie close together: their marks take turns.
+                let (skip, every) = if index < 3 { (index, 3) } else { (0, 1) };
+                let marks = places.skip(skip).step_by(every);
+                chart.draw_series(marks.map(|place| EmptyElement::at(place) + marker(index)))?;
+                let height = 3e8 / 4_f64.powi(index as i32);
+                chart.draw_series([EmptyElement::at((2.4e-3, height)) + marker(index)])?;
+                let beside = (2.7e-3, height);
                 let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
                 chart.draw_series([name])?;
             }

@@ -80,7 +80,7 @@ fn panel(
     chart.draw_series(line)?;
     let marks = places.step_by(2).map(|place| EmptyElement::at(place) + marker(which));
     chart.draw_series(marks)?;
-    let place = (TRUE_BIAS + 0.018, [0.82 * high, 0.9 * high][which]);
+    let place = (TRUE_BIAS + 0.02, [0.82 * high, 0.9 * high][which]);
     chart.draw_series([Text::new("the sensor's bias", place, letters_around(INK))])?;
     if which == 0 {
         let place = (-0.012, 0.0);

@@ -10,7 +10,7 @@ use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of,
 use crate::preintegration::sums::rules::errors;
 
 const STEPS: [usize; 7] = [25, 50, 100, 200, 400, 800, 1600];
-const NAMES: [&str; 3] = ["rotation (rad)", "velocity (m/s)", "position (m)"];
+const NAMES: [&str; 3] = ["rotation (µrad)", "velocity (µm/s)", "position (µm)"];
 
 pub fn order() -> Figure {
     let both = [Rule::Left, Rule::Midpoint].map(|rule| STEPS.map(|steps| errors(rule, steps)));
@@ -34,8 +34,8 @@ pub fn order() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(1400, |drawing| {
             let (above, below) = drawing.split_vertically(670);
-            panel(&above, &both[0], "left rule, slope 1", 1, (3e-5, 0.6))?;
-            panel(&below, &both[1], "midpoint rule, slope 2", 2, (1e-9, 1e-2))
+            panel(&above, &both[0], "left rule, slope 1", 1, (30.0, 1e6))?;
+            panel(&below, &both[1], "midpoint rule, slope 2", 2, (1e-3, 1e5))
         }),
     }
 }
@@ -49,11 +49,13 @@ fn panel(
 ) -> Drawn {
     let x_title = if slope == 1 { "" } else { "step (ms)" };
     let x_axis = (x_title, (0.5..60.0).log_scale(), 4);
-    let mut chart = figure::axes(drawing, x_axis, ("error", (low..high).log_scale(), 5))?;
-    chart.draw_series([Text::new(title, (0.56, 0.45 * high), letters_right_of(INK))])?;
+    let mut chart =
+        figure::axes(drawing, x_axis, ("error (millionths)", (low..high).log_scale(), 5))?;
+    chart.draw_series([Text::new(title, (0.56, 0.4 * high), letters_right_of(INK))])?;
     for index in 0..3 {
-        let places = STEPS.iter().zip(errors).map(|(n, errors)| (1e3 / *n as f64, errors[index]));
-        let through = errors[3][index];
+        let places =
+            STEPS.iter().zip(errors).map(|(n, errors)| (1e3 / *n as f64, 1e6 * errors[index]));
+        let through = 1e6 * errors[3][index];
         let ideal = places.clone().map(|(dt, _)| (dt, through * (dt / 5.0).powi(slope)));
         chart.draw_series(LineSeries::new(ideal, SERIES[index].stroke_width(3)))?;
         chart.draw_series(places.map(|place| EmptyElement::at(place) + marker(index)))?;
