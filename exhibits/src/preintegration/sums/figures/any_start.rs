@@ -98,8 +98,8 @@ fn panel(
     // Equal scales on both axes, for a panel twice as wide as it is tall.
     let half = (high.x - low.x).max(2.0 * (high.y - low.y) * 1.25) / 2.0;
     let (x, y) = ((low.x + high.x) / 2.0, (low.y + high.y) / 2.0 + 0.1 * half);
-    let x_axis = ("m", x - half..x + half, 7);
-    let y_axis = ("m", y - half / 2.0..y + half / 2.0, 5);
+    let x_axis = ("x (m)", x - half..x + half, 7);
+    let y_axis = ("y (m)", y - half / 2.0..y + half / 2.0, 5);
     let mut chart = figure::axes(drawing, x_axis, y_axis)?;
     for (index, path) in paths.iter().enumerate() {
         let line = path.iter().map(|place| (place[side].x, place[side].y));
@@ -110,8 +110,8 @@ fn panel(
         let marks = marks.map(|place| EmptyElement::at((place[side].x, place[side].y)));
         chart.draw_series(marks.map(|at| at + marker(index)))?;
         if side == 0 {
-            let last = path[STEPS][side];
-            let beside = (last.x + 0.03 * half, last.y);
+            let end = path[[STEPS, 0, STEPS][index]][side];
+            let beside = (end.x + 0.05 * half, end.y);
             let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
             chart.draw_series([name])?;
         }

@@ -63,7 +63,7 @@ pub fn correction() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(1060, |drawing| {
             let x_axis = ("move of the gyroscope's bias (rad/s)", (2e-3..0.3).log_scale(), 4);
-            let y_axis = ("position error (µm)", (0.03..1e9).log_scale(), 8);
+            let y_axis = ("position error (µm)", (0.03..3e6).log_scale(), 5);
             let mut chart = figure::axes(drawing, x_axis, y_axis)?;
             let slope = [(0.02, 0.15), (0.2, 15.0)];
             chart.draw_series(LineSeries::new(slope, INK.stroke_width(3)))?;
@@ -76,7 +76,7 @@ pub fn correction() -> Figure {
                 let (skip, every) = if index < 3 { (index, 3) } else { (0, 1) };
                 let marks = places.skip(skip).step_by(every);
                 chart.draw_series(marks.map(|place| EmptyElement::at(place) + marker(index)))?;
-                let height = 3e8 / 4_f64.powi(index as i32);
+                let height = 1e6 / 3.2_f64.powi(index as i32);
                 chart.draw_series([EmptyElement::at((2.4e-3, height)) + marker(index)])?;
                 let beside = (2.7e-3, height);
                 let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
