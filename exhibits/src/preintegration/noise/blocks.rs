@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, Matrix3, SymmetricEigen};
 use vislam::inertial::{GRAVITY, ImuNoise, ImuSample, Motion};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
 
-use super::growth::sigma;
 use super::runs::{DT, SECOND, at_rest, by_rule, of_readings};
 use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::chapter::Chapter;
@@ -114,19 +113,15 @@ pub fn numbers(chapter: &mut Chapter) {
     let [(_, rest), (_, flight)] = seconds();
     let of_rest = correlation(&rest.covariance);
     chapter.number("covariance_vp_level", of_rest[(3, 6)], "", 2);
-    chapter.number("covariance_vp_up", of_rest[(5, 8)], "", 2);
     chapter.number("covariance_phi_v", of_rest[(1, 3)], "", 2);
     chapter.number("covariance_phi_p", of_rest[(1, 6)], "", 2);
     let own = 3.0_f64.sqrt() / 2.0;
     chapter.number("covariance_vp_own", own, "", 3);
     apart(chapter, &rest, &flight);
-    let sure = |known: &[usize]| 1e2 * position_given(&rest.covariance, known);
-    chapter.number("covariance_p_given_v", sure(&[3, 4, 5]), "cm", 2);
-    chapter.number("covariance_p_given_both", sure(&[0, 1, 2, 3, 4, 5]), "cm", 2);
+    let sure = position_given(&rest.covariance, &[3, 4, 5]);
+    chapter.number("covariance_p_given_v", 1e2 * sure, "cm", 2);
     let given = rest.covariance[(6, 3)] / rest.covariance[(3, 3)];
     chapter.number("covariance_p_per_v", given, "s", 2);
-    let told = sigma(&rest, 6) * (1.0 - of_rest[(3, 6)].powi(2)).sqrt();
-    chapter.number("covariance_p_level_given_v", 1e2 * told, "cm", 2);
 }
 
 fn apart(chapter: &mut Chapter, rest: &Preintegrated, flight: &Preintegrated) {
@@ -142,11 +137,9 @@ fn apart(chapter: &mut Chapter, rest: &Preintegrated, flight: &Preintegrated) {
     chapter.number("covariance_lost_bits", bits(&rest), "bits", 1);
     chapter.number("covariance_lost_bits_flight", bits(&flight), "bits", 1);
     let volume = rest.determinant().sqrt();
-    chapter.number("covariance_volume_percent", 100.0 * volume, "%", 1);
     chapter.number("covariance_volume_ratio", 1.0 / volume, "", 0);
     let bound = chi_square_quantile(0.95, 9.0);
     chapter.number("covariance_bound", bound, "", 1);
-    chapter.number("covariance_apart_mean", rest.trace(), "", 2);
     chapter.number("covariance_apart_beyond", 100.0 * beyond(&rest, bound), "%", 0);
     chapter.number("covariance_apart_draws", DRAWS as f64, "", 0);
 }

@@ -137,7 +137,6 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("noise_memory_ms", 1e3 * MEMORY, "ms", 0);
     chapter.number("noise_neighbours", rho, "", 2);
     chapter.number("noise_too_sure", ((1.0 + rho) / (1.0 - rho)).sqrt(), "", 1);
-    chapter.number("noise_too_sure_second", too_sure(SECOND, MEMORY), "", 1);
     chapter.number("noise_nees_runs", RUNS as f64, "", 0);
     chapter.number("noise_nees_remembering", mean_nees(MEMORY), "", 0);
     other_errors(chapter);

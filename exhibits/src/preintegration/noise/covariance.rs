@@ -91,7 +91,6 @@ pub fn numbers(chapter: &mut Chapter) {
     let mems = ImuNoise::mems();
     chapter.number("noise_rate", 1.0 / DT, "Hz", 0);
     chapter.number("noise_twice_rate", 2.0 / DT, "Hz", 0);
-    chapter.number("noise_dt_ms", 1e3 * DT, "ms", 0);
     chapter.number("noise_tilt_leak", 1e-3 * G * 1e3, "mm/s²", 2);
     let reading = mems.discrete(DT)[(0, 0)].sqrt();
     chapter.number("noise_gyro_reading", 1e3 * reading, "mrad/s", 1);

@@ -331,8 +331,6 @@ fn table(chapter: &mut Chapter) {
     chapter.number("growth_leak_p", 1e2 * G * mems.gyro / 20.0_f64.sqrt(), "cm", 2);
     chapter.number("growth_own_v", 1e2 * mems.accelerometer, "cm/s", 2);
     chapter.number("growth_own_p", 1e2 * mems.accelerometer / 3.0_f64.sqrt(), "cm", 2);
-    let steps_take = 100.0 * (1.5 / SECOND as f64);
-    chapter.number("growth_steps_take", steps_take, "%", 2);
 }
 
 fn exponents(chapter: &mut Chapter) {

@@ -2,7 +2,6 @@
 
 use std::sync::LazyLock;
 
-use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
 use vislam::manifold::so3;
 use vislam::preintegration::{
@@ -153,21 +152,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("covariance_experiments", experiments as f64, "", 0);
     chapter.number("covariance_normal_least", NORMAL[0][0], "", 2);
     chapter.number("covariance_normal_most", NORMAL[8][experiments - 1], "", 2);
-    far_too_sure(chapter);
-}
-
-/// What the whitened scatter is when the turn of the error in the body is forgotten.
-fn far_too_sure(chapter: &mut Chapter) {
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
-    let turned = by_rule(Rule::Left, &samples, &ImuNoise::mems()).deltas.rotation;
-    chapter.number("covariance_flight_turn_deg", turn_deg(&turned), "°", 0);
+    let samples = Motion::figure_eight().samples(&GRAVITY, DT, SECOND);
     let swept: f64 = samples.iter().map(|sample| DT * sample.gyro.norm()).sum();
     chapter.number("covariance_flight_swept_deg", swept.to_degrees(), "°", 0);
-    let greatest = samples.iter().map(|s| s.accelerometer.norm()).fold(0.0_f64, f64::max);
-    chapter.number("covariance_flight_force", greatest, "m/s²", 0);
-}
-
-fn turn_deg(rotation: &Rotation3<f64>) -> f64 {
-    let turn: Vector3<f64> = so3::log(rotation);
-    turn.norm().to_degrees()
 }
