@@ -12,6 +12,8 @@ use crate::comparison::Comparison;
 use crate::random::Random;
 
 const STATES: usize = 500;
+/// The error of attitude in the figure of the hinge, in radians, far larger than any worth having.
+pub const HINGE_ANGLE: f64 = 0.25;
 /// Strength of gravity, in m/s².
 pub const G: f64 = 9.81;
 
@@ -287,6 +289,7 @@ pub fn numbers(chapter: &mut Chapter) {
     table(chapter);
     exponents(chapter);
     times(chapter);
+    chapter.number("growth_hinge_angle", HINGE_ANGLE, "rad", 2);
     chapter.number("growth_g", G, "m/s²", 2);
 }
 
@@ -314,12 +317,12 @@ fn table(chapter: &mut Chapter) {
     chapter.number("growth_mems_p_up", p_up, "cm", 2);
     let [phi, v, p, v_level, v_up, p_level, p_up] = of(&euroc);
     chapter.number("growth_euroc_phi", phi, "mrad", 2);
-    chapter.number("growth_euroc_v", v, "cm/s", 2);
-    chapter.number("growth_euroc_p", p, "cm", 2);
-    chapter.number("growth_euroc_v_level", v_level, "cm/s", 2);
-    chapter.number("growth_euroc_v_up", v_up, "cm/s", 2);
-    chapter.number("growth_euroc_p_level", p_level, "cm", 2);
-    chapter.number("growth_euroc_p_up", p_up, "cm", 2);
+    chapter.number("growth_euroc_v", v, "cm/s", 3);
+    chapter.number("growth_euroc_p", p, "cm", 3);
+    chapter.number("growth_euroc_v_level", v_level, "cm/s", 3);
+    chapter.number("growth_euroc_v_up", v_up, "cm/s", 3);
+    chapter.number("growth_euroc_p_level", p_level, "cm", 3);
+    chapter.number("growth_euroc_p_up", p_up, "cm", 3);
     for (name, density) in [("growth_mems_gyro", mems.gyro), ("growth_euroc_gyro", euroc.gyro)] {
         chapter.number(name, 1e3 * density, "mrad/s/√Hz", 2);
     }

@@ -73,9 +73,9 @@ fn panel(drawing: &Drawing, name: &str, matrix: &Matrix9) -> Drawn {
             } else if value > 0.0 {
                 SERIES[0].filled()
             } else {
-                SERIES[1].stroke_width(6)
+                SERIES[1].stroke_width(9)
             };
-            let inset = if value < 0.0 { 3.0 } else { 0.0 };
+            let inset = if value < 0.0 { 4.5 } else { 0.0 };
             let half = (half - inset).max(2.0);
             chart.draw_series([Rectangle::new(
                 [(x - half, y - half), (x + half, y + half)],
