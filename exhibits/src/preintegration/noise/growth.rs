@@ -13,7 +13,7 @@ use crate::random::Random;
 
 const STATES: usize = 500;
 /// The error of attitude in the figure of the hinge, in radians, far larger than any worth having.
-pub const HINGE_ANGLE: f64 = 0.25;
+pub const HINGE_ANGLE: f64 = 0.35;
 /// Strength of gravity, in m/s².
 pub const G: f64 = 9.81;
 

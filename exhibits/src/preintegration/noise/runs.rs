@@ -64,8 +64,10 @@ pub fn noisy(samples: &[ImuSample], noise: &ImuNoise, random: &mut Random) -> Ve
     samples.iter().map(corrupt).collect()
 }
 
-/// A motion and a rule with which it is summed.
-pub const CASES: [(&str, Rule, fn() -> Motion); 3] = [
+/// Its name, the rule with which it is summed, and the motion.
+type Case = (&'static str, Rule, fn() -> Motion);
+
+pub const CASES: [Case; 3] = [
     ("at rest", Rule::Left, Motion::hover),
     ("figure-eight", Rule::Left, Motion::figure_eight),
     ("figure-eight (midpoint)", Rule::Midpoint, Motion::figure_eight),

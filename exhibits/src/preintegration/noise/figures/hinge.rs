@@ -1,5 +1,7 @@
 //! What a turn of the attitude at one time does to velocity and position afterwards.
 
+use std::ops::Range;
+
 use nalgebra::{Rotation3, Vector3};
 use plotters::element::{Circle, PathElement, Text};
 use plotters::series::LineSeries;
@@ -7,15 +9,17 @@ use plotters::style::Color;
 use vislam::inertial::{GRAVITY, ImuSample, Motion};
 use vislam::preintegration::Deltas;
 
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of};
+use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around};
 use crate::preintegration::noise::growth::HINGE_ANGLE;
 use crate::preintegration::noise::oracle::{nothing, summed};
 use crate::preintegration::noise::runs::DT;
 
 /// Readings in all, before the error, and between two rows of the table.
-const READINGS: usize = 400;
-const HINGE: usize = 160;
+const READINGS: usize = 600;
+const HINGE: usize = 220;
 const ROW: usize = 20;
+/// The turn: its speed in m/s and its rate in rad/s.
+const TURN: (f64, f64) = (2.0, 1.5);
 
 /// The deltas after every reading, from given ones on.
 fn course(from: &Deltas, samples: &[ImuSample]) -> Vec<Deltas> {
@@ -28,21 +32,21 @@ fn course(from: &Deltas, samples: &[ImuSample]) -> Vec<Deltas> {
 }
 
 pub fn hinge() -> Figure {
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, READINGS);
+    let samples = Motion::level_turn(TURN.0, TURN.1).samples(&GRAVITY, DT, READINGS);
     let right = course(&nothing(), &samples);
     let at = right[HINGE];
-    let rotation = Rotation3::new(HINGE_ANGLE * Vector3::y()) * at.rotation;
+    let rotation = Rotation3::new(HINGE_ANGLE * Vector3::z()) * at.rotation;
     let wrong = course(&Deltas { rotation, ..at }, &samples[HINGE..]);
     let rows = (0..=READINGS).step_by(ROW).map(|k| {
         let after = k.checked_sub(HINGE).map_or(right[k], |later| wrong[later]);
         let values = [right[k].velocity, after.velocity, right[k].position, after.position];
-        let cells = values.into_iter().flat_map(|value| [value.x, value.z]);
+        let cells = values.into_iter().flat_map(|value| [value.x, value.y]);
         let cells = std::iter::once(k as f64 * DT).chain(cells);
         cells.map(|value| format!("{value:.2}")).collect()
     });
-    let plane = |vector: &Vector3<f64>| (vector.x, vector.z);
-    let velocity = |deltas: &Deltas| plane(&deltas.velocity);
-    let position = |deltas: &Deltas| plane(&deltas.position);
+    let plane = |vector: &Vector3<f64>| (vector.x, vector.y);
+    let velocity_of = |deltas: &Deltas| plane(&deltas.velocity);
+    let position_of = |deltas: &Deltas| plane(&deltas.position);
     let lines = |of: &dyn Fn(&Deltas) -> (f64, f64)| {
         [&right, &wrong].map(|course| course.iter().map(of).collect::<Vec<_>>())
     };
@@ -52,31 +56,35 @@ pub fn hinge() -> Figure {
         columns: vec![
             "time (s)",
             "velocity ahead (m/s)",
-            "velocity up (m/s)",
+            "velocity to the left (m/s)",
             "with the error: ahead (m/s)",
-            "up (m/s)",
+            "to the left (m/s)",
             "position ahead (m)",
-            "position up (m)",
+            "position to the left (m)",
             "with the error: ahead (m)",
-            "up (m)",
+            "to the left (m)",
         ],
         rows: rows.collect(),
-        svg: figure::draw(860, |drawing| {
+        svg: figure::draw(660, |drawing| {
             let (left, right) = drawing.split_horizontally(640);
-            panel(&left, ["velocity ahead (m/s)", "up (m/s)"], &lines(&velocity), None)?;
-            panel(&right, ["position ahead (m)", "up (m)"], &lines(&position), Some(straight))
+            let velocity = ("ahead (m/s)", -4.9..1.2, "left (m/s)", -2.5..3.6);
+            panel(&left, "velocity", velocity, &lines(&velocity_of), None)?;
+            let position = ("ahead (m)", -8.5..1.5, "left (m)", -0.6..6.0);
+            panel(&right, "position", position, &lines(&position_of), Some(straight))
         }),
     }
 }
 
 fn panel(
     drawing: &Drawing,
-    titles: [&str; 2],
+    name: &str,
+    (x_title, x_range, y_title, y_range): (&str, Range<f64>, &str, Range<f64>),
     [right, wrong]: &[Vec<(f64, f64)>; 2],
     straight: Option<[(f64, f64); 2]>,
 ) -> Drawn {
-    let x_axis = (titles[0], -5.5..8.5, 4);
-    let mut chart = figure::axes(drawing, x_axis, (titles[1], 0.0..22.0, 5))?;
+    let (middle, top) = (0.5 * (x_range.start + x_range.end), 0.97 * y_range.end);
+    let mut chart = figure::axes(drawing, (x_title, x_range, 4), (y_title, y_range, 5))?;
+    chart.draw_series([Text::new(name.to_owned(), (middle, top), letters_around(INK))])?;
     if let Some([from, to]) = straight {
         for dash in (0..20).step_by(2) {
             let part = |k: i32| f64::from(k) / 20.0;
@@ -88,7 +96,5 @@ fn panel(
     chart.draw_series(LineSeries::new(right.iter().copied(), INK.stroke_width(6)))?;
     chart.draw_series(LineSeries::new(wrong.iter().copied(), SERIES[1].stroke_width(6)))?;
     chart.draw_series([Circle::new(wrong[0], 14, INK.filled())])?;
-    let name = Text::new("hinge", (wrong[0].0 + 0.8, wrong[0].1), letters_right_of(INK));
-    chart.draw_series([name])?;
     Ok(())
 }
