@@ -68,19 +68,17 @@ fn panel(drawing: &Drawing, name: &str, matrix: &Matrix9) -> Drawn {
             // Its area says how large it is; a negative one is hollow.
             let half = 0.46 * CELL * value.abs().sqrt();
             let (x, y) = (LEFT + middle(column), TOP + middle(row));
-            let style = if row == column {
-                GRID.filled()
-            } else if value > 0.0 {
-                SERIES[0].filled()
+            let corners = |half: f64| [(x - half, y - half), (x + half, y + half)];
+            if value < 0.0 {
+                // Its stroke lies half outside of the path.
+                let half = (half - 4.5).max(2.0);
+                let path = [(-half, -half), (half, -half), (half, half), (-half, half)];
+                let path = [0, 1, 2, 3, 0, 1].map(|k: usize| (x + path[k].0, y + path[k].1));
+                chart.draw_series([PathElement::new(path, SERIES[1].stroke_width(9))])?;
             } else {
-                SERIES[1].stroke_width(9)
-            };
-            let inset = if value < 0.0 { 4.5 } else { 0.0 };
-            let half = (half - inset).max(2.0);
-            chart.draw_series([Rectangle::new(
-                [(x - half, y - half), (x + half, y + half)],
-                style,
-            )])?;
+                let colour = if row == column { GRID } else { SERIES[0] };
+                chart.draw_series([Rectangle::new(corners(half.max(2.0)), colour.filled())])?;
+            }
         }
     }
     Ok(())
