@@ -68,9 +68,9 @@ pub fn hinge() -> Figure {
         svg: figure::draw(660, |drawing| {
             let (left, right) = drawing.split_horizontally(640);
             let velocity = ("ahead (m/s)", -4.9..1.2, "left (m/s)", -2.5..3.6);
-            panel(&left, "velocity", velocity, &lines(&velocity_of), None)?;
+            panel(&left, "velocity", velocity, &lines(&velocity_of), None, (-2.2, 0.0))?;
             let position = ("ahead (m)", -8.5..1.5, "left (m)", -0.6..6.0);
-            panel(&right, "position", position, &lines(&position_of), Some(straight))
+            panel(&right, "position", position, &lines(&position_of), Some(straight), (-3.6, 1.3))
         }),
     }
 }
@@ -81,6 +81,7 @@ fn panel(
     (x_title, x_range, y_title, y_range): (&str, Range<f64>, &str, Range<f64>),
     [right, wrong]: &[Vec<(f64, f64)>; 2],
     straight: Option<[(f64, f64); 2]>,
+    beside: (f64, f64),
 ) -> Drawn {
     let (middle, top) = (0.5 * (x_range.start + x_range.end), 0.97 * y_range.end);
     let mut chart = figure::axes(drawing, (x_title, x_range, 4), (y_title, y_range, 5))?;
@@ -95,6 +96,8 @@ fn panel(
     }
     chart.draw_series(LineSeries::new(right.iter().copied(), INK.stroke_width(6)))?;
     chart.draw_series(LineSeries::new(wrong.iter().copied(), SERIES[1].stroke_width(6)))?;
+    let wrongly = Text::new("wrong", beside, letters_around(SERIES[1]));
+    chart.draw_series([wrongly])?;
     chart.draw_series([Circle::new(wrong[0], 14, INK.filled())])?;
     Ok(())
 }
