@@ -53,6 +53,7 @@ fn about_a_fixed_axis_only_the_column_of_the_axis_is_minus_the_time() {
 // ANCHOR_END: worked_jacobian
 
 // ANCHOR: at_rest
+// ANCHOR: sigmas_at_rest
 #[test]
 fn after_a_second_at_rest_a_poor_sensor_knows_so_much() {
     let sums = at_rest(200);
@@ -61,6 +62,7 @@ fn after_a_second_at_rest_a_poor_sensor_knows_so_much() {
     assert_abs_diff_eq!(velocity, 2.57e-2, epsilon = 0.005e-2);
     assert_abs_diff_eq!(position, 1.31e-2, epsilon = 0.005e-2);
 }
+// ANCHOR_END: sigmas_at_rest
 
 #[test]
 fn a_bias_of_a_twentieth_of_a_radian_per_second_is_fourteen_sigmas_of_rotation() {
@@ -88,6 +90,27 @@ fn at_rest_the_sensor_reads_gravity_upward_and_the_deltas_fall_without_it() {
     assert_abs_diff_eq!(sums.deltas.velocity, -GRAVITY, epsilon = 1e-12);
     assert_abs_diff_eq!(sums.deltas.position, -0.5 * GRAVITY, epsilon = 1e-12);
     assert_abs_diff_eq!(sums.greatest_force, 9.81, epsilon = 1e-12);
+}
+
+#[test]
+fn a_single_step_has_no_whitener_and_two_have_one() {
+    let mut random = Random::new(12);
+    for _ in 0..50 {
+        let samples = random.motion().samples(&GRAVITY, 0.005, 2);
+        let sums = |steps: usize| {
+            let readings = &samples[..steps];
+            preintegrate(readings, 0.005, &ImuBias::default(), &ImuNoise::mems()).unwrap()
+        };
+        let (one, two) = (sums(1), sums(2));
+        assert_eq!(one.sqrt_information(), Err(WhiteningError::NotPositiveDefinite));
+        let whiten = two.sqrt_information().unwrap();
+        let whitened = whiten * two.covariance * whiten.transpose();
+        assert_abs_diff_eq!(whitened, Matrix9::identity(), epsilon = 1e-9);
+        // The position of the only step is its velocity for half of the time.
+        let tied = one.covariance.fixed_view::<3, 9>(6, 0)
+            - 0.0025 * one.covariance.fixed_view::<3, 9>(3, 0);
+        assert!(tied.amax() < 1e-20, "{tied}");
+    }
 }
 
 /// The deltas of a motion between two times, from its formulas.
@@ -674,14 +697,6 @@ fn readings_too_large_to_be_summed_are_an_error() {
     let spinning = ImuSample { gyro: Vector3::repeat(1e300), accelerometer: Vector3::zeros() };
     let found = preintegrate(&[spinning; 3], 0.005, &ImuBias::default(), &ImuNoise::mems());
     assert_eq!(found, Err(PreintegrationError::Overflow { steps: 3 }));
-}
-
-#[test]
-fn one_reading_cannot_be_whitened_and_two_can() {
-    let whiten = |steps: usize| at_rest(steps).sqrt_information();
-    assert_eq!(whiten(1), Err(WhiteningError::NotPositiveDefinite));
-    let (two, covariance) = (whiten(2).unwrap(), at_rest(2).covariance);
-    assert_abs_diff_eq!(two * covariance * two.transpose(), Matrix9::identity(), epsilon = 1e-6);
 }
 
 #[test]

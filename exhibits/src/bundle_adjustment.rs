@@ -2,7 +2,7 @@
 //! and how sure its solution is.
 
 mod certainty;
-mod consistency;
+pub mod consistency;
 mod dense;
 mod figures;
 mod gauge;

@@ -1,5 +1,6 @@
 //! What chapter `preintegration` shows: many inertial readings as one measurement.
 
+mod noise;
 mod sums;
 
 use crate::chapter::Chapter;
@@ -7,4 +8,5 @@ use crate::chapter::Chapter;
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
+    noise::exhibits(chapter);
 }

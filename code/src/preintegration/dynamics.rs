@@ -22,6 +22,9 @@ pub struct ErrorDynamics {
 /// The dynamics of a step of `dt` seconds from the delta `rotation`, with a reading free of bias.
 /// With [`Rule::Midpoint`] that is the mean of the two.
 ///
+/// Implements {eq:error-dynamics-blocks}, and {eq:error-dynamics-midpoint} for the midpoint rule.
+/// With these matrices a covariance goes on by {eq:covariance-recursion}.
+///
 /// [`Preintegrator`](super::Preintegrator) computes the same without zeros and ones.
 // ANCHOR: dynamics_of_a_step
 pub fn error_dynamics(

@@ -2,7 +2,8 @@
 //!
 //! The error of the attitude is held as a rotation vector θ = ΔR φ in the *first* body frame.
 //! There it stays where it is while the body turns, and of the error dynamics only two cross
-//! products are left. What is handed out is in the order and frames of the module.
+//! products are left, {eq:covariance-first-frame}. What is handed out is in the order and frames
+//! of the module.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

@@ -189,7 +189,7 @@ impl Preintegrated {
     /// [`WhiteningError`] when some direction has no variance: after a single step position and
     /// velocity are tied to one another, and without noise densities nothing varies.
     pub fn sqrt_information(&self) -> Result<Matrix9, WhiteningError> {
-        // After a single step rounding may leave a variance where there is none.
+        // Rounding may give the tied direction a variance, of a size that means nothing.
         if self.steps < 2 {
             return Err(WhiteningError::NotPositiveDefinite);
         }
