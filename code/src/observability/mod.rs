@@ -99,17 +99,14 @@ pub enum ObservabilityError {
         /// The row, counted through pixels, intervals and walks.
         row: usize,
     },
-    /// The singular values have no gap at which to divide them.
+    /// A singular value is neither zero nor surely different from it.
     #[error(
-        "singular values {below:.1e} and {above:.1e} of the largest lie on the two sides of the \
-         limit and too near to one another to say which are zero; the motion is nearly degenerate \
-         or the estimate is not exact"
+        "a singular value is {value:.1e} of the largest, too much for rounding and too little to \
+         be sure; the motion is degenerate but for almost nothing, or the estimate is not exact"
     )]
     NoGap {
-        /// The largest that would count as zero, as a fraction of the largest of all.
-        below: f64,
-        /// The smallest that would not.
-        above: f64,
+        /// The value, as a fraction of the largest.
+        value: f64,
     },
     /// Readings cannot be summed up.
     #[error(transparent)]

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use super::{Direction, ObservabilityError, Window};
 use crate::least_squares::SingularSystem;
 
-/// A singular value below this fraction of the largest one counts as zero. Rounding leaves 1e-15
-/// of what is zero.
-const ZERO_BELOW: f64 = 1e-11;
+/// A singular value below this fraction of the largest one is zero: rounding leaves some 1e-16.
+const ZERO_BELOW: f64 = 1e-13;
 
-/// By what factor the smallest singular value that is not zero must exceed the largest that is.
-const GAP: f64 = 1e2;
+/// A singular value above this fraction of the largest one is not zero. None may lie in the gap
+/// between the two limits.
+const SEEN_ABOVE: f64 = 1e-10;
 
 /// A candidate lies in the null space when it leaves it by no more than this part of its length.
 const LEAVES: f64 = 1e-4;
@@ -26,8 +26,6 @@ pub struct Spectrum {
     pub singular_values: Vec<f64>,
     /// How many of them are zero.
     pub zeros: usize,
-    /// The smallest that is not zero over the largest that is.
-    pub gap: f64,
     /// Right singular vectors in scaled coordinates, one a column, in the same order.
     vectors: DMatrix<f64>,
     /// One over the length of each column.
@@ -56,22 +54,14 @@ impl Spectrum {
         let (values, vectors) = right_singular(jacobian * DMatrix::from_diagonal(&scale));
         let largest = values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
         let singular_values: Vec<f64> = values.iter().map(|value| value / largest).collect();
-        let zeros = singular_values.iter().filter(|value| **value < ZERO_BELOW).count();
-        let gap = gap(&singular_values, zeros)?;
-        Ok(Self { singular_values, zeros, gap, vectors, scale, largest })
+        if let Some(value) = singular_values.iter().find(|v| (ZERO_BELOW..SEEN_ABOVE).contains(*v))
+        {
+            return Err(ObservabilityError::NoGap { value: *value });
+        }
+        let zeros = singular_values.partition_point(|value| *value < ZERO_BELOW);
+        Ok(Self { singular_values, zeros, vectors, scale, largest })
     }
     // ANCHOR_END: spectrum
-}
-
-/// The smallest value that is not zero over the largest that is.
-fn gap(values: &[f64], zeros: usize) -> Result<f64, ObservabilityError> {
-    let (Some(below), Some(above)) =
-        (zeros.checked_sub(1).map(|last| values[last]), values.get(zeros))
-    else {
-        return Ok(f64::INFINITY);
-    };
-    let gap = above / below.max(f64::MIN_POSITIVE);
-    if gap < GAP { Err(ObservabilityError::NoGap { below, above: *above }) } else { Ok(gap) }
 }
 
 /// Singular values, ascending, and right singular vectors as columns. A triangular factor has the
