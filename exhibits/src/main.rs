@@ -14,6 +14,7 @@ mod comparison;
 mod figure;
 mod least_squares;
 mod manifold;
+mod observability;
 mod random;
 mod record;
 mod report;
@@ -37,6 +38,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("reprojection", reprojection::exhibits),
     ("two_views", two_views::exhibits),
     ("bundle_adjustment", bundle_adjustment::exhibits),
+    ("observability", observability::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

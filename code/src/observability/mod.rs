@@ -12,6 +12,7 @@ mod direction;
 mod nullity;
 mod similarity;
 mod simulation;
+mod singular;
 mod window;
 
 use thiserror::Error;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::singular::right_singular;
 use super::{Direction, ObservabilityError, Window};
 use crate::least_squares::SingularSystem;
 
@@ -62,23 +63,6 @@ impl Spectrum {
         Ok(Self { singular_values, zeros, vectors, scale, largest })
     }
     // ANCHOR_END: spectrum
-}
-
-/// Singular values, ascending, and right singular vectors as columns. A triangular factor has the
-/// same ones with fewer rows.
-fn right_singular(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
-    let (rows, columns) = matrix.shape();
-    if columns == 0 {
-        return (Vec::new(), DMatrix::zeros(0, 0));
-    }
-    let filled = matrix.insert_rows(rows, columns.saturating_sub(rows), 0.0);
-    let decomposition = filled.qr().r().svd(false, true);
-    let mut order: Vec<usize> = (0..columns).collect();
-    let values = &decomposition.singular_values;
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let right = decomposition.v_t.map(|v| v.transpose());
-    let right = right.unwrap_or_else(|| DMatrix::identity(columns, columns));
-    (order.iter().map(|at| values[*at]).collect(), right.select_columns(&order))
 }
 
 impl Spectrum {
