@@ -22,9 +22,8 @@ pub fn right_singular(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let filled = matrix.insert_rows(rows, columns.saturating_sub(rows), 0.0);
     let (_, triangular, permutation) = filled.col_piv_qr().unpack();
     let mut turned: Vec<DVector<f64>> = triangular.row_iter().map(|row| row.transpose()).collect();
-    let longest = turned.iter().map(|column| column.norm()).fold(0.0, f64::max);
     for _ in 0..SWEEPS {
-        if !sweep(&mut turned, LOST * longest) {
+        if !sweep(&mut turned) {
             break;
         }
     }
@@ -37,24 +36,32 @@ pub fn right_singular(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     (values, vectors.select_columns(&ascending))
 }
 
-/// Makes every pair of columns that are not `lost` orthogonal once. Whether any was not.
-fn sweep(columns: &mut [DVector<f64>], lost: f64) -> bool {
+/// Makes every pair of columns that have a direction orthogonal once. Whether any was not.
+fn sweep(columns: &mut [DVector<f64>]) -> bool {
+    let mut squares: Vec<f64> = columns.iter().map(|column| column.norm_squared()).collect();
+    let lost = LOST * LOST * squares.iter().fold(0.0, |a: f64, b| a.max(*b));
     let mut turned_any = false;
     for second in 1..columns.len() {
         let (before, rest) = columns.split_at_mut(second);
-        for first in before {
-            turned_any |= turn(first, &mut rest[0], lost);
+        for (first, column) in before.iter_mut().enumerate() {
+            if squares[first].min(squares[second]) > lost {
+                let pair = [squares[first], squares[second]];
+                if let Some(pair) = turn(column, &mut rest[0], pair) {
+                    [squares[first], squares[second]] = pair;
+                    turned_any = true;
+                }
+            }
         }
     }
     turned_any
 }
 
-/// Turns two columns in their plane until they are orthogonal. Whether they were not.
-fn turn(first: &mut DVector<f64>, second: &mut DVector<f64>, lost: f64) -> bool {
-    let (a, b, c) = (first.norm_squared(), second.norm_squared(), first.dot(second));
-    let (a_root, b_root) = (a.sqrt(), b.sqrt());
-    if a_root.min(b_root) <= lost || c.abs() <= ORTHOGONAL * a_root * b_root {
-        return false;
+/// Turns two columns with these squared lengths in their plane until they are orthogonal, and
+/// gives their squared lengths then; `None` when they were orthogonal.
+fn turn(first: &mut DVector<f64>, second: &mut DVector<f64>, [a, b]: [f64; 2]) -> Option<[f64; 2]> {
+    let c = dot(first.as_slice(), second.as_slice());
+    if c.abs() <= ORTHOGONAL * a.sqrt() * b.sqrt() {
+        return None;
     }
     let zeta = (b - a) / (2.0 * c);
     // The smaller of the two angles.
@@ -64,7 +71,21 @@ fn turn(first: &mut DVector<f64>, second: &mut DVector<f64>, lost: f64) -> bool 
     for (x, y) in first.iter_mut().zip(second.iter_mut()) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
     }
-    true
+    Some([(a - tangent * c).max(0.0), b + tangent * c])
+}
+
+/// Four sums side by side keep the processor busy.
+fn dot(first: &[f64], second: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (fours, rest) = first.as_chunks::<4>();
+    let (other_fours, other_rest) = second.as_chunks::<4>();
+    for (x, y) in fours.iter().zip(other_fours) {
+        for lane in 0..4 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    let rest: f64 = rest.iter().zip(other_rest).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// The columns at length one, with those that have lost their direction replaced by what is

@@ -1,5 +1,7 @@
 //! Motions that are nearly degenerate, and estimates that are nearly consistent.
 
+use std::sync::OnceLock;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use vislam::inertial::{Course, Motion};
 use vislam::least_squares::Manifold;
@@ -17,7 +19,7 @@ pub const AMPLITUDES: [f64; 9] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10
 const FITTED: usize = 5;
 
 /// Constant velocity, turning, and a sway to the side.
-fn swayed(amplitude: f64) -> Motion {
+fn swaying(amplitude: f64) -> Motion {
     let mut motion = Motion::constant_velocity(&VELOCITY, turning());
     let wave = amplitude / (SWAY_RATE * SWAY_RATE);
     motion.position[1] = Course { rate: VELOCITY.y, ..Course::wave(wave, SWAY_RATE, 0.0) };
@@ -30,15 +32,29 @@ fn distance_percent(window: &Window) -> f64 {
     100.0 * sigma.expect("the motions that are asked about have a scale")
 }
 
-/// With an amplitude of the sway.
-pub fn scale_percent(amplitude: f64, assumption: BiasAssumption) -> f64 {
-    distance_percent(&window(swayed(amplitude), assumption))
+/// The standard deviations, in percent, for each amplitude of the sway.
+pub struct Swayed {
+    pub known: [f64; 9],
+    pub unknown: [f64; 9],
+    /// The least that can be with known biases.
+    pub least: [f64; 9],
 }
 
-/// The least that can be with known biases, in percent.
-pub fn least_percent(amplitude: f64) -> f64 {
-    let window = window(swayed(amplitude), BiasAssumption::KNOWN);
-    100.0 / scale_information(&window).sqrt()
+pub fn swayed() -> &'static Swayed {
+    static SWAYED: OnceLock<Swayed> = OnceLock::new();
+    SWAYED.get_or_init(|| {
+        let percent = |assumption| {
+            AMPLITUDES.map(|amplitude| distance_percent(&window(swaying(amplitude), assumption)))
+        };
+        Swayed {
+            known: percent(BiasAssumption::KNOWN),
+            unknown: percent(BiasAssumption::CONSTANT),
+            least: AMPLITUDES.map(|amplitude| {
+                let window = window(swaying(amplitude), BiasAssumption::KNOWN);
+                100.0 / scale_information(&window).sqrt()
+            }),
+        }
+    })
 }
 
 /// At constant velocity of the body, with the camera on a lever arm, in metres.
@@ -75,7 +91,13 @@ pub struct Mixed {
     pub leaves: [f64; 4],
 }
 
-pub fn mixed(disagreement: f64) -> Mixed {
+/// For each of the disagreements.
+pub fn all_mixed() -> &'static [Mixed; 7] {
+    static MIXED: OnceLock<[Mixed; 7]> = OnceLock::new();
+    MIXED.get_or_init(|| DISAGREEMENTS.map(mixed))
+}
+
+fn mixed(disagreement: f64) -> Mixed {
     let truth = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
     let mut random = Random::new(31);
     let step: Vec<f64> = (0..truth.dimension()).map(|_| random.normal(disagreement)).collect();

@@ -1,7 +1,7 @@
 //! The numbers that the chapter quotes.
 
 use nalgebra::Vector3;
-use vislam::inertial::{GRAVITY, ImuNoise, Motion};
+use vislam::inertial::{GRAVITY, Motion};
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
 use super::near::{self, AMPLITUDES};
@@ -55,15 +55,11 @@ fn size(chapter: &mut Chapter) {
 }
 
 fn table(chapter: &mut Chapter) {
-    let assumptions = [
-        BiasAssumption::CONSTANT,
-        BiasAssumption::walking(ImuNoise::euroc()),
-        BiasAssumption::KNOWN,
-    ];
-    for (case, names) in cases().iter().zip(TABLE) {
-        assert!(names[0].starts_with(case.word), "the table is in the order of the cases");
-        for (name, assumption) in names.into_iter().zip(assumptions) {
-            chapter.number(name, free(&window(case.motion, assumption)).count() as f64, "", 0);
+    for ((case, names), free) in cases().iter().zip(TABLE).zip(worked::table()) {
+        for (name, free) in names.into_iter().zip(free) {
+            assert!(name.starts_with(case.word), "the table is in the order of the cases");
+            assert_eq!(free.unnamed(), 0, "what is free has a name");
+            chapter.number(name, free.count() as f64, "", 0);
         }
     }
     let landmarks = |motion| window(motion, BiasAssumption::KNOWN).landmarks.len() as f64;
@@ -161,39 +157,37 @@ fn climbing(chapter: &mut Chapter) {
 
 fn nearly(chapter: &mut Chapter) {
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
-    let curve = |assumption| AMPLITUDES.map(|a| (a, near::scale_percent(a, assumption)));
-    chapter.number("exponent_known", near::exponent(&curve(known)), "", 2);
-    chapter.number("exponent_unknown", near::exponent(&curve(unknown)), "", 2);
+    let swayed = near::swayed();
+    let exponent = |of: &[f64; 9]| near::exponent(&pairs(of));
+    chapter.number("exponent_known", exponent(&swayed.known), "", 2);
+    chapter.number("exponent_unknown", exponent(&swayed.unknown), "", 2);
     chapter.number("sway_rate", near::SWAY_RATE, "rad/s", 0);
-    for (amplitude, names) in [
-        (0.01, ["excite_01", "excite_01_known", "excite_01_unknown"]),
-        (1.0, ["excite_1", "excite_1_known", "excite_1_unknown"]),
-    ] {
-        chapter.number(names[0], amplitude, "m/s²", if amplitude < 0.1 { 2 } else { 0 });
-        let decimals = if amplitude < 0.1 { 0 } else { 2 };
-        chapter.number(names[1], near::scale_percent(amplitude, known), "%", decimals);
-        chapter.number(names[2], near::scale_percent(amplitude, unknown), "%", decimals);
-    }
-    // On the straight part of the line.
-    let tenth = |assumption| 0.01 * near::scale_percent(0.01, assumption) / 10.0;
-    chapter.number("excite_for_ten_known", tenth(known), "m/s²", 3);
-    chapter.number("excite_for_ten_unknown", tenth(unknown), "m/s²", 3);
+    chapter.number("excite_low", AMPLITUDES[2], "m/s²", 2);
+    chapter.number("excite_low_known", swayed.known[2], "%", 0);
+    chapter.number("excite_low_unknown", swayed.unknown[2], "%", 0);
+    chapter.number("excite_high", AMPLITUDES[6], "m/s²", 0);
+    chapter.number("excite_high_known", swayed.known[6], "%", 1);
+    chapter.number("excite_high_unknown", swayed.unknown[6], "%", 1);
+    chapter.number("above_least", swayed.known[2] / swayed.least[2], "", 0);
     let lever = 0.05;
     chapter.number("lever_cm", 100.0 * lever, "cm", 0);
     chapter.number("lever_known_percent", near::lever_percent(lever, known), "%", 0);
     chapter.number("lever_unknown_percent", near::lever_percent(lever, unknown), "%", 0);
     let eight = Motion::figure_eight();
     chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 2);
-    let ratio = AMPLITUDES.map(|a| near::scale_percent(a, known) / near::least_percent(a));
-    chapter.number("above_least_percent", 100.0 * (ratio[0] - 1.0), "%", 0);
+}
+
+fn pairs(of: &[f64; 9]) -> Vec<(f64, f64)> {
+    AMPLITUDES.into_iter().zip(of.iter().copied()).collect()
 }
 
 fn inconsistent(chapter: &mut Chapter) {
-    let points = near::DISAGREEMENTS.map(|size| (size, near::mixed(size).yaw_degrees));
-    chapter.number("yaw_exponent", near::exponent(&points), "", 2);
-    let typical = near::mixed(0.01);
+    let mixed = near::all_mixed();
+    let points = near::DISAGREEMENTS.into_iter().zip(mixed.iter().map(|m| m.yaw_degrees));
+    chapter.number("yaw_exponent", near::exponent(&points.collect::<Vec<_>>()), "", 2);
+    let typical = &mixed[4];
     chapter.number("mixed_free", typical.free as f64, "", 0);
-    chapter.number("mixed_size_cm", 1.0, "cm", 0);
+    chapter.number("mixed_size_cm", 100.0 * near::DISAGREEMENTS[4], "cm", 0);
     chapter.number("mixed_yaw_deg", typical.yaw_degrees, "°", 2);
     let moved = typical.leaves[..3].iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
     chapter.number("mixed_shift_exponent", moved.log10().ceil(), "", 0);

@@ -1,13 +1,15 @@
 //! The motions of the chapter, and windows of them.
 
+use std::sync::OnceLock;
+
 use nalgebra::{DVector, Vector3};
-use vislam::inertial::{Angles, Course, Motion};
+use vislam::inertial::{Angles, Course, ImuNoise, Motion};
 use vislam::observability::{
     BiasAssumption, Flight, FreeDirections, Spectrum, Window, landmarks_around,
 };
 
 /// Landmarks on all sides, of which a camera that looks ahead sees a part.
-const LANDMARKS: usize = 150;
+const LANDMARKS: usize = 100;
 /// In the world, in m/s.
 pub const VELOCITY: Vector3<f64> = Vector3::new(1.0, 0.5, 0.2);
 /// In the world or in the body, in m/s².
@@ -84,6 +86,21 @@ pub fn of_flight(flight: &Flight, assumption: BiasAssumption) -> Window {
 /// The window of a motion, the camera at the sensor.
 pub fn window(motion: Motion, assumption: BiasAssumption) -> Window {
     of_flight(&Flight::new(motion), assumption)
+}
+
+/// What the motions leave free with constant, walking and known biases, in the order of the cases.
+pub fn table() -> &'static [[FreeDirections; 3]] {
+    static TABLE: OnceLock<Vec<[FreeDirections; 3]>> = OnceLock::new();
+    let assumptions = [
+        BiasAssumption::CONSTANT,
+        BiasAssumption::walking(ImuNoise::euroc()),
+        BiasAssumption::KNOWN,
+    ];
+    TABLE.get_or_init(|| {
+        let row =
+            |case: &Case| assumptions.map(|assumption| free(&window(case.motion, assumption)));
+        cases().iter().map(row).collect()
+    })
 }
 
 /// What a window leaves free.
