@@ -20,7 +20,7 @@ const LEAVES: f64 = 1e-4;
 
 // ANCHOR: spectrum_type
 /// The singular values of a whitened Jacobian whose columns have been scaled to length one, so
-/// that radians, metres and metres per second can be compared.
+/// that radians, metres and metres per second can be compared: {eq:scaled-jacobian}.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     /// As fractions of the largest, ascending.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2x3, Matrix3, SMatrix, Vector3};
 use vislam::inertial::{CameraImu, NavState};
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
-use vislam::observability::{pixel_by_state, twist_by_state};
+use vislam::observability as theory;
 
 use super::STATES;
 use super::draws;
@@ -43,58 +43,58 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("landmark-from-state", landmark_from_state, formula, &mutants);
 
-    let formula: Twist = |_, state| twist_by_state(state);
+    let formula: Twist = |_, state| theory::twist_by_state(state);
     let mutants: [(_, Twist); 5] = [
         ("about the camera's centre", |rig, state| {
             let centre = rig.world_from_camera(state).translation.vector;
-            twist_by_state(&NavState { position: centre, ..*state })
+            theory::twist_by_state(&NavState { position: centre, ..*state })
         }),
         ("sign of the cross product", |_, state| {
-            twist_by_state(&NavState { position: -state.position, ..*state })
+            theory::twist_by_state(&NavState { position: -state.position, ..*state })
         }),
         ("rotation transposed", |_, state| {
             let world_from_body = state.world_from_body.inverse();
-            twist_by_state(&NavState { world_from_body, ..*state })
+            theory::twist_by_state(&NavState { world_from_body, ..*state })
         }),
         ("position in the body frame", |_, state| {
-            let mut twist = twist_by_state(state);
+            let mut twist = theory::twist_by_state(state);
             let block = -state.world_from_body.matrix().transpose();
             twist.fixed_view_mut::<3, 3>(0, 6).copy_from(&block);
             twist
         }),
         ("rotation dropped", |_, state| {
-            let mut twist = twist_by_state(state);
+            let mut twist = theory::twist_by_state(state);
             twist.fixed_view_mut::<3, 3>(3, 0).copy_from(&-Matrix3::identity());
             twist
         }),
     ];
-    chapter.equation("twist-by-state", twist_check, formula, &mutants);
+    chapter.equation("twist-by-state", twist_by_state, formula, &mutants);
 
     let formula: PixelBlock =
-        |_, state, landmark, by_point| pixel_by_state(state, landmark, by_point);
+        |_, state, landmark, by_point| theory::pixel_by_state(state, landmark, by_point);
     let mutants: [(_, PixelBlock); 4] = [
         ("arm from the camera's centre", |rig, state, landmark, by_point| {
             let position = rig.world_from_camera(state).translation.vector;
-            pixel_by_state(&NavState { position, ..*state }, landmark, by_point)
+            theory::pixel_by_state(&NavState { position, ..*state }, landmark, by_point)
         }),
         ("sign of the arm", |_, state, landmark, by_point| {
-            let mut block = pixel_by_state(state, landmark, by_point);
+            let mut block = theory::pixel_by_state(state, landmark, by_point);
             block.columns_mut(0, 3).neg_mut();
             block
         }),
         ("turn in the world", |_, state, landmark, by_point| {
-            let mut block = pixel_by_state(state, landmark, by_point);
+            let mut block = theory::pixel_by_state(state, landmark, by_point);
             let arm = by_point * so3::hat(&(landmark - state.position));
             block.fixed_view_mut::<2, 3>(0, 0).copy_from(&arm);
             block
         }),
         ("sign of the position", |_, state, landmark, by_point| {
-            let mut block = pixel_by_state(state, landmark, by_point);
+            let mut block = theory::pixel_by_state(state, landmark, by_point);
             block.columns_mut(6, 3).neg_mut();
             block
         }),
     ];
-    chapter.equation("pixel-by-state", pixel_check, formula, &mutants);
+    chapter.equation("pixel-by-state", pixel_by_state, formula, &mutants);
 }
 
 type Landmark = fn(&CameraImu, &NavState, &Vector3<f64>) -> Vector3<f64>;
@@ -114,7 +114,7 @@ fn landmark_from_state(formula: Landmark) -> Comparison {
 
 type Twist = fn(&CameraImu, &NavState) -> SMatrix<f64, 6, 9>;
 
-fn twist_check(formula: Twist) -> Comparison {
+fn twist_by_state(formula: Twist) -> Comparison {
     let against = "central differences of the camera's pose";
     let mut comparison = Comparison::relative(against, 1e-7);
     let mut random = Random::new(2);
@@ -137,7 +137,7 @@ fn twist_check(formula: Twist) -> Comparison {
 
 type PixelBlock = fn(&CameraImu, &NavState, &Vector3<f64>, &Matrix2x3<f64>) -> SMatrix<f64, 2, 9>;
 
-fn pixel_check(formula: PixelBlock) -> Comparison {
+fn pixel_by_state(formula: PixelBlock) -> Comparison {
     let against = "central differences of the pixel";
     let mut comparison = Comparison::relative(against, 1e-6);
     let mut random = Random::new(3);

@@ -5,7 +5,7 @@ use vislam::inertial::{GRAVITY, Motion};
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
 use super::near::{self, AMPLITUDES};
-use super::readings::{false_scale, inertial_residuals};
+use super::readings::{inertial_residuals, other_scale};
 use super::worked::{self, TURN, cases, free, window};
 use crate::chapter::Chapter;
 
@@ -39,19 +39,10 @@ pub fn numbers(chapter: &mut Chapter) {
 fn size(chapter: &mut Chapter) {
     let flight = Flight::new(Motion::figure_eight());
     let window = window(flight.motion, BiasAssumption::CONSTANT);
-    let interval = flight.readings as f64 * flight.dt;
     chapter.number("states", flight.states as f64, "", 0);
-    chapter.number("interval", interval, "s", 2);
-    chapter.number("seconds", interval * (flight.states - 1) as f64, "s", 0);
-    chapter.number("landmarks", window.landmarks.len() as f64, "", 0);
-    chapter.number("pixels", window.observations.len() as f64, "", 0);
     let jacobian = window.linearize().expect("the figure-eight has a window").jacobian;
     chapter.number("rows", jacobian.nrows() as f64, "", 0);
     chapter.number("columns", jacobian.ncols() as f64, "", 0);
-    let free = free(&window);
-    let values = &free.spectrum.singular_values;
-    chapter.number("eight_zero_exponent", values[3].log10().ceil(), "", 0);
-    chapter.number("eight_seen_exponent", values[4].log10().floor(), "", 0);
 }
 
 fn table(chapter: &mut Chapter) {
@@ -112,8 +103,6 @@ fn worked_turn(chapter: &mut Chapter) {
     let window = |assumption| window(motion, assumption).transformed(&larger);
     let copy = window(BiasAssumption::CONSTANT);
     chapter.number("larger_bias", copy.biases[0].accelerometer.y, "m/s²", 2);
-    let rounding = greatest(&inertial_residuals(&copy));
-    chapter.number("larger_rounding_exponent", rounding.log10().ceil(), "", 0);
     let copy = window(BiasAssumption::KNOWN);
     let gained = &inertial_residuals(&copy)[3..6];
     chapter.number("larger_residual_mm_s", 1e3 * greatest(gained), "mm/s", 1);
@@ -141,14 +130,13 @@ fn tilted(chapter: &mut Chapter) {
 pub const RAMP: Vector3<f64> = Vector3::new(2.0, 0.0, 0.2);
 
 fn climbing(chapter: &mut Chapter) {
-    let scale = false_scale(&RAMP, &GRAVITY);
+    let scale = other_scale(&RAMP, &GRAVITY);
     chapter.number("ramp_ahead", RAMP.x, "m/s²", 0);
     chapter.number("ramp_up", RAMP.z, "m/s²", 1);
     chapter.number("false_scale", scale, "", 2);
     let wanted = GRAVITY + (scale - 1.0) * RAMP;
     chapter.number("false_tilt_deg", wanted.angle(&GRAVITY).to_degrees(), "°", 1);
     let gravity = GRAVITY.norm();
-    chapter.number("gravity", gravity, "m/s²", 2);
     let second = Vector3::new(RAMP.x, 0.0, 0.0);
     let off = |growth: f64| (GRAVITY + growth * second).norm() - gravity;
     chapter.number("level_ten_mm", 1e3 * off(0.1), "mm/s²", 1);

@@ -141,7 +141,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("by the square of gravity", |a, g| 1.0 - 2.0 * g.dot(a) / g.norm_squared()),
         ("not squared", |a, g| 1.0 - 2.0 * g.dot(a) / a.norm()),
     ];
-    chapter.equation("false-scale", false_scale_check, false_scale, &mutants);
+    chapter.equation("false-scale", false_scale, other_scale, &mutants);
 }
 
 type Moved = fn(&Reading, &Similarity) -> Vector3<f64>;
@@ -308,13 +308,13 @@ fn scale_objection(formula: Objection) -> Comparison {
 }
 
 /// The other scale at which a constant acceleration and gravity give the same force.
-pub fn false_scale(acceleration: &Vector3<f64>, gravity: &Vector3<f64>) -> f64 {
+pub fn other_scale(acceleration: &Vector3<f64>, gravity: &Vector3<f64>) -> f64 {
     1.0 - 2.0 * gravity.dot(acceleration) / acceleration.norm_squared()
 }
 
 type False = fn(&Vector3<f64>, &Vector3<f64>) -> f64;
 
-fn false_scale_check(formula: False) -> Comparison {
+fn false_scale(formula: False) -> Comparison {
     let against = "bisection for the scale at which gravity has its strength again";
     let mut comparison = Comparison::relative(against, 1e-9);
     let mut random = Random::new(15);

@@ -8,7 +8,7 @@ use vislam::inertial::GRAVITY;
 
 use crate::figure::{self, Figure, INK, SERIES, letters_right_of, marker};
 use crate::observability::numbers::RAMP;
-use crate::observability::readings::false_scale as other_root;
+use crate::observability::readings::other_scale;
 
 const NAMES: [&str; 3] = ["on a level road", "uphill", "downhill"];
 const SCALES: [f64; 2] = [-0.4, 2.6];
@@ -52,7 +52,7 @@ pub fn false_scale() -> Figure {
             for (index, acceleration) in accelerations().iter().enumerate() {
                 let line = LineSeries::new(curve(acceleration, 90), SERIES[index].stroke_width(5));
                 chart.draw_series(line)?;
-                let root = other_root(acceleration, &GRAVITY);
+                let root = other_scale(acceleration, &GRAVITY);
                 chart.draw_series([EmptyElement::at((root, 0.0)) + marker(index)])?;
                 let place = (0.35, 0.88 - 0.1 * index as f64);
                 chart.draw_series([EmptyElement::at(place) + marker(index)])?;
