@@ -85,6 +85,15 @@ fn turning_about_a_horizontal_axis_leaves_one_tilt() {
 }
 
 #[test]
+fn a_ship_that_rolls_on_its_course_knows_neither_its_size_nor_how_far_its_bow_is_down() {
+    let rolling = Angles { roll: Course::wave(0.3, 0.9, 0.0), ..Angles::default() };
+    let ship = Motion::constant_velocity(&Vector3::x(), rolling);
+    let six = format!("6: {POSITION}, tilt y, yaw, scale");
+    let five = format!("5: {POSITION}, yaw, scale");
+    assert_eq!(free(ship), [six, five]);
+}
+
+#[test]
 fn constant_acceleration_without_rotation_hides_scale_and_tilt_in_an_unknown_bias() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
     let four = format!("4: {POSITION}, yaw");

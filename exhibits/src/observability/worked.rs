@@ -59,7 +59,7 @@ pub fn cases() -> [Case; 11] {
         case("pitch", "changing acceleration; only pitching", swaying(pitching)),
         case(
             "climb",
-            "constant acceleration; no rotation",
+            "constant acceleration, climbing; no rotation",
             Motion::constant_acceleration(&ACCELERATION, straight),
         ),
         case(

@@ -117,9 +117,9 @@ fn bars(drawing: &Drawing, objections: &[[f64; 4]; 4]) -> Drawn {
         chart.draw_series([Text::new(NAMES[index], beside, letters_right_of(SERIES[index]))])?;
     }
     for (kind, name) in KINDS.iter().enumerate() {
-        let place = (kind as f64 + 0.5, 1.02 * highest);
-        let height = if kind < 2 { 0.2 * highest } else { place.1 + 0.1 * highest };
-        chart.draw_series([Text::new(*name, (place.0, height), letters_around(INK))])?;
+        let place = kind as f64 + 0.5;
+        let height = if kind < 2 { 0.2 * highest } else { 1.2 * highest };
+        chart.draw_series([Text::new(*name, (place, height), letters_around(INK))])?;
     }
     Ok(())
 }

@@ -28,15 +28,11 @@ pub fn excitation() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(920, |drawing| {
             let x_axis = ("amplitude of the acceleration (m/s²)", (7e-4..16.0).log_scale(), 5);
-            let y_axis = ("sigma of the distance (%)", (0.02..6e5).log_scale(), 7);
+            let y_axis = ("sigma of the distance (%)", (0.01..6e5).log_scale(), 7);
             let mut chart = figure::axes(drawing, x_axis, y_axis)?;
             let all = [(7e-4, 100.0), (16.0, 100.0)];
             chart.draw_series([PathElement::new(all, INK.stroke_width(3))])?;
-            chart.draw_series([Text::new(
-                "nothing known",
-                (1.2e-3, 60.0),
-                letters_right_of(INK),
-            )])?;
+            chart.draw_series([Text::new("nothing known", (1.2, 210.0), letters_right_of(INK))])?;
             for (index, curve) in curves.iter().enumerate() {
                 let points: Vec<_> = AMPLITUDES.into_iter().zip(curve.iter().copied()).collect();
                 chart

@@ -71,7 +71,7 @@ pub fn spectra() -> Figure {
         motion = strip.heading.clone().unwrap_or(motion);
         let (values, zeros) = (&strip.free.spectrum.singular_values, strip.free.count());
         rows.push(vec![
-            motion.replace(',', ":"),
+            motion.replace(',', ";"),
             strip.biases.to_owned(),
             zeros.to_string(),
             beside_four(&strip.free),
