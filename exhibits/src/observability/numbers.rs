@@ -162,7 +162,7 @@ fn nearly(chapter: &mut Chapter) {
     chapter.number("lever_known_percent", near::lever_percent(lever, known), "%", 0);
     chapter.number("lever_unknown_percent", near::lever_percent(lever, unknown), "%", 0);
     let eight = Motion::figure_eight();
-    chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 2);
+    chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 1);
 }
 
 fn pairs(of: &[f64; 9]) -> Vec<(f64, f64)> {
