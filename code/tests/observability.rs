@@ -309,6 +309,18 @@ fn every_degenerate_motion_has_copies_that_read_the_same() {
 }
 
 #[test]
+fn the_tilt_of_a_pitching_body_is_flat_and_not_a_family() {
+    let objection = |motion, lean: f64| {
+        let rotation = so3::exp(&(lean * Vector3::x()));
+        let tilted = Similarity { rotation, ..Similarity::identity() };
+        window(motion, BiasAssumption::CONSTANT).transformed(&tilted).residual().unwrap().norm()
+    };
+    let ratio = |motion| objection(motion, 0.02) / objection(motion, 0.01);
+    assert!((ratio(swaying(pitching())) - 4.0).abs() < 0.05);
+    assert!((ratio(Motion::figure_eight()) - 2.0).abs() < 0.05);
+}
+
+#[test]
 fn a_constant_acceleration_that_climbs_has_exactly_one_false_scale() {
     let acceleration = Vector3::new(2.0, 0.0, 0.2);
     let window =
