@@ -510,3 +510,16 @@ fn what_does_not_fit_together_is_an_error_that_says_so() {
     assert_eq!(Spectrum::of(&DMatrix::zeros(0, 0)).unwrap().zeros, 0);
     assert_eq!(Spectrum::of(&DMatrix::zeros(0, 2)).unwrap().zeros, 2);
 }
+
+#[test]
+fn a_window_that_does_not_fit_together_can_still_be_moved_without_a_panic() {
+    let mut window = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    window.states.truncate(2);
+    window.angular_velocities.clear();
+    let all = [0, 7, 4000].map(Direction::Depth).into_iter().chain([Direction::Scale]);
+    for direction in all.chain([Direction::Tilt(9), Direction::Translation(9), Direction::Yaw]) {
+        assert_eq!(window.direction(direction).len(), window.dimension());
+    }
+    let grown = Similarity { scale: 2.0, ..Similarity::identity() };
+    assert!(window.transformed(&grown).residual().is_err());
+}

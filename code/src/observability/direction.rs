@@ -97,9 +97,10 @@ impl Window {
         let vectors = 3 * self.states.len() + 2 * self.biases.len();
         let mut whole = vec![Vector3::zeros(); vectors + self.landmarks.len()];
         let first = self.observations.iter().find(|factor| factor.point == landmark);
-        if let (Some(factor), Some(point)) = (first, self.landmarks.get(landmark)) {
-            let centre = self.rig.world_from_camera(&self.states[factor.keyframe]).translation;
-            whole[vectors + landmark] = point - centre.vector;
+        let state = first.and_then(|factor| self.states.get(factor.keyframe));
+        if let (Some(state), Some(point)) = (state, self.landmarks.get(landmark)) {
+            let centre = self.rig.world_from_camera(state).translation.vector;
+            whole[vectors + landmark] = point - centre;
         }
         self.select(&whole)
     }

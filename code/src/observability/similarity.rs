@@ -91,10 +91,10 @@ impl Window {
     /// is off by `tilt`, in m/s². Zero without readings.
     pub(super) fn hiding_bias(&self, growth: f64, tilt: &Vector3<f64>) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
-        for (i, interval) in self.intervals.iter().enumerate() {
-            let gained = self.camera_velocity(i + 1) - self.camera_velocity(i);
-            let stated = growth * gained + interval.duration * tilt;
-            let in_body = self.states[i].world_from_body.inverse() * stated;
+        let velocity = |state| self.camera_velocity(state);
+        for (i, (pair, interval)) in self.states.windows(2).zip(&self.intervals).enumerate() {
+            let stated = growth * (velocity(i + 1) - velocity(i)) + interval.duration * tilt;
+            let in_body = pair[0].world_from_body.inverse() * stated;
             // What a bias adds to the sum of velocities: minus the sum of the rotations, times dt.
             let by_bias = interval.bias_jacobian.fixed_view::<3, 3>(3, 3).into_owned();
             sum += by_bias.lu().solve(&in_body).unwrap_or_default();
