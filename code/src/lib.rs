@@ -17,6 +17,7 @@ pub mod bundle_adjustment;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod observability;
 pub mod preintegration;
 pub mod reprojection;
 pub mod two_views;

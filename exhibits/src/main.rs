@@ -16,6 +16,7 @@ mod inertial;
 mod least_squares;
 mod manifold;
 mod preintegration;
+mod observability;
 mod random;
 mod record;
 mod report;
@@ -41,6 +42,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("bundle_adjustment", bundle_adjustment::exhibits),
     ("inertial", inertial::exhibits),
     ("preintegration", preintegration::exhibits),
+    ("observability", observability::exhibits),
 ];
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";

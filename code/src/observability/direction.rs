@@ -1,0 +1,114 @@
+//! Directions in which a whole window might move.
+
+use std::fmt;
+
+use nalgebra::{DVector, Vector3};
+
+use super::Window;
+
+// ANCHOR: direction
+/// A direction that measurements may leave free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Everything is shifted along an axis of the world, 0 for x, 1 for y, 2 for z.
+    Translation(usize),
+    /// Everything is turned about the vertical.
+    Yaw,
+    /// Everything is tilted about a horizontal axis, 0 or 1: the axes x and y of a world whose z
+    /// axis is vertical.
+    Tilt(usize),
+    /// The distance of one landmark, from where it was first seen.
+    Depth(usize),
+    /// Everything grows.
+    Scale,
+}
+// ANCHOR_END: direction
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = |axis: usize| ["x", "y", "z"].get(axis).copied().unwrap_or("?");
+        match self {
+            Self::Translation(along) => write!(f, "translation {}", axis(*along)),
+            Self::Yaw => write!(f, "yaw"),
+            Self::Tilt(about) => write!(f, "tilt {}", axis(*about)),
+            Self::Depth(landmark) => write!(f, "depth of landmark {landmark}"),
+            Self::Scale => write!(f, "scale"),
+        }
+    }
+}
+
+/// How fast the world moves: a shift in m, a turn in rad and growth, each per unit of the step.
+struct Rates {
+    shift: Vector3<f64>,
+    turn: Vector3<f64>,
+    growth: f64,
+}
+
+impl Window {
+    /// The vertical, upward, and two horizontal axes. Without gravity they are z, x and y.
+    pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
+        let up = (-self.gravity).try_normalize(0.0).unwrap_or_else(Vector3::z);
+        // The axis of the world that is least vertical, beginning with x, made horizontal.
+        let forward = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let forward = (forward - forward.dot(&up) * up).normalize();
+        [up, forward, up.cross(&forward)]
+    }
+
+    /// A direction as a vector over all that is unknown, in the order of the window's steps. With
+    /// an unknown accelerometer bias it has the change of the bias that hides it best.
+    ///
+    /// Implements {eq:four-null-vectors}, {eq:seven-null-vectors} and {eq:null-condition}. Zero for a landmark
+    /// that does not exist or was not seen.
+    pub fn direction(&self, direction: Direction) -> DVector<f64> {
+        let [up, forward, left] = self.axes();
+        let (mut shift, mut turn, mut growth) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        match direction {
+            Direction::Translation(axis) => shift = Vector3::ith(axis.min(2), 1.0),
+            Direction::Yaw => turn = up,
+            Direction::Tilt(axis) => turn = if axis == 0 { forward } else { left },
+            Direction::Scale => growth = 1.0,
+            Direction::Depth(landmark) => return self.depth_direction(landmark),
+        }
+        self.whole_motion(&Rates { shift, turn, growth })
+    }
+
+    // ANCHOR: null_vector
+    /// How every coordinate changes when the world moves, as far as it is unknown.
+    fn whole_motion(&self, rates: &Rates) -> DVector<f64> {
+        let Rates { shift, turn, growth } = rates;
+        let mut whole = Vec::new();
+        for (k, state) in self.states.iter().enumerate() {
+            let phi = state.world_from_body.inverse() * turn;
+            let v = turn.cross(&state.velocity) + *growth * self.camera_velocity(k);
+            let centre = self.rig.world_from_camera(state).translation.vector;
+            let p = shift + turn.cross(&state.position) + *growth * centre;
+            whole.extend([phi, v, p]);
+        }
+        let hiding = self.hiding_bias(*growth, &turn.cross(&self.gravity));
+        whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
+        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + *growth * f));
+        self.select(&whole)
+    }
+    // ANCHOR_END: null_vector
+
+    // ANCHOR: depth_direction
+    /// The direction from the camera that first saw a landmark to the landmark, in its rows.
+    fn depth_direction(&self, landmark: usize) -> DVector<f64> {
+        let vectors = 3 * self.states.len() + 2 * self.biases.len();
+        let mut whole = vec![Vector3::zeros(); vectors + self.landmarks.len()];
+        let first = self.observations.iter().find(|factor| factor.point == landmark);
+        let state = first.and_then(|factor| self.states.get(factor.keyframe));
+        if let (Some(state), Some(point)) = (state, self.landmarks.get(landmark)) {
+            let centre = self.rig.world_from_camera(state).translation.vector;
+            whole[vectors + landmark] = point - centre;
+        }
+        self.select(&whole)
+    }
+    // ANCHOR_END: depth_direction
+
+    /// What of these vectors, over states, biases and landmarks, is unknown.
+    fn select(&self, whole: &[Vector3<f64>]) -> DVector<f64> {
+        let unknown = self.unknown();
+        DVector::from_iterator(unknown.len(), unknown.iter().map(|at| whole[at / 3][at % 3]))
+    }
+}

@@ -1,0 +1,121 @@
+//! What a window of pictures and inertial readings leaves free, direction by direction.
+//!
+//! A [`Window`] holds states, biases and landmarks, and the pixels and preintegrated readings that
+//! tie them together. [`Window::free_directions`] finds in how many directions all of them can
+//! move without any whitened residual changing to first order, and names those directions:
+//! translations, the yaw about gravity, tilts, scale, the depth of a landmark.
+//!
+//! A [`Similarity`] moves a whole window by a finite amount. Cameras never notice;
+//! an inertial sensor does, unless the motion is of a kind that lets a bias hide it.
+
+mod direction;
+mod nullity;
+mod similarity;
+mod simulation;
+mod singular;
+mod window;
+
+use thiserror::Error;
+
+pub use direction::Direction;
+pub use nullity::{FreeDirections, Mixture, Spectrum};
+pub use similarity::Similarity;
+pub use simulation::{Flight, landmarks_around};
+pub use window::{BiasAssumption, LinearizedWindow, Window, pixel_by_state, twist_by_state};
+
+use crate::least_squares::WhiteningError;
+use crate::preintegration::PreintegrationError;
+use crate::reprojection::ReprojFactorError;
+
+/// Why nothing can be said about a window.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum ObservabilityError {
+    /// There is no state or no landmark.
+    #[error("the window has {states} states and {landmarks} landmarks; give at least one of each")]
+    Empty {
+        /// Number of states.
+        states: usize,
+        /// Number of landmarks.
+        landmarks: usize,
+    },
+    /// There are intervals, and not one between each two consecutive states.
+    #[error(
+        "{states} states have {intervals} intervals of readings between them; give one interval \
+         for each two consecutive states, or none for pictures alone"
+    )]
+    Intervals {
+        /// Number of states.
+        states: usize,
+        /// Number of intervals.
+        intervals: usize,
+    },
+    /// The number of biases does not fit what is assumed of them.
+    #[error(
+        "{given} biases were given and {expected} are needed: one when they are constant, one for \
+         each state when they walk"
+    )]
+    Biases {
+        /// Number given.
+        given: usize,
+        /// Number expected.
+        expected: usize,
+    },
+    /// The number of angular velocities is not that of the states.
+    #[error("{given} angular velocities were given for {states} states; give one for each")]
+    AngularVelocities {
+        /// Number given.
+        given: usize,
+        /// Number of states.
+        states: usize,
+    },
+    /// An observation names a state or landmark that is not there.
+    #[error(
+        "observation {observation} names state {state} and landmark {landmark}, one of which does \
+         not exist; remove it or add what it names"
+    )]
+    NoSuchVariable {
+        /// Index of the observation.
+        observation: usize,
+        /// The state that it names.
+        state: usize,
+        /// The landmark that it names.
+        landmark: usize,
+    },
+    /// A landmark has no pixel where its observation says it was seen.
+    #[error(
+        "observation {observation}: landmark {landmark} is not in front of the camera at state \
+         {state}; remove the observation or mend the estimate"
+    )]
+    NotInFront {
+        /// Index of the observation.
+        observation: usize,
+        /// The state that it names.
+        state: usize,
+        /// The landmark that it names.
+        landmark: usize,
+    },
+    /// A residual or derivative is not finite.
+    #[error("row {row} of the window's Jacobian or residual is not finite; look for a NaN")]
+    NotFinite {
+        /// The row, counted through pixels, intervals and walks.
+        row: usize,
+    },
+    /// A singular value is neither zero nor surely different from it.
+    #[error(
+        "a singular value is {value:.1e} of the largest, too much for rounding and too little to \
+         be sure; the motion is degenerate but for almost nothing, or the estimate is not exact"
+    )]
+    NoGap {
+        /// The value, as a fraction of the largest.
+        value: f64,
+    },
+    /// Readings cannot be summed up.
+    #[error(transparent)]
+    Preintegration(#[from] PreintegrationError),
+    /// A covariance cannot be inverted.
+    #[error(transparent)]
+    Whitening(#[from] WhiteningError),
+    /// A measurement is none.
+    #[error(transparent)]
+    Pixel(#[from] ReprojFactorError),
+}

@@ -1,0 +1,28 @@
+//! What chapter `observability` shows: what pictures and inertial readings leave free, and what it
+//! costs to come near to it.
+
+mod certainty;
+mod chain;
+mod draws;
+mod figures;
+mod near;
+mod numbers;
+mod oracle;
+mod readings;
+mod symmetry;
+mod worked;
+
+use crate::chapter::Chapter;
+
+/// Random states at which an equation is compared, unless it takes whole windows.
+const STATES: usize = 500;
+
+/// Registers the chapter's exhibits.
+pub fn exhibits(chapter: &mut Chapter) {
+    chain::exhibits(chapter);
+    symmetry::exhibits(chapter);
+    readings::exhibits(chapter);
+    certainty::exhibits(chapter);
+    numbers::numbers(chapter);
+    figures::figures(chapter);
+}

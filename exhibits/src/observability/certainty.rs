@@ -1,0 +1,146 @@
+//! How sure the window is of a quantity, and at best.
+
+use nalgebra::{DMatrix, DVector};
+use vislam::observability::{Similarity, Spectrum, Window};
+use vislam::preintegration::Vector9;
+
+use super::draws;
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+const MATRICES: usize = 200;
+const WINDOWS: usize = 40;
+
+/// Registers the equations.
+pub fn exhibits(chapter: &mut Chapter) {
+    let formula: Sigma = |jacobian, gradient| {
+        Spectrum::of(jacobian).ok().and_then(|s| s.sigma(gradient)).unwrap_or(f64::NAN)
+    };
+    let mutants: [(_, Sigma); 4] = [
+        ("scaling forgotten", |jacobian, gradient| with_scaling(jacobian, gradient, |_| 1.0, 2)),
+        ("scaling inverted", |jacobian, gradient| {
+            with_scaling(jacobian, gradient, |length| length, 2)
+        }),
+        ("singular values not squared", |jacobian, gradient| {
+            with_scaling(jacobian, gradient, f64::recip, 1)
+        }),
+        ("free directions not left out but held at one", |jacobian, gradient| {
+            let stiff =
+                jacobian.tr_mul(jacobian) + DMatrix::identity(gradient.len(), gradient.len());
+            let inverse = stiff.try_inverse().unwrap_or_else(|| DMatrix::zeros(0, 0));
+            gradient.dot(&(inverse * gradient)).sqrt()
+        }),
+    ];
+    chapter.equation("quantity-sigma", quantity_sigma, formula, &mutants);
+
+    let mutants: [(_, Bound); 4] = [
+        ("gravity grows too", |window| {
+            information(window, |v, p, t| {
+                (v - t * window.gravity, p - 0.5 * t * t * window.gravity)
+            })
+        }),
+        ("positions left out", |window| information(window, |v, p, _| (v, 0.0 * p))),
+        ("whitened by the parts alone", |window| {
+            let mut window = window.clone();
+            for interval in &mut window.intervals {
+                let diagonal = interval.covariance.diagonal();
+                interval.covariance = vislam::preintegration::Matrix9::from_diagonal(&diagonal);
+            }
+            scale_information(&window)
+        }),
+        ("a mean and not a sum", |window| {
+            scale_information(window) / window.intervals.len() as f64
+        }),
+    ];
+    chapter.equation("scale-bound", scale_bound, scale_information, &mutants);
+}
+
+/// The formula with the columns scaled by a function of their length, and a power of the singular
+/// values.
+fn with_scaling(
+    jacobian: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    scale: fn(f64) -> f64,
+    power: i32,
+) -> f64 {
+    let lengths = jacobian.column_iter().map(|column| column.norm());
+    let unit: Vec<f64> = lengths.map(f64::recip).collect();
+    let scaled = jacobian * DMatrix::from_diagonal(&DVector::from_vec(unit.clone()));
+    let wrong = DVector::from_iterator(unit.len(), unit.iter().map(|unit| scale(unit.recip())));
+    let decomposition = scaled.svd(false, true);
+    let Some(v_t) = decomposition.v_t else { return f64::NAN };
+    let along = v_t * gradient.component_mul(&wrong);
+    let values = decomposition.singular_values;
+    let seen = (0..values.len()).filter(|i| values[*i] > 1e-10 * values.max());
+    seen.map(|i| along[i].powi(2) / values[i].powi(power)).sum::<f64>().sqrt()
+}
+
+type Sigma = fn(&DMatrix<f64>, &DVector<f64>) -> f64;
+
+fn quantity_sigma(formula: Sigma) -> Comparison {
+    let against = "the inverse when equations hold the free directions";
+    let mut comparison = Comparison::relative(against, 1e-6);
+    let mut random = Random::new(21);
+    let (rows, columns, free) = (20, 8, 2);
+    for _ in 0..MATRICES {
+        let mut draw = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| random.normal(1.0));
+        let null = draw(columns, free);
+        let inverse = null.tr_mul(&null).try_inverse().expect("two random vectors differ");
+        let seen = DMatrix::identity(columns, columns) - &null * inverse * null.transpose();
+        let jacobian = draw(rows, columns) * &seen;
+        // A quantity that the free directions do not change.
+        let gradient = (&seen * draw(columns, 1)).column(0).into_owned();
+        let information = jacobian.tr_mul(&jacobian);
+        // Any equations that fix both free directions will do.
+        let held = null.transpose() + 0.2 * draw(free, columns);
+        let covariance =
+            (information + held.tr_mul(&held)).try_inverse().expect("the free directions are held");
+        let oracle = gradient.dot(&(covariance * &gradient)).sqrt();
+        comparison.add(&[formula(&jacobian, &gradient)], &[oracle]);
+    }
+    comparison
+}
+
+/// Squared length of what the whitened inertial residuals say to a growth, per growth squared.
+pub fn scale_information(window: &Window) -> f64 {
+    information(window, |v, p, _| (v, p))
+}
+
+type Vector3 = nalgebra::Vector3<f64>;
+
+/// From the change of velocity, the way beyond coasting and the seconds of each interval.
+fn information(window: &Window, part: impl Fn(Vector3, Vector3, f64) -> (Vector3, Vector3)) -> f64 {
+    let mut sum = 0.0;
+    for (i, interval) in window.intervals.iter().enumerate() {
+        let (first, second, t) = (&window.states[i], &window.states[i + 1], interval.duration);
+        let gained = second.velocity - first.velocity;
+        let beyond = second.position - first.position - t * first.velocity;
+        let (v, p) = part(gained, beyond, t);
+        let body_from_world = first.world_from_body.inverse();
+        let mut row = Vector9::zeros();
+        row.fixed_rows_mut::<3>(3).copy_from(&(body_from_world * v));
+        row.fixed_rows_mut::<3>(6).copy_from(&(body_from_world * p));
+        let whiten = interval.sqrt_information().expect("many readings make an interval");
+        sum += (whiten * row).norm_squared();
+    }
+    sum
+}
+
+type Bound = fn(&Window) -> f64;
+
+fn scale_bound(formula: Bound) -> Comparison {
+    let against = "the squared residual of a window that has grown, per growth squared";
+    let mut comparison = Comparison::relative(against, 1e-5);
+    let mut random = Random::new(22);
+    for _ in 0..WINDOWS {
+        let window = draws::short_window(draws::motion(&mut random), Vector3::zeros());
+        let growth = random.uniform(0.05..0.3);
+        let copy =
+            window.transformed(&Similarity { scale: 1.0 + growth, ..Similarity::identity() });
+        let residual = copy.residual().expect("a similar window is in front of its cameras");
+        let oracle = residual.norm_squared() / (growth * growth);
+        comparison.add(&[formula(&window)], &[oracle]);
+    }
+    comparison
+}

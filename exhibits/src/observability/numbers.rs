@@ -1,0 +1,185 @@
+//! The numbers that the chapter quotes.
+
+use nalgebra::Vector3;
+use vislam::inertial::{GRAVITY, Motion};
+use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
+
+use super::near::{self, AMPLITUDES};
+use super::readings::{inertial_residuals, other_scale};
+use super::worked::{self, TURN, cases, free, window};
+use crate::chapter::Chapter;
+
+/// Names of the table's numbers by motion: unknown constant, walking, known.
+const TABLE: [[&str; 3]; 11] = [
+    ["eight_unknown", "eight_walking", "eight_known"],
+    ["coast_unknown", "coast_walking", "coast_known"],
+    ["turn_unknown", "turn_walking", "turn_known"],
+    ["body_unknown", "body_walking", "body_known"],
+    ["sway_unknown", "sway_walking", "sway_known"],
+    ["pitch_unknown", "pitch_walking", "pitch_known"],
+    ["climb_unknown", "climb_walking", "climb_known"],
+    ["level_unknown", "level_walking", "level_known"],
+    ["leveled_unknown", "leveled_walking", "leveled_known"],
+    ["hover_unknown", "hover_walking", "hover_known"],
+    ["spot_unknown", "spot_walking", "spot_known"],
+];
+
+/// Registers the numbers.
+pub fn numbers(chapter: &mut Chapter) {
+    size(chapter);
+    table(chapter);
+    pictures(chapter);
+    worked_turn(chapter);
+    tilted(chapter);
+    climbing(chapter);
+    nearly(chapter);
+    inconsistent(chapter);
+}
+
+fn size(chapter: &mut Chapter) {
+    let flight = Flight::new(Motion::figure_eight());
+    let window = window(flight.motion, BiasAssumption::CONSTANT);
+    chapter.number("states", flight.states as f64, "", 0);
+    let jacobian = window.linearize().expect("the figure-eight has a window").jacobian;
+    chapter.number("rows", jacobian.nrows() as f64, "", 0);
+    chapter.number("columns", jacobian.ncols() as f64, "", 0);
+}
+
+fn table(chapter: &mut Chapter) {
+    for ((case, names), free) in cases().iter().zip(TABLE).zip(worked::table()) {
+        for (name, free) in names.into_iter().zip(free) {
+            assert!(name.starts_with(case.word), "the table is in the order of the cases");
+            assert_eq!(free.unnamed(), 0, "what is free has a name");
+            chapter.number(name, free.count() as f64, "", 0);
+        }
+    }
+    let landmarks = |motion| window(motion, BiasAssumption::KNOWN).landmarks.len() as f64;
+    chapter.number("hover_landmarks", landmarks(Motion::hover()), "", 0);
+    chapter.number("spot_landmarks", landmarks(Motion::turn_on_the_spot(0.4)), "", 0);
+    let alone = |motion| {
+        let mut window = window(motion, BiasAssumption::KNOWN);
+        window.intervals.clear();
+        free(&window).count() as f64
+    };
+    chapter.number("vision", alone(Motion::figure_eight()), "", 0);
+    chapter.number("vision_hover", alone(Motion::hover()), "", 0);
+    let gyro = BiasAssumption { accelerometer_known: true, ..BiasAssumption::CONSTANT };
+    let turn = Motion::level_turn(TURN.0, TURN.1);
+    chapter.number("turn_gyro", free(&window(turn, gyro)).count() as f64, "", 0);
+    let mut weightless = Flight::new(Motion::figure_eight());
+    weightless.gravity = Vector3::zeros();
+    let weightless = worked::of_flight(&weightless, BiasAssumption::KNOWN);
+    chapter.number("weightless", free(&weightless).count() as f64, "", 0);
+}
+
+fn pictures(chapter: &mut Chapter) {
+    let count = |states, assumption| {
+        let flight = Flight { states, ..Flight::new(Motion::figure_eight()) };
+        free(&worked::of_flight(&flight, assumption)).count() as f64
+    };
+    let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
+    for (name, states, assumption) in [
+        ("two_known", 2, known),
+        ("three_known", 3, known),
+        ("two_unknown", 2, unknown),
+        ("three_unknown", 3, unknown),
+        ("four_unknown", 4, unknown),
+    ] {
+        chapter.number(name, count(states, assumption), "", 0);
+    }
+}
+
+/// The level turn, and a copy of it that is larger.
+fn worked_turn(chapter: &mut Chapter) {
+    let scale = 1.1;
+    let larger = Similarity { scale, ..Similarity::identity() };
+    let motion = Motion::level_turn(TURN.0, TURN.1);
+    chapter.number("turn_speed", TURN.0, "m/s", 0);
+    chapter.number("turn_rate", TURN.1, "rad/s", 1);
+    chapter.number("turn_radius", TURN.0 / TURN.1, "m", 0);
+    chapter.number("turn_force", TURN.0 * TURN.1, "m/s²", 1);
+    chapter.number("larger_percent", 100.0 * (scale - 1.0), "%", 0);
+    chapter.number("larger_force", scale * TURN.0 * TURN.1, "m/s²", 2);
+    let window = |assumption| window(motion, assumption).transformed(&larger);
+    let copy = window(BiasAssumption::CONSTANT);
+    chapter.number("larger_bias", copy.biases[0].accelerometer.y, "m/s²", 2);
+    let copy = window(BiasAssumption::KNOWN);
+    let gained = &inertial_residuals(&copy)[3..6];
+    chapter.number("larger_residual_mm_s", 1e3 * greatest(gained), "mm/s", 1);
+    chapter.number("larger_sigmas", whitened(&copy), "", 0);
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |greatest, value| greatest.max(value.abs()))
+}
+
+fn whitened(window: &Window) -> f64 {
+    window.residual().expect("a similar window is in front of its cameras").norm()
+}
+
+fn tilted(chapter: &mut Chapter) {
+    let lean: f64 = 1e-3;
+    chapter.number("lean_mrad", 1e3 * lean, "mrad", 0);
+    chapter.number("lean_bias_mm", 1e3 * GRAVITY.norm() * lean.sin(), "mm/s²", 1);
+    let bias = 0.1;
+    chapter.number("tilt_bias", bias, "m/s²", 1);
+    chapter.number("tilt_deg", (bias / GRAVITY.norm()).asin().to_degrees(), "°", 1);
+}
+
+/// A car on a ramp.
+pub const RAMP: Vector3<f64> = Vector3::new(2.0, 0.0, 0.2);
+
+fn climbing(chapter: &mut Chapter) {
+    let scale = other_scale(&RAMP, &GRAVITY);
+    chapter.number("ramp_ahead", RAMP.x, "m/s²", 0);
+    chapter.number("ramp_up", RAMP.z, "m/s²", 1);
+    chapter.number("false_scale", scale, "", 2);
+    let wanted = GRAVITY + (scale - 1.0) * RAMP;
+    chapter.number("false_tilt_deg", wanted.angle(&GRAVITY).to_degrees(), "°", 1);
+    let gravity = GRAVITY.norm();
+    let second = Vector3::new(RAMP.x, 0.0, 0.0);
+    let off = |growth: f64| (GRAVITY + growth * second).norm() - gravity;
+    chapter.number("level_ten_mm", 1e3 * off(0.1), "mm/s²", 1);
+    chapter.number("level_one_mm", 1e3 * off(0.01), "mm/s²", 2);
+}
+
+fn nearly(chapter: &mut Chapter) {
+    let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
+    let swayed = near::swayed();
+    let exponent = |of: &[f64; 9]| near::exponent(&pairs(of));
+    chapter.number("exponent_known", exponent(&swayed.known), "", 2);
+    chapter.number("exponent_unknown", exponent(&swayed.unknown), "", 2);
+    chapter.number("sway_rate", near::SWAY_RATE, "rad/s", 0);
+    chapter.number("excite_low", AMPLITUDES[2], "m/s²", 2);
+    chapter.number("excite_low_known", swayed.known[2], "%", 0);
+    chapter.number("excite_low_unknown", swayed.unknown[2], "%", 0);
+    chapter.number("excite_high", AMPLITUDES[6], "m/s²", 0);
+    chapter.number("excite_high_known", swayed.known[6], "%", 1);
+    chapter.number("excite_high_unknown", swayed.unknown[6], "%", 1);
+    chapter.number("above_least", swayed.known[2] / swayed.least[2], "", 0);
+    let lever = 0.05;
+    chapter.number("lever_cm", 100.0 * lever, "cm", 0);
+    chapter.number("lever_known_percent", near::lever_percent(lever, known), "%", 0);
+    chapter.number("lever_unknown_percent", near::lever_percent(lever, unknown), "%", 0);
+    let eight = Motion::figure_eight();
+    chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 1);
+}
+
+fn pairs(of: &[f64; 9]) -> Vec<(f64, f64)> {
+    AMPLITUDES.into_iter().zip(of.iter().copied()).collect()
+}
+
+fn inconsistent(chapter: &mut Chapter) {
+    let mixed = near::all_mixed();
+    let points = near::DISAGREEMENTS.into_iter().zip(mixed.iter().map(|m| m.yaw_degrees));
+    chapter.number("yaw_exponent", near::exponent(&points.collect::<Vec<_>>()), "", 2);
+    let typical = &mixed[4];
+    chapter.number("mixed_free", typical.free as f64, "", 0);
+    chapter.number("mixed_size_cm", 100.0 * near::DISAGREEMENTS[4], "cm", 0);
+    chapter.number("mixed_yaw_deg", typical.yaw_degrees, "°", 2);
+    let moved = typical.leaves[..3].iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
+    chapter.number("mixed_shift_exponent", moved.log10().ceil(), "", 0);
+    let consistent = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let bounded = worked::spectrum(&consistent).sigma(&near::first_yaw(&consistent));
+    assert_eq!(bounded, None, "a consistent window says nothing about yaw");
+}

@@ -1,0 +1,127 @@
+//! The motions of the chapter, and windows of them.
+
+use std::sync::OnceLock;
+
+use nalgebra::{DVector, Vector3};
+use vislam::inertial::{Angles, Course, ImuNoise, Motion};
+use vislam::observability::{
+    BiasAssumption, Flight, FreeDirections, Spectrum, Window, landmarks_around,
+};
+
+/// Landmarks on all sides, of which a camera that looks ahead sees a part.
+const LANDMARKS: usize = 100;
+/// In the world, in m/s.
+pub const VELOCITY: Vector3<f64> = Vector3::new(1.0, 0.5, 0.2);
+/// In the world or in the body, in m/s².
+pub const ACCELERATION: Vector3<f64> = Vector3::new(0.7, -0.3, 0.4);
+/// Along the ground, in the world, in m/s².
+pub const LEVEL_ACCELERATION: Vector3<f64> = Vector3::new(0.7, -0.3, 0.0);
+/// In m/s and rad/s.
+pub const TURN: (f64, f64) = (1.0, 0.5);
+
+/// A motion of the table, with the word by which its numbers are called.
+pub struct Case {
+    pub word: &'static str,
+    pub name: &'static str,
+    pub motion: Motion,
+}
+
+/// About all axes, as in the figure-eight.
+pub fn turning() -> Angles {
+    Motion::figure_eight().angles
+}
+
+/// Swaying to and fro along all axes at different rates.
+pub fn swaying(angles: Angles) -> Motion {
+    let position =
+        [Course::wave(0.3, 2.0, 0.0), Course::wave(0.4, 3.0, 0.0), Course::wave(0.2, 2.5, 0.0)];
+    Motion { position, angles }
+}
+
+pub fn cases() -> [Case; 11] {
+    let case = |word, name, motion| Case { word, name, motion };
+    let pitching = Angles { pitch: Course::wave(0.3, 1.3, 1.0), ..Angles::default() };
+    let straight = Angles::default();
+    [
+        case("eight", "figure-eight", Motion::figure_eight()),
+        case(
+            "coast",
+            "constant velocity; turning",
+            Motion::constant_velocity(&VELOCITY, turning()),
+        ),
+        case("turn", "level turn", Motion::level_turn(TURN.0, TURN.1)),
+        case(
+            "body",
+            "acceleration constant in the body; turning",
+            Motion::constant_body_acceleration(&ACCELERATION, TURN.1),
+        ),
+        case("sway", "changing acceleration; no rotation", swaying(straight)),
+        case("pitch", "changing acceleration; only pitching", swaying(pitching)),
+        case(
+            "climb",
+            "constant acceleration, climbing; no rotation",
+            Motion::constant_acceleration(&ACCELERATION, straight),
+        ),
+        case(
+            "level",
+            "constant level acceleration; no rotation",
+            Motion::constant_acceleration(&LEVEL_ACCELERATION, straight),
+        ),
+        case(
+            "leveled",
+            "constant level acceleration; turning",
+            Motion::constant_acceleration(&LEVEL_ACCELERATION, turning()),
+        ),
+        case("hover", "hover", Motion::hover()),
+        case("spot", "turn on the spot", Motion::turn_on_the_spot(0.4)),
+    ]
+}
+
+/// The window of a flight.
+pub fn of_flight(flight: &Flight, assumption: BiasAssumption) -> Window {
+    let landmarks = landmarks_around(&Vector3::zeros(), LANDMARKS);
+    flight.window(&landmarks, assumption).expect("the motions of the chapter are finite")
+}
+
+/// The window of a motion, the camera at the sensor.
+pub fn window(motion: Motion, assumption: BiasAssumption) -> Window {
+    of_flight(&Flight::new(motion), assumption)
+}
+
+/// What the motions leave free with constant, walking and known biases, in the order of the cases.
+pub fn table() -> &'static [[FreeDirections; 3]] {
+    static TABLE: OnceLock<Vec<[FreeDirections; 3]>> = OnceLock::new();
+    let assumptions = [
+        BiasAssumption::CONSTANT,
+        BiasAssumption::walking(ImuNoise::euroc()),
+        BiasAssumption::KNOWN,
+    ];
+    TABLE.get_or_init(|| {
+        let row =
+            |case: &Case| assumptions.map(|assumption| free(&window(case.motion, assumption)));
+        cases().iter().map(row).collect()
+    })
+}
+
+/// What a window leaves free.
+pub fn free(window: &Window) -> FreeDirections {
+    window.free_directions().expect("the motions of the chapter are degenerate or are not")
+}
+
+/// The spectrum of a window.
+pub fn spectrum(window: &Window) -> Spectrum {
+    let linear = window.linearize().expect("every landmark is in front of its cameras");
+    Spectrum::of(&linear.jacobian).expect("the motions of the chapter are degenerate or are not")
+}
+
+/// The gradient of the logarithm of the distance between the first position and the last.
+pub fn log_distance(window: &Window) -> DVector<f64> {
+    let last = window.states.len() - 1;
+    let way = window.states[last].position - window.states[0].position;
+    let slope = way / way.norm_squared();
+    let mut gradient =
+        DVector::zeros(window.direction(vislam::observability::Direction::Yaw).len());
+    gradient.rows_mut(6, 3).copy_from(&-slope);
+    gradient.rows_mut(9 * last + 6, 3).copy_from(&slope);
+    gradient
+}
