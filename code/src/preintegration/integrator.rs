@@ -7,9 +7,9 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::block::Block;
+use super::turning::{Turn, Turning};
 use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
 use crate::inertial::{ImuBias, ImuNoise, ImuSample};
-use crate::manifold::so3;
 
 // ANCHOR: preintegrator
 /// Sums up readings one by one. [`Preintegrator::finish`] gives the result so far, and more
@@ -63,10 +63,21 @@ struct Step {
     along: Block,
     /// The force, in the frame that `along` turns.
     force: Vector3<f64>,
-    /// Derivative of θ at the end of the step by the angular velocity.
+    /// Derivative T of θ at the end of the step by the angular velocity.
     turned: Block,
-    /// The same where the force acts, if that is not the beginning.
-    turned_halfway: Option<Block>,
+    /// T Tᵀ.
+    end_and_end: Block,
+    /// Where the force acts, if that is not the beginning.
+    halfway: Option<Halfway>,
+}
+
+/// What an error of the angular velocity has done in half a step.
+struct Halfway {
+    /// Derivative H of θ by the angular velocity.
+    turned: Block,
+    /// T Hᵀ and H Hᵀ, with T at the end of the step.
+    end_and_halfway: Block,
+    halfway_and_halfway: Block,
 }
 // ANCHOR_END: step
 
@@ -107,16 +118,16 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
-        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * gyro));
-        let along = self.rotation;
-        let rotation = along * Block::of(turn.matrix());
+        let turning = Turning::new(&self.rotation, &(dt * gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.turn;
         self.advance(&Step {
             dt,
-            rotation,
-            along,
+            rotation: turning.times(s, c),
+            along: self.rotation,
             force: accelerometer,
-            turned: dt * (rotation * Block::of(&right_jacobian)),
-            turned_halfway: None,
+            turned: dt * turning.times(c, r),
+            end_and_end: dt * dt * turning.moment(0.0, r * (1.0 + s) - c * c),
+            halfway: None,
         });
         Ok(())
     }
@@ -140,14 +151,24 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * mean.gyro));
-        // The second half turns like the first, from where that ends.
-        let (turn, jacobian) = (Block::of(turn.matrix()), 0.5 * dt * Block::of(&right_jacobian));
-        let along = self.rotation * turn;
-        let (rotation, halfway) = (along * turn, along * jacobian);
-        let turned = halfway + rotation * jacobian;
-        let force = mean.accelerometer;
-        self.advance(&Step { dt, rotation, along, force, turned, turned_halfway: Some(halfway) });
+        let half = 0.5 * dt;
+        let turning = Turning::new(&self.rotation, &(half * mean.gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.turn;
+        let (cosine, q) = (1.0 - c * turning.square, r * (1.0 + s));
+        let halfway = Halfway {
+            turned: half * turning.times(c, r),
+            end_and_halfway: dt * half * turning.moment(s * c, q),
+            halfway_and_halfway: half * half * turning.moment(0.0, q - c * c),
+        };
+        self.advance(&Step {
+            dt,
+            rotation: turning.times(2.0 * s * cosine, 2.0 * s * s),
+            along: turning.times(s, c),
+            force: mean.accelerometer,
+            turned: dt * turning.times(s * s, r + s * c),
+            end_and_end: dt * dt * turning.moment(0.0, q),
+            halfway: Some(halfway),
+        });
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
@@ -224,14 +245,13 @@ impl Covariance {
     #[inline(always)]
     // ANCHOR: advance_covariance
     fn advance(&mut self, step: &Step, c: &Vector3<f64>, noise: &ImuNoise) {
-        let (dt, half, turned) = (step.dt, 0.5 * step.dt, step.turned);
+        let (dt, half) = (step.dt, 0.5 * step.dt);
         let gyro_variance = noise.gyro * noise.gyro / dt;
         let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
-        let scaled = gyro_variance * turned;
         let (mut acting, mut across) = (self.tt, self.tt);
-        if let Some(halfway) = step.turned_halfway {
-            acting = acting + gyro_variance * (halfway * halfway.transpose());
-            across = across + scaled * halfway.transpose();
+        if let Some(halfway) = &step.halfway {
+            acting = acting + gyro_variance * halfway.halfway_and_halfway;
+            across = across + gyro_variance * halfway.end_and_halfway;
         }
         let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
         let dd = acting.times_hat(c).transpose().times_hat(c) + white;
@@ -243,7 +263,7 @@ impl Covariance {
         self.vv = carried + vd.transpose() + dd;
         self.pt = self.pt + dt * self.vt + half * dt_theta;
         self.vt = self.vt + dt_theta;
-        self.tt = self.tt + scaled * turned.transpose();
+        self.tt = self.tt + gyro_variance * step.end_and_end;
     }
     // ANCHOR_END: advance_covariance
 
@@ -277,8 +297,8 @@ impl Jacobian {
     #[inline(always)]
     fn advance(&mut self, step: &Step, c: &Vector3<f64>) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
-        let theta = match step.turned_halfway {
-            Some(halfway) => self.theta_gyro - halfway.transpose(),
+        let theta = match &step.halfway {
+            Some(halfway) => self.theta_gyro - halfway.turned.transpose(),
             None => self.theta_gyro,
         };
         let (by_gyro, by_force) = (theta.times_hat(c), dt * step.along);
