@@ -30,7 +30,7 @@ pub fn exp(phi: &Vector3<f64>) -> Rotation3<f64> {
 /// The matrix I + a φ^ + b φ^ φ^, entry by entry: products of matrices take twice as long.
 #[rustfmt::skip]
 #[inline]
-pub(crate) fn hat_polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
+fn hat_polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
     let (x, y, z) = (a * phi.x, a * phi.y, a * phi.z);
     let (xx, yy, zz) = (b * phi.x * phi.x, b * phi.y * phi.y, b * phi.z * phi.z);
     let (xy, yz, zx) = (b * phi.x * phi.y, b * phi.y * phi.z, b * phi.z * phi.x);

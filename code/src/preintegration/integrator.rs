@@ -63,23 +63,71 @@ struct Step {
     along: Block,
     /// The force, in the frame that `along` turns.
     force: Vector3<f64>,
-    /// Derivative T of θ at the end of the step by the angular velocity.
+    /// Derivative of θ at the end of the step by the angular velocity.
     turned: Block,
-    /// T Tᵀ.
+    /// Covariance of what the gyroscope's noise adds to θ until the end of the step.
     end_and_end: Block,
-    /// Where the force acts, if that is not the beginning.
+    /// What has come of it where the force acts, if that is not the beginning.
     halfway: Option<Halfway>,
 }
 
-/// What an error of the angular velocity has done in half a step.
+/// What an error of the angular velocity has done to θ in half a step.
 struct Halfway {
-    /// Derivative H of θ by the angular velocity.
+    /// Derivative by the angular velocity.
     turned: Block,
-    /// T Hᵀ and H Hᵀ, with T at the end of the step.
+    /// Covariance of what the noise adds until the end and until here.
     end_and_halfway: Block,
     halfway_and_halfway: Block,
 }
 // ANCHOR_END: step
+
+impl Step {
+    // ANCHOR: step_left
+    /// The left rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
+    /// Jacobian J, are both R times a polynomial in φ^.
+    #[inline(always)]
+    fn left(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+        let turning = Turning::new(rotation, &(dt * reading.gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
+        let variance = noise.gyro * noise.gyro * dt;
+        Self {
+            dt,
+            rotation: turning.times(s, c),
+            along: *rotation,
+            force: reading.accelerometer,
+            turned: dt * turning.times(c, r),
+            end_and_end: turning.moment(variance, 0.0, r * (1.0 + s) - c * c),
+            halfway: None,
+        }
+    }
+    // ANCHOR_END: step_left
+
+    // ANCHOR: step_midpoint
+    /// The midpoint rule. The turn φ is that of half the step, and what belongs to the whole of
+    /// it is again a polynomial in φ^, by the formulas for the double angle.
+    #[inline(always)]
+    fn midpoint(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+        let half = 0.5 * dt;
+        let turning = Turning::new(rotation, &(half * reading.gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
+        let (cosine, whole) = (1.0 - c * turning.square, r * (1.0 + s));
+        let variance = noise.gyro * noise.gyro * dt;
+        Self {
+            dt,
+            rotation: turning.times(2.0 * s * cosine, 2.0 * s * s),
+            along: turning.times(s, c),
+            force: reading.accelerometer,
+            turned: dt * turning.times(s * s, r + s * c),
+            end_and_end: turning.moment(variance, 0.0, whole),
+            halfway: Some(Halfway {
+                turned: half * turning.times(c, r),
+                end_and_halfway: turning.moment(0.5 * variance, s * c, whole),
+                halfway_and_halfway: turning.moment(0.25 * variance, 0.0, whole - c * c),
+            }),
+        }
+    }
+    // ANCHOR_END: step_midpoint
+}
 
 impl Preintegrator {
     /// Sums that are empty.
@@ -117,18 +165,8 @@ impl Preintegrator {
     /// [`PreintegrationError::Sample`]; the sums stay as they were.
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
-        let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
-        let turning = Turning::new(&self.rotation, &(dt * gyro));
-        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.turn;
-        self.advance(&Step {
-            dt,
-            rotation: turning.times(s, c),
-            along: self.rotation,
-            force: accelerometer,
-            turned: dt * turning.times(c, r),
-            end_and_end: dt * dt * turning.moment(0.0, r * (1.0 + s) - c * c),
-            halfway: None,
-        });
+        let reading = sample.corrected(&self.bias);
+        self.advance(&Step::left(&self.rotation, &reading, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate
@@ -151,24 +189,7 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        let half = 0.5 * dt;
-        let turning = Turning::new(&self.rotation, &(half * mean.gyro));
-        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.turn;
-        let (cosine, q) = (1.0 - c * turning.square, r * (1.0 + s));
-        let halfway = Halfway {
-            turned: half * turning.times(c, r),
-            end_and_halfway: dt * half * turning.moment(s * c, q),
-            halfway_and_halfway: half * half * turning.moment(0.0, q - c * c),
-        };
-        self.advance(&Step {
-            dt,
-            rotation: turning.times(2.0 * s * cosine, 2.0 * s * s),
-            along: turning.times(s, c),
-            force: mean.accelerometer,
-            turned: dt * turning.times(s * s, r + s * c),
-            end_and_end: dt * dt * turning.moment(0.0, q),
-            halfway: Some(halfway),
-        });
+        self.advance(&Step::midpoint(&self.rotation, &mean, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
@@ -246,12 +267,11 @@ impl Covariance {
     // ANCHOR: advance_covariance
     fn advance(&mut self, step: &Step, c: &Vector3<f64>, noise: &ImuNoise) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
-        let gyro_variance = noise.gyro * noise.gyro / dt;
         let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
         let (mut acting, mut across) = (self.tt, self.tt);
         if let Some(halfway) = &step.halfway {
-            acting = acting + gyro_variance * halfway.halfway_and_halfway;
-            across = across + gyro_variance * halfway.end_and_halfway;
+            acting = acting + halfway.halfway_and_halfway;
+            across = across + halfway.end_and_halfway;
         }
         let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
         let dd = acting.times_hat(c).transpose().times_hat(c) + white;
@@ -263,7 +283,7 @@ impl Covariance {
         self.vv = carried + vd.transpose() + dd;
         self.pt = self.pt + dt * self.vt + half * dt_theta;
         self.vt = self.vt + dt_theta;
-        self.tt = self.tt + gyro_variance * step.end_and_end;
+        self.tt = self.tt + step.end_and_end;
     }
     // ANCHOR_END: advance_covariance
 

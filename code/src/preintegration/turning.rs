@@ -1,33 +1,38 @@
 //! A rotation that turns on, and what comes of an error of the angular velocity.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::block::Block;
 pub use crate::manifold::coefficients::Turn;
 use crate::manifold::coefficients::turn;
-use crate::manifold::so3::hat_polynomial;
 
 // ANCHOR: turning
-/// A rotation R before a turn by φ, and what is needed to multiply R by any polynomial in φ^.
-/// There are only three powers, since φ^ φ^ φ^ = −|φ|² φ^.
+/// A rotation R that turns by φ: what is needed to multiply R by any polynomial in φ^. Of three
+/// terms, since φ^ φ^ φ^ = −|φ|² φ^.
 pub struct Turning {
+    /// R, R φ^ and R φ^ φ^.
     powers: [Block; 3],
-    /// R φ, which is φ seen from the first frame.
-    axis: Vector3<f64>,
-    /// The squared angle, and its coefficients.
+    /// w^ and w^ w^ of the vector w = R φ, which is φ seen from the first frame.
+    moments: [Block; 2],
+    /// The squared angle.
     pub square: f64,
-    pub turn: Turn,
+    /// The coefficients of exp(φ) and its Jacobians.
+    pub coefficients: Turn,
 }
+// ANCHOR_END: turning
 
 impl Turning {
     #[inline(always)]
     pub fn new(rotation: &Block, phi: &Vector3<f64>) -> Self {
         let once = rotation.times_hat(phi);
-        let square = phi.norm_squared();
         let powers = [*rotation, once, once.times_hat(phi)];
-        Self { powers, axis: *rotation * *phi, square, turn: turn(square) }
+        let axis = *rotation * *phi;
+        let moments = [Block::hat(&axis), Block::hat(&axis).times_hat(&axis)];
+        let square = phi.norm_squared();
+        Self { powers, moments, square, coefficients: turn(square) }
     }
 
+    // ANCHOR: polynomials
     /// R (I + a φ^ + b φ^ φ^).
     #[inline(always)]
     pub fn times(&self, a: f64, b: f64) -> Block {
@@ -35,11 +40,11 @@ impl Turning {
         rotation + a * once + b * twice
     }
 
-    /// R (I + a φ^ + b φ^ φ^) Rᵀ, which takes no products: it is the polynomial in (R φ)^.
+    /// R (I + a φ^ + b φ^ φ^) Rᵀ times a variance, which is the same polynomial in w^.
     #[inline(always)]
-    pub fn moment(&self, a: f64, b: f64) -> Block {
-        let m: Matrix3<f64> = hat_polynomial(&self.axis, a, b);
-        Block::of(&m)
+    pub fn moment(&self, variance: f64, a: f64, b: f64) -> Block {
+        let [once, twice] = self.moments;
+        Block::diagonal(variance) + (variance * a) * once + (variance * b) * twice
     }
+    // ANCHOR_END: polynomials
 }
-// ANCHOR_END: turning
