@@ -4,16 +4,18 @@
 //! ```text
 //! exhibits list                    what there is, as JSON
 //! exhibits chapter SLUG FOLDER     writes a chapter's checks, numbers and figures
-//! exhibits record NAME             makes a record, as JSON
+//! exhibits record NAME             makes a record, as JSON; ends with 3 where its data is absent
 //! ```
 
 mod bearing;
 mod bundle_adjustment;
 mod chapter;
 mod comparison;
+mod data;
 mod figure;
 mod least_squares;
 mod manifold;
+mod preintegration;
 mod random;
 mod record;
 mod report;
@@ -25,6 +27,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use chapter::Chapter;
+use data::NotMade;
 
 /// Adds a chapter's exhibits to it.
 type Register = fn(&mut Chapter);
@@ -37,7 +40,11 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("reprojection", reprojection::exhibits),
     ("two_views", two_views::exhibits),
     ("bundle_adjustment", bundle_adjustment::exhibits),
+    ("preintegration", preintegration::exhibits),
 ];
+
+/// What the program ends with when a record is made from data that is not here.
+const DATA_ABSENT: u8 = 3;
 
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 
@@ -47,7 +54,14 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["list"] => list(),
         ["chapter", slug, folder] => write_chapter(slug, Path::new(folder)),
-        ["record", name] => make_record(name),
+        ["record", name] => match make_record(name) {
+            Err(NotMade::DataAbsent(sentence)) => {
+                eprintln!("exhibits: record {name}: {sentence}");
+                return ExitCode::from(DATA_ABSENT);
+            }
+            Err(NotMade::Failed(sentence)) => Err(sentence),
+            Ok(()) => Ok(()),
+        },
         _ => Err(format!("unknown arguments {arguments:?}; use {USAGE}")),
     };
     match outcome {
@@ -79,12 +93,13 @@ fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
         .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
 }
 
-fn make_record(name: &str) -> Result<(), String> {
-    for chapter in &chapters()? {
+fn make_record(name: &str) -> Result<(), NotMade> {
+    for chapter in &chapters().map_err(NotMade::Failed)? {
         if let Some(record) = chapter.records.iter().find(|record| record.name == name) {
-            println!("{}", report::record(chapter, record));
+            println!("{}", report::record(chapter, record)?);
             return Ok(());
         }
     }
-    Err(format!("there is no record `{name}`; `exhibits list` names them"))
+    let sentence = format!("there is no record `{name}`; `exhibits list` names them");
+    Err(NotMade::Failed(sentence))
 }
