@@ -7,6 +7,7 @@ mod intervals;
 mod live;
 mod record;
 mod simulated;
+mod speed;
 mod wander;
 
 use crate::chapter::Chapter;
@@ -16,5 +17,6 @@ pub fn exhibits(chapter: &mut Chapter) {
     equations::equations(chapter);
     live::numbers(chapter);
     record::records(chapter);
+    speed::records(chapter);
     figures::figures(chapter);
 }

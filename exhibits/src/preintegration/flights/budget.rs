@@ -1,7 +1,7 @@
 //! Where the errors of intervals come from.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, StampedSample};
+use vislam::inertial::{GRAVITY, StampedSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
 
@@ -126,7 +126,6 @@ impl Pieces {
 
 /// Errors of velocity or position, and what they are made of: as differences of mean squares.
 pub struct Shares {
-    pub seen: f64,
     /// Of a gravity that does not point along the world's z axis.
     pub gravity: f64,
     /// Of an attitude at the beginning and a gyroscope that disagree.
@@ -146,7 +145,7 @@ pub fn shares(flight: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) -> [[Sha
             let (seen, level, rest) = (seen[part + 1], level[part + 1], rest[part]);
             let share = |all: f64, without: f64| (all * all - without * without).max(0.0).sqrt();
             let (gravity, attitude) = (share(seen, level), share(level, rest));
-            Shares { seen, gravity, attitude, rest }
+            Shares { gravity, attitude, rest }
         })
     })
 }
@@ -217,18 +216,9 @@ pub fn roughness(samples: &[StampedSample], from: usize, to: usize) -> [f64; 2] 
     [of(|s| s.sample.gyro), of(|s| s.sample.accelerometer)]
 }
 
-/// How far the ground truth's accelerometer bias wanders about its mean: the root mean square of
-/// the length, in m/s².
-pub fn bias_wander(flight: &Flight) -> f64 {
-    let biases: Vec<&ImuBias> = flight.truth.iter().map(|truth| &truth.bias).collect();
-    let count = biases.len() as f64;
-    let mean = biases.iter().map(|bias| bias.accelerometer).sum::<Vector3<f64>>() / count;
-    let squares = biases.iter().map(|bias| (bias.accelerometer - mean).norm_squared());
-    (squares.sum::<f64>() / count).sqrt()
-}
-
 /// How errors of the ground truth enter a residual: those of the attitude at both ends, and by how
-/// much those of velocity and position at the end differ from what they were at the beginning.
+/// much the error of velocity and the position gain in the interval. All of them are seen from the
+/// first body frame.
 pub type FromTruth = SMatrix<f64, 9, 12>;
 
 pub fn from_truth(deltas: &Deltas) -> FromTruth {
@@ -236,8 +226,9 @@ pub fn from_truth(deltas: &Deltas) -> FromTruth {
     let mut put = |row, column, block: &Matrix3<f64>| {
         matrix.fixed_view_mut::<3, 3>(row, column).copy_from(block);
     };
-    put(0, 0, &-deltas.rotation.matrix().transpose());
-    put(0, 3, &Matrix3::identity());
+    let last_from_first = deltas.rotation.matrix().transpose();
+    put(0, 0, &-last_from_first);
+    put(0, 3, &last_from_first);
     put(3, 0, &so3::hat(&deltas.velocity));
     put(3, 6, &Matrix3::identity());
     put(6, 0, &so3::hat(&deltas.position));

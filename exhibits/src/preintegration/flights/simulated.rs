@@ -61,7 +61,8 @@ fn spoil(truth: &mut [GroundTruth], faults: &Faults, random: &mut Random) {
     let velocity = faults.velocity.drawn(random, step, truth.len());
     let mut position = Vector3::zeros();
     for (k, GroundTruth { state, .. }) in truth.iter_mut().enumerate() {
-        state.world_from_body = so3::retract(&state.world_from_body, &attitude[k]);
+        // The error is a rotation of the world.
+        state.world_from_body = so3::exp(&attitude[k]) * state.world_from_body;
         state.velocity += velocity[k];
         state.position += position;
         if k + 1 < velocity.len() {
