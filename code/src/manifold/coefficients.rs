@@ -25,8 +25,7 @@ pub fn turn(square: f64) -> Turn {
     if square < SHORT_END { turn_by_series::<SHORT>(square) } else { long_turn(square) }
 }
 
-/// The same of a turn that no gyroscope makes from one reading to the next. It is kept apart, so
-/// that the short one is compiled into what calls it.
+/// Kept apart, so that the short series is compiled into what calls it.
 #[inline(never)]
 fn long_turn(square: f64) -> Turn {
     if square < SERIES_END {

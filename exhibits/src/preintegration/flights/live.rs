@@ -5,7 +5,7 @@ use vislam::inertial::GRAVITY;
 use vislam::preintegration::{Preintegrated, Preintegrator, Rule};
 
 use super::budget::{Pieces, gravity_found, normalized_with_truth};
-use super::intervals::{normalized, sizes};
+use super::intervals::{LENGTHS, normalized, sizes};
 use super::record::{FOUND, accepted_value};
 use super::simulated::{Faults, flight};
 use super::wander::Wander;
@@ -13,6 +13,9 @@ use crate::chapter::Chapter;
 
 const SECONDS: f64 = 300.0;
 const SEED: u64 = 5;
+
+const LENGTH_NAMES: [&str; 4] =
+    ["flight_length_0", "flight_length_1", "flight_length_2", "flight_length_3"];
 
 /// What the record says is wrong with the ground truth of the real flight.
 pub fn faults() -> Faults {
@@ -25,6 +28,9 @@ pub fn faults() -> Faults {
 }
 
 pub fn numbers(chapter: &mut Chapter) {
+    for (name, seconds) in LENGTH_NAMES.into_iter().zip(LENGTHS) {
+        chapter.number(name, seconds, "s", if seconds < 1.0 { 1 } else { 0 });
+    }
     let second = |flight: &super::intervals::Flight| flight.intervals(Rule::Midpoint, 1.0, 0.0);
     let (ideal, faults) = (flight(SECONDS, SEED, None), faults());
     let spoilt = flight(SECONDS, SEED, Some(&faults));
