@@ -216,6 +216,15 @@ pub fn roughness(samples: &[StampedSample], from: usize, to: usize) -> [f64; 2] 
     [of(|s| s.sample.gyro), of(|s| s.sample.accelerometer)]
 }
 
+/// The flight with the mean of the accelerometer's bias in the place of the bias at each time.
+pub fn with_steady_bias(flight: &Flight) -> Flight {
+    let biases = flight.truth.iter().map(|truth| truth.bias.accelerometer);
+    let mean = biases.sum::<Vector3<f64>>() / flight.truth.len() as f64;
+    let mut truth = flight.truth.clone();
+    truth.iter_mut().for_each(|state| state.bias.accelerometer = mean);
+    Flight { samples: flight.samples.clone(), truth }
+}
+
 /// How errors of the ground truth enter a residual: those of the attitude at both ends, and by how
 /// much the error of velocity and the position gain in the interval. All of them are seen from the
 /// first body frame.

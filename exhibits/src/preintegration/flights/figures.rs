@@ -1,8 +1,7 @@
 //! The figures of the section, from the accepted record.
 
-use plotters::coord::combinators::IntoLogRange;
-use plotters::element::{EmptyElement, Text};
-use plotters::series::LineSeries;
+use plotters::coord::combinators::{IntoLogRange, LogCoord};
+use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::style::{Color, RGBColor};
 use vislam::inertial::ImuNoise;
 
@@ -10,7 +9,7 @@ use super::intervals::LENGTHS;
 use super::live::faults;
 use super::record::{ATTITUDE, LATER, LEICA, POSITION, SHARES, VELOCITY, accepted_value};
 use crate::chapter::Chapter;
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
+use crate::figure::{self, Chart, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("flight_errors", flight_errors);
@@ -22,6 +21,8 @@ pub fn figures(chapter: &mut Chapter) {
 fn of(names: [&'static str; 4]) -> Vec<(f64, f64)> {
     LENGTHS.into_iter().zip(names.map(accepted_value)).collect()
 }
+
+type LogChart<'a> = Chart<'a, LogCoord<f64>, LogCoord<f64>>;
 
 /// Marks of a series, or a line, with its name and where that stands, in shares of the panel.
 struct Entry {
@@ -36,8 +37,37 @@ fn marks(name: &'static str, series: usize, points: Vec<(f64, f64)>) -> Entry {
     Entry { name, points, marks: Some(series), colour: SERIES[series], width: 0 }
 }
 
+/// A line with marks on it.
+fn share(name: &'static str, series: usize, points: Vec<(f64, f64)>) -> Entry {
+    Entry { width: 4, ..marks(name, series, points) }
+}
+
+fn unnamed(entry: Entry) -> Entry {
+    Entry { name: "", ..entry }
+}
+
 fn line(name: &'static str, colour: RGBColor, width: u32, points: Vec<(f64, f64)>) -> Entry {
     Entry { name, points, marks: None, colour, width }
+}
+
+impl Entry {
+    /// A line through points, if the entry has one.
+    fn line(&self, chart: &mut LogChart, points: &[(f64, f64)]) -> Drawn {
+        if self.width > 0 {
+            let style = self.colour.stroke_width(self.width);
+            chart.draw_series([PathElement::new(points, style)])?;
+        }
+        Ok(())
+    }
+
+    /// Marks at points, if the entry has some.
+    fn marks(&self, chart: &mut LogChart, points: &[(f64, f64)]) -> Drawn {
+        if let Some(series) = self.marks {
+            let marks = points.iter().map(|at| EmptyElement::at(*at) + marker(series));
+            chart.draw_series(marks)?;
+        }
+        Ok(())
+    }
 }
 
 /// Logarithmic axes with entries; their names stand in a column at the upper left.
@@ -53,30 +83,18 @@ fn panel(
     let at = |range: [f64; 2], share: f64| range[0] * (range[1] / range[0]).powf(share);
     for (row, entry) in entries.iter().filter(|entry| !entry.name.is_empty()).enumerate() {
         let height = at(values, 0.94 - 0.095 * row as f64);
-        let (x, beside) = (at(times, 0.04), at(times, 0.10));
-        match entry.marks {
-            Some(series) => {
-                chart.draw_series([EmptyElement::at((x, height)) + marker(series)])?;
-            }
-            None => {
-                let ends = [(at(times, 0.015), height), (at(times, 0.065), height)];
-                chart.draw_series(LineSeries::new(ends, entry.colour.stroke_width(entry.width)))?;
-            }
-        }
-        let name = Text::new(entry.name, (beside, height), letters_right_of(entry.colour));
-        chart.draw_series([name])?;
+        let sample: &[f64] = if entry.width > 0 { &[0.01, 0.04, 0.07] } else { &[0.04] };
+        let sample: Vec<(f64, f64)> =
+            sample.iter().map(|share| (at(times, *share), height)).collect();
+        let middle = [sample[sample.len() / 2]];
+        entry.line(&mut chart, &sample)?;
+        entry.marks(&mut chart, &middle)?;
+        let beside = (at(times, 0.10), height);
+        chart.draw_series([Text::new(entry.name, beside, letters_right_of(entry.colour))])?;
     }
     for entry in entries {
-        let points = entry.points.iter().copied();
-        match entry.marks {
-            Some(series) => {
-                chart.draw_series(points.map(|at| EmptyElement::at(at) + marker(series)))?;
-            }
-            None => {
-                chart
-                    .draw_series(LineSeries::new(points, entry.colour.stroke_width(entry.width)))?;
-            }
-        }
+        entry.line(&mut chart, &entry.points)?;
+        entry.marks(&mut chart, &entry.points)?;
     }
     Ok(())
 }
@@ -136,23 +154,20 @@ fn flight_errors() -> Figure {
             )?;
             let shares = |part: usize| {
                 [
-                    line("tilted world", SERIES[3], 5, of(SHARES[part][0])),
-                    line("attitude", SERIES[4], 5, of(SHARES[part][1])),
-                    line("rest", SERIES[2], 5, of(SHARES[part][2])),
+                    share("tilted world", 3, of(SHARES[part][0])),
+                    share("attitude", 4, of(SHARES[part][1])),
+                    share("rest", 2, of(SHARES[part][2])),
                 ]
             };
-            let [left, midpoint, predicted] = common(VELOCITY);
+            let [left, midpoint, predicted] = common(VELOCITY).map(unnamed);
             let [tilted, turned, rest] = shares(0);
-            let entries = [left, midpoint, tilted, turned, rest, predicted];
-            panel(&velocity, ("", times), ("velocity (cm/s)", [0.01, 900.0]), &entries)?;
-            let [left, midpoint, predicted] = common(POSITION);
-            let [tilted, turned, rest] = shares(1);
-            let unnamed =
-                [tilted, turned, rest, predicted].map(|entry| Entry { name: "", ..entry });
-            let [tilted, turned, rest, predicted] = unnamed;
-            let entries = [left, midpoint, tilted, turned, rest, predicted];
+            let entries = [tilted, turned, rest, predicted, left, midpoint];
+            panel(&velocity, ("", times), ("velocity (cm/s)", [0.015, 60.0]), &entries)?;
+            let [left, midpoint, predicted] = common(POSITION).map(unnamed);
+            let [tilted, turned, rest] = shares(1).map(unnamed);
+            let entries = [tilted, turned, rest, predicted, left, midpoint];
             let x_axis = ("length of the intervals (s)", times);
-            panel(&position, x_axis, ("position (cm)", [0.001, 60.0]), &entries)
+            panel(&position, x_axis, ("position (cm)", [0.0007, 20.0]), &entries)
         }),
     }
 }

@@ -7,7 +7,7 @@ use vislam::preintegration::Rule;
 
 use super::budget::{
     Pieces, Shares, best_offset, explained_by_the_gyroscope, gravity_found, normalized_with_truth,
-    roughness, shares,
+    roughness, shares, with_steady_bias,
 };
 use super::intervals::{Flight, Interval, LENGTHS, normalized, predicted, sizes};
 use super::wander::Wander;
@@ -213,6 +213,10 @@ impl Values {
                 }
             }
         }
+        let steady = with_steady_bias(vicon);
+        let (gravity, _) = gravity_found(&steady);
+        let [velocity, _] = Pieces::new(&steady, &gravity).without_attitude(1.0);
+        self.add("v1_velocity_steady", CM * velocity, "cm/s", 2);
     }
 
     fn normalized(
