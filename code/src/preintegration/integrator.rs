@@ -96,7 +96,7 @@ impl Step {
             along: *rotation,
             force: reading.accelerometer,
             turned: dt * turning.times(c, r),
-            end_and_end: turning.moment(variance, 0.0, r * (1.0 + s) - c * c),
+            end_and_end: turning.moment(variance, r * (1.0 + s) - c * c),
             halfway: None,
         }
     }
@@ -112,17 +112,18 @@ impl Step {
         let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
         let (cosine, whole) = (1.0 - c * turning.square, r * (1.0 + s));
         let variance = noise.gyro * noise.gyro * dt;
+        let skew = turning.skew(0.5 * variance * s * c);
         Self {
             dt,
             rotation: turning.times(2.0 * s * cosine, 2.0 * s * s),
             along: turning.times(s, c),
             force: reading.accelerometer,
             turned: dt * turning.times(s * s, r + s * c),
-            end_and_end: turning.moment(variance, 0.0, whole),
+            end_and_end: turning.moment(variance, whole),
             halfway: Some(Halfway {
                 turned: half * turning.times(c, r),
-                end_and_halfway: turning.moment(0.5 * variance, s * c, whole),
-                halfway_and_halfway: turning.moment(0.25 * variance, 0.0, whole - c * c),
+                end_and_halfway: turning.moment(0.5 * variance, whole) + skew,
+                halfway_and_halfway: turning.moment(0.25 * variance, whole - c * c),
             }),
         }
     }

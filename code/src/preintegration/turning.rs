@@ -40,11 +40,16 @@ impl Turning {
         rotation + a * once + b * twice
     }
 
-    /// R (I + a φ^ + b φ^ φ^) Rᵀ times a variance, which is the same polynomial in w^.
+    /// R (I + b φ^ φ^) Rᵀ times a variance, which is the same polynomial in w^.
     #[inline(always)]
-    pub fn moment(&self, variance: f64, a: f64, b: f64) -> Block {
-        let [once, twice] = self.moments;
-        Block::diagonal(variance) + (variance * a) * once + (variance * b) * twice
+    pub fn moment(&self, variance: f64, b: f64) -> Block {
+        Block::diagonal(variance) + (variance * b) * self.moments[1]
+    }
+
+    /// R φ^ Rᵀ times a number, which is w^ times that.
+    #[inline(always)]
+    pub fn skew(&self, number: f64) -> Block {
+        number * self.moments[0]
     }
     // ANCHOR_END: polynomials
 }
