@@ -167,7 +167,7 @@ fn flight_errors() -> Figure {
             let [tilted, turned, rest] = shares(1).map(unnamed);
             let entries = [tilted, turned, rest, predicted, left, midpoint];
             let x_axis = ("length of the intervals (s)", times);
-            panel(&position, x_axis, ("position (cm)", [0.0007, 20.0]), &entries)
+            panel(&position, x_axis, ("position (cm)", [0.0004, 20.0]), &entries)
         }),
     }
 }

@@ -7,7 +7,7 @@ use vislam::preintegration::{Preintegrated, Preintegrator, Rule};
 use super::budget::{Pieces, gravity_found, normalized_with_truth};
 use super::intervals::{LENGTHS, normalized, sizes};
 use super::record::{FOUND, accepted_value};
-use super::simulated::{Faults, flight};
+use super::simulated::{Faults, STEP, flight};
 use super::wander::Wander;
 use crate::chapter::Chapter;
 
@@ -31,6 +31,7 @@ pub fn numbers(chapter: &mut Chapter) {
     for (name, seconds) in LENGTH_NAMES.into_iter().zip(LENGTHS) {
         chapter.number(name, seconds, "s", if seconds < 1.0 { 1 } else { 0 });
     }
+    chapter.number("flight_half_step", 0.5e3 * STEP, "ms", 1);
     let second = |flight: &super::intervals::Flight| flight.intervals(Rule::Midpoint, 1.0, 0.0);
     let (ideal, faults) = (flight(SECONDS, SEED, None), faults());
     let spoilt = flight(SECONDS, SEED, Some(&faults));

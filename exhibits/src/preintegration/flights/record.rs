@@ -167,7 +167,8 @@ impl Values {
             for (kind, of) in of.into_iter().enumerate() {
                 self.add(ATTITUDE[kind][index], MRAD * of[0], "mrad", 2);
                 self.add(VELOCITY[kind][index], CM * of[1], "cm/s", 2);
-                self.add(POSITION[kind][index], CM * of[2], "cm", 2);
+                let decimals = if index == 0 { 3 } else { 2 };
+                self.add(POSITION[kind][index], CM * of[2], "cm", decimals);
             }
         }
     }
@@ -208,8 +209,9 @@ impl Values {
         for (index, of) in shares(vicon, gravity, pieces).into_iter().enumerate() {
             for (part, Shares { gravity, attitude, rest }) in of.into_iter().enumerate() {
                 let unit = ["cm/s", "cm"][part];
+                let decimals = if part == 1 && index == 0 { 3 } else { 2 };
                 for (kind, share) in [gravity, attitude, rest].into_iter().enumerate() {
-                    self.add(SHARES[part][kind][index], CM * share, unit, 2);
+                    self.add(SHARES[part][kind][index], CM * share, unit, decimals);
                 }
             }
         }

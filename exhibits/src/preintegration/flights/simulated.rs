@@ -10,7 +10,7 @@ use super::wander::Wander;
 use crate::random::Random;
 
 /// Seconds between readings, and readings between states of the ground truth.
-const STEP: f64 = 0.005;
+pub const STEP: f64 = 0.005;
 const PER_STATE: usize = 10;
 
 /// What is wrong with a ground truth.
