@@ -56,7 +56,7 @@ fn main() -> ExitCode {
         ["chapter", slug, folder] => write_chapter(slug, Path::new(folder)),
         ["record", name] => match make_record(name) {
             Err(NotMade::DataAbsent(sentence)) => {
-                eprintln!("exhibits: record {name}: {sentence}");
+                eprintln!("{sentence}");
                 return ExitCode::from(DATA_ABSENT);
             }
             Err(NotMade::Failed(sentence)) => Err(sentence),
