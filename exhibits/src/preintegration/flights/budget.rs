@@ -1,7 +1,7 @@
 //! Where the errors of intervals come from.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, Vector3};
-use vislam::inertial::{GRAVITY, StampedSample};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, Vector3, Vector6};
+use vislam::inertial::{GRAVITY, ImuBias, StampedSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
 
@@ -216,12 +216,12 @@ pub fn roughness(samples: &[StampedSample], from: usize, to: usize) -> [f64; 2] 
     [of(|s| s.sample.gyro), of(|s| s.sample.accelerometer)]
 }
 
-/// The flight with the mean of the accelerometer's bias in the place of the bias at each time.
+/// The flight with the mean of the biases in the place of those at each time.
 pub fn with_steady_bias(flight: &Flight) -> Flight {
-    let biases = flight.truth.iter().map(|truth| truth.bias.accelerometer);
-    let mean = biases.sum::<Vector3<f64>>() / flight.truth.len() as f64;
+    let biases = flight.truth.iter().map(|truth| truth.bias.vector());
+    let mean = ImuBias::from_vector(&(biases.sum::<Vector6<f64>>() / flight.truth.len() as f64));
     let mut truth = flight.truth.clone();
-    truth.iter_mut().for_each(|state| state.bias.accelerometer = mean);
+    truth.iter_mut().for_each(|state| state.bias = mean);
     Flight { samples: flight.samples.clone(), truth }
 }
 

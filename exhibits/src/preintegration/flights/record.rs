@@ -254,6 +254,15 @@ impl Values {
         let density = (beyond.max(0.0) / 180.0).sqrt();
         self.add("v1_density_limit", density / ImuNoise::euroc().gyro, "", 1);
         self.add("v1_density_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        // The same when the ground truth's bias may not follow a drift of the gyroscope.
+        let steady = Pieces::new(&with_steady_bias(vicon), &GRAVITY).attitude_after(60.0);
+        let density = ((steady.powi(2) - attitude.spread(60.0)).max(0.0) / 180.0).sqrt();
+        self.add("v1_steady_after_60", MRAD * steady, "mrad", 1);
+        self.add("v1_steady_limit", density / ImuNoise::euroc().gyro, "", 1);
+        self.add("v1_steady_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        // Three axes whose biases walk, integrated once.
+        let walked = ImuNoise::euroc().gyro_walk * 60_f64.powf(1.5);
+        self.add("v1_walk_60", MRAD * walked, "mrad", 1);
         let [gyro, accelerometer] = roughness(&vicon.samples, 4000, 24_000);
         self.add("v1_rough_gyro", gyro / ImuNoise::euroc().gyro, "", 0);
         let ratio = accelerometer / ImuNoise::euroc().accelerometer;
