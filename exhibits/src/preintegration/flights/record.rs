@@ -219,6 +219,9 @@ impl Values {
         let (gravity, _) = gravity_found(&steady);
         let [velocity, _] = Pieces::new(&steady, &gravity).without_attitude(1.0);
         self.add("v1_velocity_steady", CM * velocity, "cm/s", 2);
+        let seconds = vicon.samples[0].seconds_to(&vicon.samples[vicon.samples.len() - 1]);
+        let walk = ImuNoise::euroc().accelerometer_walk * seconds.sqrt();
+        self.add("v1_bias_walk", CM * walk, "cm/s²", 1);
     }
 
     fn normalized(
