@@ -9,17 +9,20 @@
 //! without overlap. Printed are the root mean square over all intervals of the residual's parts
 //! (each the length of a vector of three), the same for its predicted standard deviations, and
 //! the mean of the normalized error squared, which would be 9 if nothing erred but the readings
-//! by their densities. The last lines are the time of one reading in windows of 200, with
+//! by their densities. Then comes gravity as the velocities of the ground truth show it: where it
+//! does not point along the vertical, the world of the ground truth is not level. The last lines are
+//! the time of one reading in windows of 200, with
 //! covariance and derivatives by the biases.
 
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
+use nalgebra::Vector3;
 use vislam::inertial::euroc::{GroundTruth, read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample, WindowError, between};
 use vislam::preintegration::{
-    LONGEST_STEP, Preintegrator, Rule, imu_residual, preintegrate_stamped,
+    LONGEST_STEP, Preintegrated, Preintegrator, Rule, imu_residual, preintegrate_stamped,
 };
 
 const USAGE: &str = "usage: euroc IMU.csv GROUNDTRUTH.csv";
@@ -50,6 +53,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             report(&samples, &truth, rule, seconds)?;
         }
     }
+    let gravity = gravity(&samples, &truth)?;
+    let tilt = 1e3 * gravity.xy().norm().atan2(-gravity.z);
+    println!("gravity: {:.4} m/s², {tilt:.1} mrad from the vertical", gravity.norm());
     for rule in [Rule::Left, Rule::Midpoint] {
         println!("{}: {:.1} ns per sample", name(rule), time(&samples, rule)?);
     }
@@ -74,14 +80,9 @@ fn report(
     rule: Rule,
     seconds: f64,
 ) -> Result<(), Box<dyn Error>> {
-    let noise = ImuNoise::euroc();
     let (mut count, mut squares, mut predicted, mut nees) = (0, [0.0; 3], [0.0; 3], 0.0);
     for (first, last) in intervals(truth, seconds) {
-        let window = match between(samples, first.nanoseconds, last.nanoseconds) {
-            Err(WindowError::NotCovered { .. }) => continue,
-            window => window?,
-        };
-        let sums = preintegrate_stamped(&window, rule, LONGEST_STEP, &first.bias, &noise)?;
+        let Some(sums) = sums(samples, rule, first, last)? else { continue };
         let error = imu_residual(&sums, &first.state, &last.state, &GRAVITY, &first.bias);
         nees += (sums.sqrt_information()? * error).norm_squared();
         for (part, sigma) in sums.sigmas().into_iter().enumerate() {
@@ -97,6 +98,38 @@ fn report(
     }
     println!("  {:.1}", nees / f64::from(count));
     Ok(())
+}
+
+/// The readings between two states summed up, if there are some.
+fn sums(
+    samples: &[StampedSample],
+    rule: Rule,
+    first: &GroundTruth,
+    last: &GroundTruth,
+) -> Result<Option<Preintegrated>, Box<dyn Error>> {
+    let window = match between(samples, first.nanoseconds, last.nanoseconds) {
+        Err(WindowError::NotCovered { .. }) => return Ok(None),
+        window => window?,
+    };
+    let noise = ImuNoise::euroc();
+    Ok(Some(preintegrate_stamped(&window, rule, LONGEST_STEP, &first.bias, &noise)?))
+}
+
+/// Gravity as the ground truth shows it: [`GRAVITY`] and what velocities gain beyond it, on average
+/// over intervals of a second.
+fn gravity(
+    samples: &[StampedSample],
+    truth: &[GroundTruth],
+) -> Result<Vector3<f64>, Box<dyn Error>> {
+    let (mut count, mut missing) = (0, Vector3::zeros());
+    for (first, last) in intervals(truth, 1.0) {
+        let Some(sums) = sums(samples, Rule::Midpoint, first, last)? else { continue };
+        let error = imu_residual(&sums, &first.state, &last.state, &GRAVITY, &first.bias);
+        let velocity = error.fixed_rows::<3>(3).into_owned();
+        missing += first.state.world_from_body * velocity / sums.duration;
+        count += 1;
+    }
+    Ok(GRAVITY + missing / f64::from(count))
 }
 
 /// Pairs of states this far apart, to a millisecond, one after the other.

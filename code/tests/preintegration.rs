@@ -283,6 +283,27 @@ fn the_sums_are_those_of_the_dense_recursion() {
     }
 }
 
+#[test]
+fn steps_of_any_turn_are_those_of_the_dense_recursion() {
+    let (noise, bias) = (ImuNoise::mems(), ImuBias::default());
+    let force = Vector3::new(1.0, -2.0, 9.0);
+    for rule in [Rule::Left, Rule::Midpoint] {
+        // From a hundredth of a degree to more than a whole turn in a step.
+        for angle in [2e-4, 0.1, 0.13, 0.9, 2.5, 4.0, 7.0] {
+            let gyro = angle / 0.05 * Vector3::new(0.48, -0.6, 0.64);
+            let reading = |k: i32| ImuSample { gyro: f64::from(k) * gyro, accelerometer: force };
+            let samples = [reading(1), reading(1), reading(-1), reading(1)];
+            let sums = summed(&samples, rule, 0.05, &bias, &noise);
+            let (covariance, jacobian) = dense(&samples, rule, 0.05, &bias, &noise);
+            let size = covariance.diagonal().map(f64::sqrt);
+            let relative = |m: Matrix9| m.component_div(&(size * size.transpose()));
+            let (found, expected) = (relative(sums.covariance), relative(covariance));
+            assert_abs_diff_eq!(found, expected, epsilon = 1e-12);
+            assert_abs_diff_eq!(sums.bias_jacobian, jacobian, epsilon = 1e-13);
+        }
+    }
+}
+
 /// Covariance and Jacobians by the products of 9×9 matrices that the derivation writes.
 fn dense(
     samples: &[ImuSample],

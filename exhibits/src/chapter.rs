@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::panic::Location;
 
 use crate::comparison::Comparison;
+use crate::data::{DataFile, NotMade};
 use crate::figure::Figure;
-use crate::record::{Record, RecordValue};
+use crate::record::{Record, RecordValue, Run, inputs_of};
 
 /// Where in the source something is registered.
 #[derive(Clone)]
@@ -140,6 +141,21 @@ impl Chapter {
         inputs: Vec<(&'static str, String)>,
         run: fn() -> Vec<RecordValue>,
     ) {
+        let run = Run::Program(run);
+        self.records.push(Record { name, inputs, run, place: Place::of_caller() });
+    }
+
+    /// Registers a record that is made from data, whose files are among its inputs.
+    #[track_caller]
+    pub fn record_of_data(
+        &mut self,
+        name: &'static str,
+        files: &[DataFile],
+        mut inputs: Vec<(&'static str, String)>,
+        run: fn() -> Result<Vec<RecordValue>, NotMade>,
+    ) {
+        inputs.extend(inputs_of(files));
+        let run = Run::Data(run);
         self.records.push(Record { name, inputs, run, place: Place::of_caller() });
     }
 }

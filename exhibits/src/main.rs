@@ -4,19 +4,20 @@
 //! ```text
 //! exhibits list                    what there is, as JSON
 //! exhibits chapter SLUG FOLDER     writes a chapter's checks, numbers and figures
-//! exhibits record NAME             makes a record, as JSON
+//! exhibits record NAME             makes a record, as JSON; ends with 3 where its data is absent
 //! ```
 
 mod bearing;
 mod bundle_adjustment;
 mod chapter;
 mod comparison;
+mod data;
 mod figure;
 mod inertial;
 mod least_squares;
 mod manifold;
-mod preintegration;
 mod observability;
+mod preintegration;
 mod random;
 mod record;
 mod report;
@@ -28,6 +29,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use chapter::Chapter;
+use data::NotMade;
 
 /// Adds a chapter's exhibits to it.
 type Register = fn(&mut Chapter);
@@ -45,6 +47,9 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("observability", observability::exhibits),
 ];
 
+/// What the program ends with when a record is made from data that is not here.
+const DATA_ABSENT: u8 = 3;
+
 const USAGE: &str = "exhibits list | exhibits chapter SLUG FOLDER | exhibits record NAME";
 
 fn main() -> ExitCode {
@@ -53,7 +58,14 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["list"] => list(),
         ["chapter", slug, folder] => write_chapter(slug, Path::new(folder)),
-        ["record", name] => make_record(name),
+        ["record", name] => match make_record(name) {
+            Err(NotMade::DataAbsent(sentence)) => {
+                eprintln!("{sentence}");
+                return ExitCode::from(DATA_ABSENT);
+            }
+            Err(NotMade::Failed(sentence)) => Err(sentence),
+            Ok(()) => Ok(()),
+        },
         _ => Err(format!("unknown arguments {arguments:?}; use {USAGE}")),
     };
     match outcome {
@@ -85,12 +97,13 @@ fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
         .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
 }
 
-fn make_record(name: &str) -> Result<(), String> {
-    for chapter in &chapters()? {
+fn make_record(name: &str) -> Result<(), NotMade> {
+    for chapter in &chapters().map_err(NotMade::Failed)? {
         if let Some(record) = chapter.records.iter().find(|record| record.name == name) {
-            println!("{}", report::record(chapter, record));
+            println!("{}", report::record(chapter, record)?);
             return Ok(());
         }
     }
-    Err(format!("there is no record `{name}`; `exhibits list` names them"))
+    let sentence = format!("there is no record `{name}`; `exhibits list` names them");
+    Err(NotMade::Failed(sentence))
 }

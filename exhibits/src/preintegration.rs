@@ -1,5 +1,6 @@
 //! What chapter `preintegration` shows: many inertial readings as one measurement.
 
+mod flights;
 mod noise;
 mod sums;
 
@@ -9,4 +10,5 @@ use crate::chapter::Chapter;
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
     noise::exhibits(chapter);
+    flights::exhibits(chapter);
 }

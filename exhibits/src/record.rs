@@ -2,6 +2,7 @@
 //! thing.
 
 use crate::chapter::Place;
+use crate::data::{DataFile, NotMade};
 
 /// One result of a record.
 pub struct RecordValue {
@@ -19,8 +20,30 @@ pub struct RecordValue {
 pub struct Record {
     pub name: &'static str,
     pub inputs: Vec<(&'static str, String)>,
-    pub run: fn() -> Vec<RecordValue>,
+    pub run: Run,
     pub place: Place,
+}
+
+/// How a record is made.
+pub enum Run {
+    /// From nothing but the program.
+    Program(fn() -> Vec<RecordValue>),
+    /// From data as well.
+    Data(fn() -> Result<Vec<RecordValue>, NotMade>),
+}
+
+impl Run {
+    pub fn values(&self) -> Result<Vec<RecordValue>, NotMade> {
+        match self {
+            Self::Program(run) => Ok(run()),
+            Self::Data(run) => run(),
+        }
+    }
+}
+
+/// Files as inputs of a record: their digests under their paths.
+pub fn inputs_of(files: &[DataFile]) -> impl Iterator<Item = (&'static str, String)> {
+    files.iter().map(|file| (file.path, file.sha256.to_owned()))
 }
 
 /// The values of a record that has been accepted, from the text of its file: for figures that show

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use crate::chapter::{Chapter, Equation, NamedFigure, text};
+use crate::data::NotMade;
 use crate::figure::Figure;
 use crate::record::Record;
 
@@ -42,8 +43,9 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
 }
 
 /// Runs a record.
-pub fn record(chapter: &Chapter, record: &Record) -> Value {
-    let values: Map<String, Value> = (record.run)()
+pub fn record(chapter: &Chapter, record: &Record) -> Result<Value, NotMade> {
+    let values = record.run.values()?;
+    let values: Map<String, Value> = values
         .iter()
         .map(|result| {
             let described = json!({
@@ -55,12 +57,12 @@ pub fn record(chapter: &Chapter, record: &Record) -> Value {
             (result.name.to_owned(), described)
         })
         .collect();
-    json!({
+    Ok(json!({
         "name": record.name,
         "chapter": chapter.slug,
         "inputs": inputs(record),
         "values": values,
-    })
+    }))
 }
 
 fn equation(equation: &Equation) -> Value {

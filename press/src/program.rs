@@ -101,6 +101,9 @@ impl<'a> Program<'a> {
     }
 
     /// Makes a record.
+    ///
+    /// # Errors
+    /// [`DataAbsent`] when it is made from data that is not on this machine; others when something is wrong.
     pub fn record(&self, program: &Path, name: &str) -> Result<Made> {
         let output = self.call(program, &["record".as_ref(), name.as_ref()])?;
         serde_json::from_slice(&output.stdout)
@@ -113,12 +116,31 @@ impl<'a> Program<'a> {
             .current_dir(&self.layout.root)
             .output()
             .with_context(|| format!("cannot start {}", program.display()))?;
-        if !output.status.success() {
-            bail!("the exhibits stopped:\n{}", String::from_utf8_lossy(&output.stderr).trim());
+        if output.status.success() {
+            return Ok(output);
         }
-        Ok(output)
+        let reason = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        if output.status.code() == Some(DATA_ABSENT) {
+            return Err(DataAbsent(reason).into());
+        }
+        bail!("the exhibits stopped:\n{reason}")
     }
 }
+
+/// What the program of the exhibits ends with when the data of a record is not there.
+const DATA_ABSENT: i32 = 3;
+
+/// A record is made from data that is not on this machine.
+#[derive(Debug)]
+pub struct DataAbsent(String);
+
+impl std::fmt::Display for DataAbsent {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for DataAbsent {}
 
 #[derive(Deserialize)]
 struct Artifact {

@@ -20,22 +20,25 @@ pub struct Turn {
 
 // ANCHOR: turn
 /// The coefficients of a turn, from the square of its angle.
-#[inline]
+#[inline(always)]
 pub fn turn(square: f64) -> Turn {
-    if square < SHORT_END {
-        turn_by_series::<SHORT>(square)
-    } else if square < SERIES_END {
-        turn_by_series::<14>(square)
-    } else {
-        let angle = square.sqrt();
-        let (sine, cosine) = angle.sin_cos();
-        let sinc = sine / angle;
-        Turn { sinc, cosc: (1.0 - cosine) / square, sinc_remainder: (1.0 - sinc) / square }
+    if square < SHORT_END { turn_by_series::<SHORT>(square) } else { long_turn(square) }
+}
+
+/// Kept apart, so that the short series is compiled into what calls it.
+#[inline(never)]
+fn long_turn(square: f64) -> Turn {
+    if square < SERIES_END {
+        return turn_by_series::<14>(square);
     }
+    let angle = square.sqrt();
+    let (sine, cosine) = angle.sin_cos();
+    let sinc = sine / angle;
+    Turn { sinc, cosc: (1.0 - cosine) / square, sinc_remainder: (1.0 - sinc) / square }
 }
 
 /// By the first `N` terms of each series.
-#[inline]
+#[inline(always)]
 fn turn_by_series<const N: usize>(square: f64) -> Turn {
     let sinc_remainder = polynomial(&SINC_REMAINDER[..N], square);
     let sinc = 1.0 - square * sinc_remainder;
@@ -84,7 +87,7 @@ pub fn cotangent_remainder_slope(square: f64) -> f64 {
 const SERIES_END: f64 = 10.0;
 
 /// The squared angle, that of 7 degrees, up to which [`SHORT`] terms are enough: they leave out
-/// less than 1e-17 of the sum. A gyroscope turns no further from one reading to the next.
+/// less than 1e-17 of the sum.
 const SHORT_END: f64 = 0.015;
 const SHORT: usize = 5;
 

@@ -19,6 +19,6 @@
 //!
 //! NaN in gives NaN out. Nothing here panics or allocates.
 
-mod coefficients;
+pub(crate) mod coefficients;
 pub mod se3;
 pub mod so3;

@@ -34,6 +34,12 @@ impl Block {
         Self([[a[0], b[0], c[0], 0.0], [a[1], b[1], c[1], 0.0], [a[2], b[2], c[2], 0.0]])
     }
 
+    /// The matrix c^ of the cross product.
+    #[inline(always)]
+    pub fn hat(c: &Vector3<f64>) -> Self {
+        Self([[0.0, c.z, -c.y, 0.0], [-c.z, 0.0, c.x, 0.0], [c.y, -c.x, 0.0, 0.0]])
+    }
+
     // ANCHOR: times_hat
     /// The matrix times c^, without the products by zeros.
     #[inline(always)]

@@ -8,9 +8,9 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::block::Block;
+use super::turning::{Turn, Turning};
 use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
 use crate::inertial::{ImuBias, ImuNoise, ImuSample};
-use crate::manifold::so3;
 
 // ANCHOR: preintegrator
 /// Sums up readings one by one. [`Preintegrator::finish`] gives the result so far, and more
@@ -66,10 +66,70 @@ struct Step {
     force: Vector3<f64>,
     /// Derivative of θ at the end of the step by the angular velocity.
     turned: Block,
-    /// The same where the force acts, if that is not the beginning.
-    turned_halfway: Option<Block>,
+    /// Covariance of what the gyroscope's noise adds to θ until the end of the step.
+    end_and_end: Block,
+    /// What has come of it where the force acts, if that is not the beginning.
+    halfway: Option<Halfway>,
+}
+
+/// What an error of the angular velocity has done to θ in half a step.
+struct Halfway {
+    /// Derivative by the angular velocity.
+    turned: Block,
+    /// Covariance of what the noise adds until the end and until here.
+    end_and_halfway: Block,
+    halfway_and_halfway: Block,
 }
 // ANCHOR_END: step
+
+impl Step {
+    // ANCHOR: step_left
+    /// The left rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
+    /// Jacobian J, are both R times a polynomial in φ^.
+    #[inline(always)]
+    fn left(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+        let turning = Turning::new(rotation, &(dt * reading.gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
+        let variance = noise.gyro * noise.gyro * dt;
+        Self {
+            dt,
+            rotation: turning.times(s, c),
+            along: *rotation,
+            force: reading.accelerometer,
+            turned: dt * turning.times(c, r),
+            end_and_end: turning.moment(variance, r * (1.0 + s) - c * c),
+            halfway: None,
+        }
+    }
+    // ANCHOR_END: step_left
+
+    // ANCHOR: step_midpoint
+    /// The midpoint rule. The turn φ is that of half the step, and what belongs to the whole of
+    /// it is again a polynomial in φ^, by the formulas for the double angle.
+    #[inline(always)]
+    fn midpoint(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+        let half = 0.5 * dt;
+        let turning = Turning::new(rotation, &(half * reading.gyro));
+        let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
+        let (cosine, whole) = (1.0 - c * turning.square, r * (1.0 + s));
+        let variance = noise.gyro * noise.gyro * dt;
+        let skew = turning.skew(0.5 * variance * s * c);
+        Self {
+            dt,
+            rotation: turning.times(2.0 * s * cosine, 2.0 * s * s),
+            along: turning.times(s, c),
+            force: reading.accelerometer,
+            turned: dt * turning.times(s * s, r + s * c),
+            end_and_end: turning.moment(variance, whole),
+            halfway: Some(Halfway {
+                turned: half * turning.times(c, r),
+                end_and_halfway: turning.moment(0.5 * variance, whole) + skew,
+                halfway_and_halfway: turning.moment(0.25 * variance, whole - c * c),
+            }),
+        }
+    }
+    // ANCHOR_END: step_midpoint
+}
 
 impl Preintegrator {
     /// Sums that are empty.
@@ -107,18 +167,8 @@ impl Preintegrator {
     /// [`PreintegrationError::Sample`]; the sums stay as they were.
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
-        let ImuSample { gyro, accelerometer } = sample.corrected(&self.bias);
-        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * gyro));
-        let along = self.rotation;
-        let rotation = along * Block::of(turn.matrix());
-        self.advance(&Step {
-            dt,
-            rotation,
-            along,
-            force: accelerometer,
-            turned: dt * (rotation * Block::of(&right_jacobian)),
-            turned_halfway: None,
-        });
+        let reading = sample.corrected(&self.bias);
+        self.advance(&Step::left(&self.rotation, &reading, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate
@@ -142,14 +192,7 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(0.5 * dt * mean.gyro));
-        // The second half turns like the first, from where that ends.
-        let (turn, jacobian) = (Block::of(turn.matrix()), 0.5 * dt * Block::of(&right_jacobian));
-        let along = self.rotation * turn;
-        let (rotation, halfway) = (along * turn, along * jacobian);
-        let turned = halfway + rotation * jacobian;
-        let force = mean.accelerometer;
-        self.advance(&Step { dt, rotation, along, force, turned, turned_halfway: Some(halfway) });
+        self.advance(&Step::midpoint(&self.rotation, &mean, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
@@ -226,14 +269,12 @@ impl Covariance {
     #[inline(always)]
     // ANCHOR: advance_covariance
     fn advance(&mut self, step: &Step, c: &Vector3<f64>, noise: &ImuNoise) {
-        let (dt, half, turned) = (step.dt, 0.5 * step.dt, step.turned);
-        let gyro_variance = noise.gyro * noise.gyro / dt;
+        let (dt, half) = (step.dt, 0.5 * step.dt);
         let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
-        let scaled = gyro_variance * turned;
         let (mut acting, mut across) = (self.tt, self.tt);
-        if let Some(halfway) = step.turned_halfway {
-            acting = acting + gyro_variance * (halfway * halfway.transpose());
-            across = across + scaled * halfway.transpose();
+        if let Some(halfway) = &step.halfway {
+            acting = acting + halfway.halfway_and_halfway;
+            across = across + halfway.end_and_halfway;
         }
         let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
         let dd = acting.times_hat(c).transpose().times_hat(c) + white;
@@ -245,7 +286,7 @@ impl Covariance {
         self.vv = carried + vd.transpose() + dd;
         self.pt = self.pt + dt * self.vt + half * dt_theta;
         self.vt = self.vt + dt_theta;
-        self.tt = self.tt + scaled * turned.transpose();
+        self.tt = self.tt + step.end_and_end;
     }
     // ANCHOR_END: advance_covariance
 
@@ -279,8 +320,8 @@ impl Jacobian {
     #[inline(always)]
     fn advance(&mut self, step: &Step, c: &Vector3<f64>) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
-        let theta = match step.turned_halfway {
-            Some(halfway) => self.theta_gyro - halfway.transpose(),
+        let theta = match &step.halfway {
+            Some(halfway) => self.theta_gyro - halfway.turned.transpose(),
             None => self.theta_gyro,
         };
         let (by_gyro, by_force) = (theta.times_hat(c), dt * step.along);

@@ -12,6 +12,7 @@ mod block;
 mod dynamics;
 mod integrator;
 mod residual;
+mod turning;
 
 use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use thiserror::Error;

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 use vislam::inertial::{ImuBias, ImuNoise};
 use vislam::manifold::so3;
 use vislam::preintegration::{Matrix9, Preintegrated, Preintegrator, Rule, error_dynamics};
@@ -58,18 +58,18 @@ struct Moments {
 }
 
 impl Moments {
-    /// The printed step with the left rule. `turned` is N and `c` what the step adds to velocity.
+    /// The printed step with the left rule. `fresh` is what the gyroscope's noise adds to the
+    /// covariance of θ, and `c` what the step adds to velocity.
     fn advance(
         &mut self,
         counter: &Counter,
-        turned: &Matrix3<f64>,
+        fresh: &Matrix3<f64>,
         c: &Vector3<f64>,
         dt: f64,
         noise: &ImuNoise,
     ) {
         let half = 0.5 * dt;
         let white = noise.accelerometer * noise.accelerometer * dt * Matrix3::identity();
-        let scaled = counter.scaled(noise.gyro * noise.gyro / dt, turned);
         let (vd, pd) = (counter.times_hat(&self.vt, c), counter.times_hat(&self.pt, c));
         let dd = counter.times_hat(&counter.times_hat(&self.tt, c).transpose(), c) + white;
         let dt_theta = counter.times_hat(&self.tt, c).transpose();
@@ -82,7 +82,7 @@ impl Moments {
         self.vv = carried + vd.transpose() + dd;
         self.pt += counter.scaled(dt, &self.vt) + counter.scaled(half, &dt_theta);
         self.vt += dt_theta;
-        self.tt += counter.times(&scaled, &turned.transpose());
+        self.tt += fresh;
     }
 
     /// In the order and the frames of the library.
@@ -103,6 +103,21 @@ impl Moments {
     }
 }
 
+/// N Nᵀ times the variance of a reading: the covariance of what noise adds to θ in a step.
+fn fresh(
+    counter: &Counter,
+    rotation: &Rotation3<f64>,
+    turn: &Vector3<f64>,
+    variance: f64,
+) -> Matrix3<f64> {
+    let angle = turn.norm();
+    let sinc = angle.sin() / angle;
+    let (c, r) = ((1.0 - angle.cos()) / angle.powi(2), (1.0 - sinc) / angle.powi(2));
+    let axis = counter.times(rotation.matrix(), turn);
+    let squared = counter.times_hat(&so3::hat(&axis), &axis);
+    variance * Matrix3::identity() + counter.scaled(variance * (r * (1.0 + sinc) - c * c), &squared)
+}
+
 /// Products of a step with matrices of 9×9, with the sums of the first frame, and the largest
 /// relative difference of their outcomes and of the library's.
 fn counted() -> (usize, usize, f64) {
@@ -111,7 +126,7 @@ fn counted() -> (usize, usize, f64) {
         Preintegrator::new(&ImuBias::default(), &noise).expect("the sensor is one");
     let (by_blocks, by_matrices) = (Counter::default(), Counter::default());
     let (mut moments, mut dense) = (Moments::default(), Matrix9::zeros());
-    let mut rotation = nalgebra::Rotation3::identity();
+    let mut rotation = Rotation3::identity();
     let samples = readings(&mut Random::new(431), 50);
     for sample in &samples {
         let of = error_dynamics(Rule::Left, &rotation, sample, DT);
@@ -120,10 +135,10 @@ fn counted() -> (usize, usize, f64) {
         let fresh = by_matrices.times(&b, &noise.discrete(DT));
         dense = carried + by_matrices.times(&fresh, &b.transpose());
         let c = DT * (rotation * sample.accelerometer);
-        let (turn, jacobian) = so3::exp_with_right_jacobian(&(DT * sample.gyro));
-        rotation *= turn;
-        let turned = by_blocks.scaled(DT, &by_blocks.times(rotation.matrix(), &jacobian));
-        moments.advance(&by_blocks, &turned, &c, DT, &noise);
+        let turn = DT * sample.gyro;
+        let fresh = fresh(&by_blocks, &rotation, &turn, noise.gyro * noise.gyro * DT);
+        moments.advance(&by_blocks, &fresh, &c, DT, &noise);
+        rotation *= so3::exp(&turn);
         integrator.integrate(sample, DT).expect("the reading is finite");
     }
     let library: Preintegrated = integrator.finish().expect("there are steps");

@@ -1,0 +1,70 @@
+//! Preintegration on real flights. They are no part of the library: `VISLAM_DATA` names the folder
+//! in which `euroc/` holds them, and `cargo test --test flights -- --ignored` runs these tests.
+
+use nalgebra::Vector3;
+use vislam::inertial::euroc::{GroundTruth, read_ground_truth, read_imu};
+use vislam::inertial::{GRAVITY, ImuNoise, between};
+use vislam::preintegration::{
+    LONGEST_STEP, Preintegrated, Rule, imu_residual, preintegrate_stamped,
+};
+
+/// A file of the folder that `VISLAM_DATA` names.
+fn data(file: &str) -> String {
+    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
+    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
+}
+
+/// Intervals of a second of the flight V1_01: their sums, and the states at their ends.
+fn seconds_of_v1_01() -> Vec<(Preintegrated, GroundTruth, GroundTruth)> {
+    let samples = read_imu(&data("V1_01_imu0.csv")).unwrap();
+    let truth = read_ground_truth(&data("V1_01_groundtruth_20hz.csv")).unwrap();
+    let states: Vec<GroundTruth> = truth.into_iter().step_by(20).collect();
+    let intervals = states.windows(2).filter_map(|pair| {
+        let [first, last] = [pair[0], pair[1]];
+        let window = between(&samples, first.nanoseconds, last.nanoseconds).ok()?;
+        let (bias, noise) = (&first.bias, &ImuNoise::euroc());
+        let sums = preintegrate_stamped(&window, Rule::Midpoint, LONGEST_STEP, bias, noise);
+        Some((sums.unwrap(), first, last))
+    });
+    intervals.collect()
+}
+
+// ANCHOR: flight_gravity
+#[test]
+#[ignore = "needs the EuRoC flights in the folder that VISLAM_DATA names"]
+fn a_flight_weighs_the_earth_and_finds_its_room_tilted() {
+    let intervals = seconds_of_v1_01();
+    let missing = intervals.iter().map(|(sums, first, last)| {
+        let (first, last, bias) = (&first.state, &last.state, &first.bias);
+        let residual = imu_residual(sums, first, last, &GRAVITY, bias);
+        first.world_from_body * residual.fixed_rows::<3>(3) / sums.duration
+    });
+    let gravity = GRAVITY + missing.sum::<Vector3<f64>>() / intervals.len() as f64;
+    assert!((gravity.norm() - 9.807).abs() < 0.003);
+    let tilt = gravity.xy().norm() / gravity.norm();
+    assert!((tilt.to_degrees() - 0.24).abs() < 0.02);
+}
+// ANCHOR_END: flight_gravity
+
+#[test]
+#[ignore = "needs the EuRoC flights in the folder that VISLAM_DATA names"]
+fn a_second_of_a_real_flight_is_off_by_little_and_by_more_than_its_noise() {
+    let intervals = seconds_of_v1_01();
+    let (mut squares, mut predicted) = ([0.0; 3], [0.0; 3]);
+    for (sums, first, last) in &intervals {
+        let residual = imu_residual(sums, &first.state, &last.state, &GRAVITY, &first.bias);
+        for part in 0..3 {
+            squares[part] += residual.fixed_rows::<3>(3 * part).norm_squared();
+            predicted[part] += 3.0 * sums.sigmas()[part].powi(2);
+        }
+    }
+    // Milliradians, cm/s and cm.
+    let root = |sum: f64, unit: f64| unit * (sum / intervals.len() as f64).sqrt();
+    for (part, (unit, [low, high])) in
+        [(1e3, [1.8, 2.6]), (1e2, [4.2, 5.2]), (1e2, [2.1, 2.7])].into_iter().enumerate()
+    {
+        let (error, predicted) = (root(squares[part], unit), root(predicted[part], unit));
+        assert!((low..high).contains(&error), "part {part}: {error}");
+        assert!(error > 5.0 * predicted, "part {part}: {error} against {predicted}");
+    }
+}

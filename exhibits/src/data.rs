@@ -1,0 +1,78 @@
+//! Data that a record is made from and that is no part of the book: files below the folder that
+//! `VISLAM_DATA` names.
+
+use std::path::PathBuf;
+
+use sha2::{Digest, Sha256};
+
+/// A file below the folder of the data, and the SHA-256 of its bytes.
+pub struct DataFile {
+    pub path: &'static str,
+    pub sha256: &'static str,
+}
+
+/// Why a record was not made.
+#[derive(Debug, PartialEq)]
+pub enum NotMade {
+    /// Its data is not on this machine.
+    DataAbsent(String),
+    /// It is there and something is wrong.
+    Failed(String),
+}
+
+impl DataFile {
+    /// The text of the file, if it is there and the one that is meant.
+    pub fn read(&self) -> Result<String, NotMade> {
+        self.read_below(std::env::var_os("VISLAM_DATA").map(PathBuf::from))
+    }
+
+    fn read_below(&self, folder: Option<PathBuf>) -> Result<String, NotMade> {
+        let path = self.path;
+        let folder = folder.ok_or_else(|| {
+            NotMade::DataAbsent(format!(
+                "VISLAM_DATA is not set; let it name the folder that holds {path}"
+            ))
+        })?;
+        let file = folder.join(path);
+        if !file.is_file() {
+            let folder = folder.display();
+            return Err(NotMade::DataAbsent(format!(
+                "there is no {path} in {folder}, which VISLAM_DATA names; put the file there"
+            )));
+        }
+        let bytes = std::fs::read(&file).map_err(|error| failed(path, &error.to_string()))?;
+        let found: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        if found != self.sha256 {
+            let wanted = self.sha256;
+            return Err(failed(
+                path,
+                &format!("its SHA-256 is {found} and not {wanted}; it is another file"),
+            ));
+        }
+        String::from_utf8(bytes).map_err(|error| failed(path, &error.to_string()))
+    }
+}
+
+fn failed(path: &str, reason: &str) -> NotMade {
+    NotMade::Failed(format!("{path}: {reason}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DataFile, NotMade};
+
+    /// This file, under a digest that it does not have.
+    const OTHER: DataFile = DataFile { path: "src/data.rs", sha256: "00" };
+
+    #[test]
+    fn data_that_is_absent_is_told_from_data_that_is_wrong() {
+        let here = || Some(env!("CARGO_MANIFEST_DIR").into());
+        assert!(matches!(OTHER.read_below(None), Err(NotMade::DataAbsent(_))));
+        let nowhere = DataFile { path: "src/none.csv", sha256: "00" };
+        assert!(matches!(nowhere.read_below(here()), Err(NotMade::DataAbsent(_))));
+        let Err(NotMade::Failed(sentence)) = OTHER.read_below(here()) else {
+            panic!("a wrong digest is refused");
+        };
+        assert!(sentence.contains("another file"), "{sentence}");
+    }
+}

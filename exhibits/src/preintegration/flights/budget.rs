@@ -1,0 +1,297 @@
+//! Where the errors of intervals come from.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, Vector3, Vector6};
+use vislam::inertial::{GRAVITY, ImuBias, StampedSample};
+use vislam::manifold::so3;
+use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
+
+use super::intervals::{Flight, Interval, LENGTHS, sizes};
+use super::wander::{Wander, correlation};
+
+/// Seconds from one state to the next where the ground truth is followed closely.
+const PIECE: f64 = 0.05;
+
+/// Times over which wander is fitted, in pieces.
+const LAGS: [usize; 7] = [1, 2, 4, 10, 20, 40, 100];
+
+/// Gravity as a flight shows it: what its velocities gain in a second beyond what the readings and
+/// [`GRAVITY`] say, on average; and the standard deviation of that mean.
+pub fn gravity_found(flight: &Flight) -> (Vector3<f64>, Vector3<f64>) {
+    let missing: Vec<Vector3<f64>> = flight
+        .intervals(Rule::Midpoint, 1.0, 0.0)
+        .iter()
+        .map(|interval| {
+            let velocity = interval.residual(&GRAVITY).fixed_rows::<3>(3).into_owned();
+            interval.first.state.world_from_body * velocity / interval.sums.duration
+        })
+        .collect();
+    let count = missing.len() as f64;
+    let mean = missing.iter().sum::<Vector3<f64>>() / count;
+    let squares: Vector3<f64> = missing.iter().map(|m| (m - mean).map(|x| x * x)).sum();
+    (GRAVITY + mean, (squares / (count * (count - 1.0))).map(f64::sqrt))
+}
+
+/// The flight in pieces between neighbouring states: errors of attitude and velocity, summed up.
+pub struct Pieces {
+    pieces: Vec<Interval>,
+    /// What the gyroscope says of the rotation since the first piece.
+    turned: Vec<Rotation3<f64>>,
+    /// What velocities gain, in the world, beyond the readings turned by the ground truth's own
+    /// attitude; and the same for positions.
+    velocity: Vec<Vector3<f64>>,
+    position: Vec<Vector3<f64>>,
+}
+
+impl Pieces {
+    pub fn new(flight: &Flight, gravity: &Vector3<f64>) -> Self {
+        let pieces = flight.intervals(Rule::Midpoint, PIECE, 0.0);
+        let mut turned = vec![Rotation3::identity()];
+        let (mut velocity, mut position) = (vec![Vector3::zeros()], vec![Vector3::zeros()]);
+        for (k, Interval { first, last, sums }) in pieces.iter().enumerate() {
+            let (t, start) = (sums.duration, &first.state);
+            let force = |delta: &Vector3<f64>| start.world_from_body * delta;
+            let gained =
+                last.state.velocity - start.velocity - t * gravity - force(&sums.deltas.velocity);
+            let moved = last.state.position
+                - start.position
+                - t * start.velocity
+                - 0.5 * t * t * gravity
+                - force(&sums.deltas.position);
+            turned.push(turned[k] * sums.deltas.rotation);
+            position.push(position[k] + moved + t * velocity[k]);
+            velocity.push(velocity[k] + gained);
+        }
+        Self { pieces, turned, velocity, position }
+    }
+
+    /// How far the attitude's change over pieces from `a` to `b` is from the gyroscope's.
+    fn attitude(&self, a: usize, b: usize) -> Vector3<f64> {
+        let said = self.turned[a].inverse() * self.turned[b];
+        let (first, last) = (&self.pieces[a].first.state, &self.pieces[b - 1].last.state);
+        so3::local(&said, &(first.world_from_body.inverse() * last.world_from_body))
+    }
+
+    fn velocity(&self, a: usize, b: usize) -> Vector3<f64> {
+        self.velocity[b] - self.velocity[a]
+    }
+
+    fn position(&self, a: usize, b: usize, seconds: f64) -> Vector3<f64> {
+        self.position[b] - self.position[a] - seconds * self.velocity[a]
+    }
+
+    /// Mean square over all stretches of so many pieces.
+    fn mean_square(&self, lag: usize, of: impl Fn(usize, usize) -> Vector3<f64>) -> f64 {
+        let count = self.pieces.len() + 1 - lag;
+        (0..count).map(|a| of(a, a + lag).norm_squared()).sum::<f64>() / count as f64
+    }
+
+    /// The error of attitude over a time, in radians.
+    pub fn attitude_after(&self, seconds: f64) -> f64 {
+        let lag = (seconds / PIECE).round() as usize;
+        self.mean_square(lag, |a, b| self.attitude(a, b)).sqrt()
+    }
+
+    pub fn attitude_wander(&self) -> Wander {
+        let squares = LAGS.map(|lag| self.mean_square(lag, |a, b| self.attitude(a, b)));
+        Wander::fitted(&LAGS.map(|lag| PIECE * lag as f64), &squares)
+    }
+
+    pub fn velocity_wander(&self) -> Wander {
+        let squares = LAGS.map(|lag| self.mean_square(lag, |a, b| self.velocity(a, b)));
+        Wander::fitted(&LAGS.map(|lag| PIECE * lag as f64), &squares)
+    }
+
+    /// The correlation of the attitude's errors in neighbouring pieces.
+    pub fn step_correlation(&self) -> f64 {
+        let errors: Vec<Vector3<f64>> =
+            (0..self.pieces.len()).map(|a| self.attitude(a, a + 1)).collect();
+        let with_next: f64 = errors.windows(2).map(|w| w[0].dot(&w[1])).sum();
+        with_next / errors.iter().map(|error| error.norm_squared()).sum::<f64>()
+    }
+
+    /// The predicted error of attitude in a piece, in radians.
+    pub fn step_predicted(&self) -> f64 {
+        super::intervals::predicted(&self.pieces)[0]
+    }
+
+    /// Errors of velocity and position over intervals of a length when the ground truth's own
+    /// attitude turns the forces, in m/s and metres.
+    pub fn without_attitude(&self, seconds: f64) -> [f64; 2] {
+        let lag = (seconds / PIECE).round() as usize;
+        let velocity = self.mean_square(lag, |a, b| self.velocity(a, b));
+        let position = self.mean_square(lag, |a, b| self.position(a, b, seconds));
+        [velocity.sqrt(), position.sqrt()]
+    }
+}
+
+/// Errors of velocity or position, and what they are made of: as differences of mean squares.
+pub struct Shares {
+    /// Of a gravity that does not point along the world's z axis.
+    pub gravity: f64,
+    /// Of an attitude at the beginning and a gyroscope that disagree.
+    pub attitude: f64,
+    /// What is left when neither can contribute.
+    pub rest: f64,
+}
+
+/// Of velocity and position for each length.
+pub fn shares(flight: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) -> [[Shares; 2]; 4] {
+    LENGTHS.map(|seconds| {
+        let intervals = flight.intervals(Rule::Midpoint, seconds, 0.0);
+        let seen = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
+        let level = sizes(intervals.iter().map(|interval| interval.residual(gravity)));
+        let rest = pieces.without_attitude(seconds);
+        [0, 1].map(|part| {
+            let (seen, level, rest) = (seen[part + 1], level[part + 1], rest[part]);
+            let share = |all: f64, without: f64| (all * all - without * without).max(0.0).sqrt();
+            let (gravity, attitude) = (share(seen, level), share(level, rest));
+            Shares { gravity, attitude, rest }
+        })
+    })
+}
+
+/// The offset of the clocks in seconds at which errors of attitude are smallest, and how large
+/// they are there.
+pub fn best_offset(flight: &Flight, seconds: f64) -> (f64, f64) {
+    let error = |offset: f64| {
+        let intervals = flight.intervals(Rule::Midpoint, seconds, offset);
+        sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)))[0]
+    };
+    let step = 2.5e-4;
+    let errors: Vec<(f64, f64)> =
+        (-32..=32).map(|k| step * f64::from(k)).map(|offset| (offset, error(offset))).collect();
+    errors.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("offsets")
+}
+
+/// How many numbers a gyroscope is given to explain errors of attitude: a bias, a matrix of scales
+/// and misalignments, and a matrix by which forces act on it.
+pub const GYRO_NUMBERS: usize = 21;
+
+/// By what share the mean square error of attitude over a second shrinks when those numbers are
+/// fitted, and by what share it would shrink by chance.
+pub fn explained_by_the_gyroscope(flight: &Flight) -> (f64, f64) {
+    let residuals = |samples: Vec<StampedSample>| -> DVector<f64> {
+        let flight = Flight { samples, truth: flight.truth.clone() };
+        let intervals = flight.intervals(Rule::Midpoint, 1.0, 0.0);
+        let errors = intervals.iter().map(|interval| interval.residual(&GRAVITY));
+        let numbers = errors.flat_map(|error| [error[0], error[1], error[2]]);
+        let numbers: Vec<f64> = numbers.collect();
+        DVector::from_vec(numbers)
+    };
+    let seen = residuals(flight.samples.clone());
+    let size = 1e-4;
+    let columns: Vec<DVector<f64>> = (0..GYRO_NUMBERS)
+        .map(|number| {
+            let samples = flight.samples.iter().map(|stamped| {
+                let mut stamped = *stamped;
+                let of = match number {
+                    0..3 => Vector3::repeat(1.0),
+                    3..12 => stamped.sample.gyro,
+                    _ => stamped.sample.accelerometer,
+                };
+                let (axis, by) =
+                    if number < 3 { (number, 0) } else { (number % 3, (number / 3) % 3) };
+                stamped.sample.gyro[axis] += size * of[by];
+                stamped
+            });
+            (residuals(samples.collect()) - &seen) / size
+        })
+        .collect();
+    let design = DMatrix::from_columns(&columns);
+    let fitted = design.clone().svd(true, true).solve(&seen, 1e-12).expect("both factors");
+    let left = &seen - design * fitted;
+    let share = 1.0 - left.norm_squared() / seen.norm_squared();
+    (share, GYRO_NUMBERS as f64 / seen.len() as f64)
+}
+
+/// The densities that readings would have if what is beyond a straight line through three of them
+/// were white noise, over readings `from` to `to`: the root mean square of the axes.
+pub fn roughness(samples: &[StampedSample], from: usize, to: usize) -> [f64; 2] {
+    let of = |read: fn(&StampedSample) -> Vector3<f64>| {
+        let bends =
+            samples[from..to].windows(3).map(|w| read(&w[2]) - 2.0 * read(&w[1]) + read(&w[0]));
+        let square: f64 = bends.map(|bend| bend.norm_squared()).sum();
+        (square / (18.0 * (to - from - 2) as f64) * 0.005).sqrt()
+    };
+    [of(|s| s.sample.gyro), of(|s| s.sample.accelerometer)]
+}
+
+/// The flight with the mean of the biases in the place of those at each time.
+pub fn with_steady_bias(flight: &Flight) -> Flight {
+    let biases = flight.truth.iter().map(|truth| truth.bias.vector());
+    let mean = ImuBias::from_vector(&(biases.sum::<Vector6<f64>>() / flight.truth.len() as f64));
+    let mut truth = flight.truth.clone();
+    truth.iter_mut().for_each(|state| state.bias = mean);
+    Flight { samples: flight.samples.clone(), truth }
+}
+
+/// How errors of the ground truth enter a residual: those of the attitude at both ends, and by how
+/// much the error of velocity and the position gain in the interval. All of them are seen from the
+/// first body frame.
+pub type FromTruth = SMatrix<f64, 9, 12>;
+
+pub fn from_truth(deltas: &Deltas) -> FromTruth {
+    let mut matrix = FromTruth::zeros();
+    let mut put = |row, column, block: &Matrix3<f64>| {
+        matrix.fixed_view_mut::<3, 3>(row, column).copy_from(block);
+    };
+    let last_from_first = deltas.rotation.matrix().transpose();
+    put(0, 0, &-last_from_first);
+    put(0, 3, &last_from_first);
+    put(3, 0, &so3::hat(&deltas.velocity));
+    put(3, 6, &Matrix3::identity());
+    put(6, 0, &so3::hat(&deltas.position));
+    put(6, 9, &Matrix3::identity());
+    matrix
+}
+
+/// The covariance of those errors after `t` seconds.
+pub fn truth_covariance(attitude: &Wander, velocity: &Wander, t: f64) -> SMatrix<f64, 12, 12> {
+    let mut covariance = SMatrix::<f64, 12, 12>::zeros();
+    let mut put = |row: usize, column: usize, value: f64| {
+        for axis in 0..3 {
+            covariance[(3 * row + axis, 3 * column + axis)] = value;
+            covariance[(3 * column + axis, 3 * row + axis)] = value;
+        }
+    };
+    let square = attitude.sigma.powi(2);
+    put(0, 0, square);
+    put(1, 1, square);
+    put(0, 1, square * correlation(attitude.tau, t));
+    // The gain of velocity since the beginning is g(s); the position has gained its integral.
+    let square = velocity.sigma.powi(2);
+    let rho = |t: f64| correlation(velocity.tau, t);
+    let gains = |s: f64, u: f64| square * (rho((s - u).abs()) - rho(s) - rho(u) + 1.0);
+    let count = 60;
+    let nodes = (0..count).map(|k| t * (f64::from(k) + 0.5) / f64::from(count));
+    let nodes: Vec<f64> = nodes.collect();
+    let weight = t / f64::from(count);
+    put(2, 2, gains(t, t));
+    put(2, 3, nodes.iter().map(|s| weight * gains(*s, t)).sum());
+    let both = nodes.iter().flat_map(|s| nodes.iter().map(move |u| (*s, *u)));
+    put(3, 3, both.map(|(s, u)| weight * weight * gains(s, u)).sum());
+    covariance
+}
+
+/// The covariance of a residual when the ground truth errs as well.
+pub fn with_truth(sums: &Preintegrated, of_truth: &SMatrix<f64, 12, 12>) -> Matrix9 {
+    let matrix = from_truth(&sums.deltas);
+    sums.covariance + matrix * of_truth * matrix.transpose()
+}
+
+/// The mean of the normalized error squared with that covariance.
+pub fn normalized_with_truth(
+    intervals: &[Interval],
+    gravity: &Vector3<f64>,
+    attitude: &Wander,
+    velocity: &Wander,
+) -> f64 {
+    let each = intervals.iter().map(|interval| {
+        let of_truth = truth_covariance(attitude, velocity, interval.sums.duration);
+        let covariance = with_truth(&interval.sums, &of_truth);
+        let residual = interval.residual(gravity);
+        let solved = covariance.cholesky().expect("a covariance").solve(&residual);
+        residual.dot(&solved)
+    });
+    each.sum::<f64>() / intervals.len() as f64
+}

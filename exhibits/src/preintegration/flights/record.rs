@@ -1,0 +1,295 @@
+//! The record of two flights.
+
+use nalgebra::Vector3;
+use vislam::inertial::euroc::{read_ground_truth, read_imu};
+use vislam::inertial::{GRAVITY, ImuNoise};
+use vislam::preintegration::Rule;
+
+use super::budget::{
+    Pieces, Shares, best_offset, explained_by_the_gyroscope, gravity_found, normalized_with_truth,
+    roughness, shares, with_steady_bias,
+};
+use super::intervals::{Flight, Interval, LENGTHS, normalized, predicted, sizes};
+use super::wander::Wander;
+use crate::chapter::Chapter;
+use crate::data::{DataFile, NotMade};
+use crate::record::{RecordValue, accepted};
+
+const FILES: [DataFile; 4] = [
+    DataFile {
+        path: "euroc/V1_01_imu0.csv",
+        sha256: "4cef78a5cf7c8ee52016a160de4b50184da2a216d615feb7ebbbb3bc99efa89e",
+    },
+    DataFile {
+        path: "euroc/V1_01_groundtruth_20hz.csv",
+        sha256: "16543952bf69f3fb886008a26cc21d3c552deca8fa06087f0bc329c09d7fcbe3",
+    },
+    DataFile {
+        path: "euroc/MH_05_imu0.csv",
+        sha256: "e8cd122a85f89e82d7980160eceee53825a3d5711098841cf76fd48d688bce16",
+    },
+    DataFile {
+        path: "euroc/MH_05_groundtruth.csv",
+        sha256: "da13e5dcb3d5fc2f12c4e8bfae10dd380d765150be3312f989b0bc5550965451",
+    },
+];
+
+/// A name for each length.
+macro_rules! each_length {
+    ($name:literal) => {
+        [concat!($name, "_0"), concat!($name, "_1"), concat!($name, "_2"), concat!($name, "_3")]
+    };
+}
+
+pub const ATTITUDE: [[&str; 4]; 3] = [
+    each_length!("v1_attitude_left"),
+    each_length!("v1_attitude"),
+    each_length!("v1_attitude_predicted"),
+];
+pub const VELOCITY: [[&str; 4]; 3] = [
+    each_length!("v1_velocity_left"),
+    each_length!("v1_velocity"),
+    each_length!("v1_velocity_predicted"),
+];
+pub const POSITION: [[&str; 4]; 3] = [
+    each_length!("v1_position_left"),
+    each_length!("v1_position"),
+    each_length!("v1_position_predicted"),
+];
+/// Gravity's, the attitude's and the rest's shares of the errors of velocity and position.
+pub const SHARES: [[[&str; 4]; 3]; 2] = [
+    [
+        each_length!("v1_velocity_gravity"),
+        each_length!("v1_velocity_attitude"),
+        each_length!("v1_velocity_rest"),
+    ],
+    [
+        each_length!("v1_position_gravity"),
+        each_length!("v1_position_attitude"),
+        each_length!("v1_position_rest"),
+    ],
+];
+const ATTITUDE_MODEL: [&str; 4] = each_length!("v1_attitude_wander");
+const VELOCITY_MODEL: [&str; 4] = each_length!("v1_velocity_wander");
+const NORMALIZED: [[&str; 4]; 3] = [
+    each_length!("v1_normalized"),
+    each_length!("v1_normalized_level"),
+    each_length!("v1_normalized_truth"),
+];
+const OFFSETS: [&str; 4] = each_length!("v1_offset");
+pub const LEICA: [[&str; 4]; 2] = [each_length!("mh_velocity"), each_length!("mh_position")];
+/// Seconds, and the error of attitude over them.
+pub const LATER: [(f64, &str); 6] = [
+    (0.05, "v1_attitude_after_005"),
+    (5.0, "v1_attitude_after_5"),
+    (10.0, "v1_attitude_after_10"),
+    (20.0, "v1_attitude_after_20"),
+    (40.0, "v1_attitude_after_40"),
+    (60.0, "v1_attitude_after_60"),
+];
+/// What a fault of the simulated flights is set to, as the record of the real ones found it.
+pub const FOUND: [&str; 7] = [
+    "v1_attitude_sigma",
+    "v1_attitude_tau",
+    "v1_velocity_sigma",
+    "v1_velocity_tau",
+    "v1_gravity_x",
+    "v1_gravity_y",
+    "v1_gravity_z",
+];
+
+pub fn records(chapter: &mut Chapter) {
+    let lengths = LENGTHS.map(|seconds| format!("{seconds}")).join(" ");
+    let inputs = vec![("lengths", lengths), ("noise", "ImuNoise::euroc()".to_owned())];
+    chapter.record_of_data("flights", &FILES, inputs, flights);
+}
+
+/// A value of the accepted record, in the units of the book.
+pub fn accepted_value(name: &str) -> f64 {
+    // A record that lacks the name is refused by the page that shows it.
+    accepted(include_str!("../../../records/flights.toml"))(name).unwrap_or(1.0)
+}
+
+/// The flight of two files.
+fn flight(files: &[DataFile]) -> Result<Flight, NotMade> {
+    let [imu, truth] = files else { return Err(NotMade::Failed("a flight has two files".into())) };
+    let failed =
+        |file: &DataFile, error: String| NotMade::Failed(format!("{}: {error}", file.path));
+    let samples = read_imu(&imu.read()?).map_err(|error| failed(imu, error.to_string()))?;
+    let truth_text = truth.read()?;
+    let truth = read_ground_truth(&truth_text).map_err(|error| failed(truth, error.to_string()))?;
+    Ok(Flight { samples, truth })
+}
+
+fn flights() -> Result<Vec<RecordValue>, NotMade> {
+    let (vicon, leica) = (flight(&FILES[..2])?, flight(&FILES[2..])?);
+    let mut values = Values(Vec::new());
+    let (gravity, _) = gravity_found(&vicon);
+    let pieces = Pieces::new(&vicon, &gravity);
+    let wanders = [pieces.attitude_wander(), pieces.velocity_wander()];
+    values.flight(&vicon);
+    values.errors(&vicon);
+    values.gravity(&vicon);
+    values.wander(&pieces, &wanders);
+    values.shares(&vicon, &gravity, &pieces);
+    values.normalized(&vicon, &gravity, &wanders);
+    values.excluded(&vicon, &pieces, &wanders[0]);
+    values.leica(&leica);
+    Ok(values.0)
+}
+
+/// From radians, m/s and metres to the units of the book.
+const MRAD: f64 = 1e3;
+const CM: f64 = 1e2;
+
+struct Values(Vec<RecordValue>);
+
+impl Values {
+    fn add(&mut self, name: &'static str, value: f64, unit: &'static str, decimals: usize) {
+        self.0.push(RecordValue { name, value, unit, decimals, within: 1e-6 });
+    }
+
+    fn flight(&mut self, vicon: &Flight) {
+        let seconds = vicon.samples[0].seconds_to(&vicon.samples[vicon.samples.len() - 1]);
+        self.add("v1_seconds", seconds, "s", 0);
+        self.add("v1_readings", vicon.samples.len() as f64, "", 0);
+        self.add("v1_states", vicon.truth.len() as f64, "", 0);
+    }
+
+    fn errors(&mut self, vicon: &Flight) {
+        for (index, seconds) in LENGTHS.into_iter().enumerate() {
+            let [left, midpoint] =
+                [Rule::Left, Rule::Midpoint].map(|rule| vicon.intervals(rule, seconds, 0.0));
+            let size = |intervals: &[Interval]| {
+                sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)))
+            };
+            let of = [size(&left), size(&midpoint), predicted(&midpoint)];
+            for (kind, of) in of.into_iter().enumerate() {
+                self.add(ATTITUDE[kind][index], MRAD * of[0], "mrad", 2);
+                self.add(VELOCITY[kind][index], CM * of[1], "cm/s", 2);
+                let decimals = if index == 0 { 3 } else { 2 };
+                self.add(POSITION[kind][index], CM * of[2], "cm", decimals);
+            }
+        }
+    }
+
+    fn gravity(&mut self, vicon: &Flight) {
+        let (gravity, sigma) = gravity_found(vicon);
+        self.add("v1_gravity_x", CM * gravity.x, "cm/s²", 1);
+        self.add("v1_gravity_y", CM * gravity.y, "cm/s²", 1);
+        self.add("v1_gravity_z", CM * gravity.z, "cm/s²", 1);
+        self.add("v1_gravity_size", gravity.norm(), "m/s²", 4);
+        self.add("v1_gravity_sigma", sigma.z, "m/s²", 4);
+        let tilt = gravity.xy().norm().atan2(-gravity.z);
+        self.add("v1_tilt_mrad", MRAD * tilt, "mrad", 1);
+        self.add("v1_tilt_deg", tilt.to_degrees(), "°", 2);
+    }
+
+    fn wander(&mut self, pieces: &Pieces, [attitude, velocity]: &[Wander; 2]) {
+        self.add("v1_attitude_sigma", MRAD * attitude.sigma, "mrad", 1);
+        self.add("v1_attitude_tau", attitude.tau, "s", 1);
+        self.add("v1_velocity_sigma", CM * velocity.sigma, "cm/s", 2);
+        self.add("v1_velocity_tau", velocity.tau, "s", 2);
+        for (index, seconds) in LENGTHS.into_iter().enumerate() {
+            let model = [attitude, velocity].map(|wander| wander.spread(seconds).sqrt());
+            self.add(ATTITUDE_MODEL[index], MRAD * model[0], "mrad", 2);
+            self.add(VELOCITY_MODEL[index], CM * model[1], "cm/s", 2);
+        }
+        for (seconds, name) in LATER {
+            let decimals = if seconds < 0.1 { 2 } else { 1 };
+            self.add(name, MRAD * pieces.attitude_after(seconds), "mrad", decimals);
+        }
+        // Both horizontal axes of a tilt that gravity leaks by for a second.
+        let leak = GRAVITY.norm() * 2_f64.sqrt() * attitude.sigma;
+        self.add("v1_leak", CM * leak, "cm/s", 1);
+        self.add("v1_attitude_most", MRAD * 6_f64.sqrt() * attitude.sigma, "mrad", 1);
+    }
+
+    fn shares(&mut self, vicon: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) {
+        for (index, of) in shares(vicon, gravity, pieces).into_iter().enumerate() {
+            for (part, Shares { gravity, attitude, rest }) in of.into_iter().enumerate() {
+                let unit = ["cm/s", "cm"][part];
+                let decimals = if part == 1 && index == 0 { 3 } else { 2 };
+                for (kind, share) in [gravity, attitude, rest].into_iter().enumerate() {
+                    self.add(SHARES[part][kind][index], CM * share, unit, decimals);
+                }
+            }
+        }
+        let steady = with_steady_bias(vicon);
+        let (gravity, _) = gravity_found(&steady);
+        let [velocity, _] = Pieces::new(&steady, &gravity).without_attitude(1.0);
+        self.add("v1_velocity_steady", CM * velocity, "cm/s", 2);
+        let seconds = vicon.samples[0].seconds_to(&vicon.samples[vicon.samples.len() - 1]);
+        let walk = ImuNoise::euroc().accelerometer_walk * seconds.sqrt();
+        self.add("v1_bias_walk", CM * walk, "cm/s²", 1);
+    }
+
+    fn normalized(
+        &mut self,
+        vicon: &Flight,
+        gravity: &Vector3<f64>,
+        [attitude, velocity]: &[Wander; 2],
+    ) {
+        for (index, seconds) in LENGTHS.into_iter().enumerate() {
+            let intervals = vicon.intervals(Rule::Midpoint, seconds, 0.0);
+            let of = [
+                normalized(&intervals, &GRAVITY),
+                normalized(&intervals, gravity),
+                normalized_with_truth(&intervals, gravity, attitude, velocity),
+            ];
+            for (kind, of) in of.into_iter().enumerate() {
+                self.add(NORMALIZED[kind][index], of, "", if kind < 2 { 0 } else { 1 });
+            }
+        }
+    }
+
+    /// What was suspected, and how much of the errors it can be.
+    fn excluded(&mut self, vicon: &Flight, pieces: &Pieces, attitude: &Wander) {
+        for (index, seconds) in LENGTHS.into_iter().enumerate() {
+            self.add(OFFSETS[index], 1e3 * best_offset(vicon, seconds).0, "ms", 2);
+        }
+        self.add("v1_offset_gain", MRAD * best_offset(vicon, 1.0).1, "mrad", 2);
+        let (share, chance) = explained_by_the_gyroscope(vicon);
+        self.add("v1_gyro_share", 1e2 * share, "%", 0);
+        self.add("v1_gyro_chance", 1e2 * chance, "%", 0);
+        // Whatever a minute shows beyond the wander, as if white noise had done it.
+        let beyond = pieces.attitude_after(60.0).powi(2) - attitude.spread(60.0);
+        let density = (beyond.max(0.0) / 180.0).sqrt();
+        self.add("v1_density_limit", density / ImuNoise::euroc().gyro, "", 1);
+        self.add("v1_density_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        // The same when the ground truth's bias may not follow a drift of the gyroscope.
+        let steady = Pieces::new(&with_steady_bias(vicon), &GRAVITY).attitude_after(60.0);
+        let density = ((steady.powi(2) - attitude.spread(60.0)).max(0.0) / 180.0).sqrt();
+        self.add("v1_steady_after_60", MRAD * steady, "mrad", 1);
+        self.add("v1_steady_limit", density / ImuNoise::euroc().gyro, "", 1);
+        self.add("v1_steady_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        // Three axes whose biases walk, integrated once.
+        let walked = ImuNoise::euroc().gyro_walk * 60_f64.powf(1.5);
+        self.add("v1_walk_60", MRAD * walked, "mrad", 1);
+        let [gyro, accelerometer] = roughness(&vicon.samples, 4000, 24_000);
+        self.add("v1_rough_gyro", gyro / ImuNoise::euroc().gyro, "", 0);
+        let ratio = accelerometer / ImuNoise::euroc().accelerometer;
+        self.add("v1_rough_accelerometer", ratio, "", 0);
+        let correlation = pieces.step_correlation();
+        let fresh = (1.0 - correlation).sqrt() * pieces.attitude_after(0.05);
+        self.add("v1_step_correlation", correlation, "", 2);
+        self.add("v1_step_fresh", MRAD * fresh, "mrad", 3);
+        self.add("v1_step_predicted", MRAD * pieces.step_predicted(), "mrad", 3);
+    }
+
+    fn leica(&mut self, leica: &Flight) {
+        for (index, seconds) in LENGTHS.into_iter().enumerate() {
+            let intervals = leica.intervals(Rule::Midpoint, seconds, 0.0);
+            let of = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
+            self.add(LEICA[0][index], CM * of[1], "cm/s", 2);
+            self.add(LEICA[1][index], CM * of[2], "cm", 2);
+        }
+        let intervals = leica.intervals(Rule::Midpoint, 0.1, 0.0);
+        let of = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
+        self.add("mh_attitude_0", MRAD * of[0], "mrad", 2);
+        let (gravity, _) = gravity_found(leica);
+        self.add("mh_gravity_size", gravity.norm(), "m/s²", 3);
+        let tilt = gravity.xy().norm().atan2(-gravity.z);
+        self.add("mh_tilt_mrad", MRAD * tilt, "mrad", 2);
+    }
+}

@@ -1,0 +1,74 @@
+//! What a reading costs.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::preintegration::{Preintegrated, Preintegrator, Rule, correct_for_bias};
+
+use crate::chapter::Chapter;
+use crate::record::RecordValue;
+
+/// Readings in a window, windows in a run, and runs of which the median counts.
+const WINDOW: usize = 200;
+const WINDOWS: usize = 50;
+const RUNS: usize = 101;
+
+pub fn records(chapter: &mut Chapter) {
+    let inputs = vec![
+        ("motion", "Motion::figure_eight()".to_owned()),
+        ("window", WINDOW.to_string()),
+        ("windows", WINDOWS.to_string()),
+        ("runs", RUNS.to_string()),
+    ];
+    chapter.record("preintegration_speed", inputs, speed);
+}
+
+fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
+    let mut sums = Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc()).expect("a sensor");
+    for pair in samples.windows(2) {
+        let added = match rule {
+            Rule::Left => sums.integrate(&pair[0], 0.005),
+            Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], 0.005),
+        };
+        added.expect("a good reading");
+    }
+    sums.finish().expect("readings")
+}
+
+/// The median time of a call in nanoseconds, of runs of `calls` calls.
+fn median(calls: usize, mut call: impl FnMut(usize)) -> f64 {
+    let run = |_| {
+        let start = Instant::now();
+        (0..calls).for_each(&mut call);
+        1e9 * start.elapsed().as_secs_f64() / calls as f64
+    };
+    let mut times: Vec<f64> = (0..RUNS).map(run).collect();
+    times.sort_by(f64::total_cmp);
+    times[RUNS / 2]
+}
+
+fn speed() -> Vec<RecordValue> {
+    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, WINDOW * WINDOWS + 1);
+    let time = |rule| {
+        let of_window = median(WINDOWS, |index| {
+            black_box(window(&samples[WINDOW * index..=WINDOW * (index + 1)], rule));
+        });
+        of_window / WINDOW as f64
+    };
+    let (left, midpoint) = (time(Rule::Left), time(Rule::Midpoint));
+    let sums = window(&samples[..=WINDOW], Rule::Midpoint);
+    let bias = ImuBias::default();
+    let corrected = median(1000, |_| {
+        black_box(correct_for_bias(black_box(&sums), black_box(&bias)));
+    });
+    // Times are those of a machine and an hour.
+    let value = |name, value, unit| RecordValue { name, value, unit, decimals: 0, within: 3.0 };
+    vec![
+        value("window", WINDOW as f64, ""),
+        value("left", left, "ns"),
+        value("midpoint", midpoint, "ns"),
+        value("again", 1e-3 * midpoint * WINDOW as f64, "µs"),
+        value("corrected", corrected, "ns"),
+    ]
+}
