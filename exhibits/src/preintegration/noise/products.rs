@@ -104,7 +104,7 @@ impl Moments {
 }
 
 /// N Nᵀ times the variance of a reading: the covariance of what noise adds to θ in a step.
-fn fresh(
+fn from_gyro(
     counter: &Counter,
     rotation: &Rotation3<f64>,
     turn: &Vector3<f64>,
@@ -136,8 +136,8 @@ fn counted() -> (usize, usize, f64) {
         dense = carried + by_matrices.times(&fresh, &b.transpose());
         let c = DT * (rotation * sample.accelerometer);
         let turn = DT * sample.gyro;
-        let fresh = fresh(&by_blocks, &rotation, &turn, noise.gyro * noise.gyro * DT);
-        moments.advance(&by_blocks, &fresh, &c, DT, &noise);
+        let added = from_gyro(&by_blocks, &rotation, &turn, noise.gyro * noise.gyro * DT);
+        moments.advance(&by_blocks, &added, &c, DT, &noise);
         rotation *= so3::exp(&turn);
         integrator.integrate(sample, DT).expect("the reading is finite");
     }
