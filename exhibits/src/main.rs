@@ -19,6 +19,7 @@ mod manifold;
 mod observability;
 mod preintegration;
 mod random;
+mod real_flights;
 mod record;
 mod report;
 mod reprojection;
@@ -44,6 +45,7 @@ const CHAPTERS: &[(&str, Register)] = &[
     ("bundle_adjustment", bundle_adjustment::exhibits),
     ("inertial", inertial::exhibits),
     ("preintegration", preintegration::exhibits),
+    ("real_flights", real_flights::exhibits),
     ("observability", observability::exhibits),
 ];
 

@@ -1,7 +1,7 @@
 //! What chapter `preintegration` shows: many inertial readings as one measurement.
 
-mod flights;
 mod noise;
+mod speed;
 mod sums;
 
 use crate::chapter::Chapter;
@@ -10,5 +10,5 @@ use crate::chapter::Chapter;
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
     noise::exhibits(chapter);
-    flights::exhibits(chapter);
+    speed::exhibits(chapter);
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::GRAVITY;
-use vislam::preintegration::{Preintegrated, Preintegrator, Rule};
+use vislam::preintegration::Rule;
 
 use super::budget::{Pieces, gravity_found, normalized_with_truth};
 use super::intervals::{LENGTHS, normalized, sizes};
@@ -14,8 +14,7 @@ use crate::chapter::Chapter;
 const SECONDS: f64 = 300.0;
 const SEED: u64 = 5;
 
-const LENGTH_NAMES: [&str; 4] =
-    ["flight_length_0", "flight_length_1", "flight_length_2", "flight_length_3"];
+const LENGTH_NAMES: [&str; 4] = ["length_0", "length_1", "length_2", "length_3"];
 
 /// What the record says is wrong with the ground truth of the real flight.
 pub fn faults() -> Faults {
@@ -31,32 +30,30 @@ pub fn numbers(chapter: &mut Chapter) {
     for (name, seconds) in LENGTH_NAMES.into_iter().zip(LENGTHS) {
         chapter.number(name, seconds, "s", if seconds < 1.0 { 1 } else { 0 });
     }
-    chapter.number("flight_half_step", 0.5e3 * STEP, "ms", 1);
+    chapter.number("half_step", 0.5e3 * STEP, "ms", 1);
     let second = |flight: &super::intervals::Flight| flight.intervals(Rule::Midpoint, 1.0, 0.0);
     let (ideal, faults) = (flight(SECONDS, SEED, None), faults());
     let spoilt = flight(SECONDS, SEED, Some(&faults));
     let intervals = second(&ideal);
-    chapter.number("flight_live_intervals", intervals.len() as f64, "", 0);
-    chapter.number("flight_live_normalized", normalized(&intervals, &GRAVITY), "", 1);
+    chapter.number("live_intervals", intervals.len() as f64, "", 0);
+    chapter.number("live_normalized", normalized(&intervals, &GRAVITY), "", 1);
     // Three standard deviations of the mean of so many chi-square numbers of nine degrees.
     let scatter = 3.0 * (18.0 / intervals.len() as f64).sqrt();
-    chapter.number("flight_live_low", 9.0 - scatter, "", 1);
-    chapter.number("flight_live_high", 9.0 + scatter, "", 1);
+    chapter.number("live_low", 9.0 - scatter, "", 1);
+    chapter.number("live_high", 9.0 + scatter, "", 1);
     let intervals = second(&spoilt);
     let (gravity, _) = gravity_found(&spoilt);
     let pieces = Pieces::new(&spoilt, &gravity);
     let attitude = pieces.attitude_wander();
-    chapter.number("flight_live_spoilt", normalized(&intervals, &GRAVITY), "", 0);
+    chapter.number("live_spoilt", normalized(&intervals, &GRAVITY), "", 0);
     let [error, ..] = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
-    chapter.number("flight_live_attitude", 1e3 * error, "mrad", 2);
-    chapter.number("flight_live_gravity_x", 1e2 * gravity.x, "cm/s²", 1);
-    chapter.number("flight_live_sigma", 1e3 * attitude.sigma, "mrad", 1);
-    chapter.number("flight_live_tau", attitude.tau, "s", 1);
+    chapter.number("live_attitude", 1e3 * error, "mrad", 2);
+    chapter.number("live_gravity_x", 1e2 * gravity.x, "cm/s²", 1);
+    chapter.number("live_sigma", 1e3 * attitude.sigma, "mrad", 1);
+    chapter.number("live_tau", attitude.tau, "s", 1);
     let mended = normalized_with_truth(&intervals, &gravity, &attitude, &faults.velocity);
-    chapter.number("flight_live_mended", mended, "", 1);
-    chapter.number("flight_zurich", zurich(), "m/s²", 3);
-    chapter.number("flight_integrator_bytes", size_of::<Preintegrator>() as f64, "bytes", 0);
-    chapter.number("flight_sums_bytes", size_of::<Preintegrated>() as f64, "bytes", 0);
+    chapter.number("live_mended", mended, "", 1);
+    chapter.number("zurich", zurich(), "m/s²", 3);
 }
 
 /// Gravity on the ellipsoid of the World Geodetic System of 1984 at the latitude of Zürich, by the

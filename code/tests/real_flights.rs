@@ -1,5 +1,5 @@
 //! Preintegration on real flights. They are no part of the library: `VISLAM_DATA` names the folder
-//! in which `euroc/` holds them, and `cargo test --test flights -- --ignored` runs these tests.
+//! in which `euroc/` holds them, and `cargo test --test real_flights -- --ignored` runs these tests.
 
 use nalgebra::Vector3;
 use vislam::inertial::euroc::{GroundTruth, read_ground_truth, read_imu};

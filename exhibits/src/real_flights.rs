@@ -1,4 +1,4 @@
-//! Real flights: how far preintegrated readings are from the ground truth, and why.
+//! What chapter `real_flights` shows: how far preintegrated readings are from a ground truth, and why.
 
 mod budget;
 mod equations;
@@ -7,7 +7,6 @@ mod intervals;
 mod live;
 mod record;
 mod simulated;
-mod speed;
 mod wander;
 
 use crate::chapter::Chapter;
@@ -17,6 +16,5 @@ pub fn exhibits(chapter: &mut Chapter) {
     equations::equations(chapter);
     live::numbers(chapter);
     record::records(chapter);
-    speed::records(chapter);
     figures::figures(chapter);
 }

@@ -14,7 +14,9 @@ const WINDOW: usize = 200;
 const WINDOWS: usize = 50;
 const RUNS: usize = 101;
 
-pub fn records(chapter: &mut Chapter) {
+pub fn exhibits(chapter: &mut Chapter) {
+    chapter.number("integrator_bytes", size_of::<Preintegrator>() as f64, "bytes", 0);
+    chapter.number("sums_bytes", size_of::<Preintegrated>() as f64, "bytes", 0);
     let inputs = vec![
         ("motion", "Motion::figure_eight()".to_owned()),
         ("window", WINDOW.to_string()),

@@ -12,9 +12,9 @@ use crate::chapter::Chapter;
 use crate::figure::{self, Chart, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 
 pub fn figures(chapter: &mut Chapter) {
-    chapter.figure("flight_errors", flight_errors);
-    chapter.figure("flight_wander", flight_wander);
-    chapter.figure("flight_leica", flight_leica);
+    chapter.figure("errors", flight_errors);
+    chapter.figure("wander", flight_wander);
+    chapter.figure("leica", flight_leica);
 }
 
 /// Values of the record for each length.
