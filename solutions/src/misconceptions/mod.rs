@@ -1,0 +1,21 @@
+//! Plausible wrong answers: each changes the reference answer in one way.
+
+pub mod left_perturbation;
+
+use exercise_spec::answer::{Dispatch, Native, Transport};
+use exercise_spec::check::Misconception;
+
+/// A wrong answer and what it should be recognized as.
+pub struct Wrong {
+    /// What is wrong with it.
+    pub misconception: &'static Misconception,
+    /// The answer.
+    pub answer: Box<dyn Transport>,
+}
+
+impl Wrong {
+    /// A wrong answer of its functions.
+    fn new(misconception: &'static Misconception, functions: impl Dispatch + 'static) -> Self {
+        Self { misconception, answer: Box::new(Native(functions)) }
+    }
+}

@@ -1,0 +1,18 @@
+//! The hidden checks: those of the specification, on instances that nobody has seen.
+//!
+//! A module for each exercise draws the instances from a seed. They differ from the public ones
+//! in their numbers, their geometries and how near they come to what is allowed, and in nothing
+//! that a student could not know.
+
+pub mod left_perturbation;
+
+use exercise_spec::check::Check;
+
+/// The hidden checks of an exercise, on instances drawn from a seed. Nothing where there is no
+/// such exercise.
+pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
+    match slug {
+        "left_perturbation" => Some(left_perturbation::checks(seed)),
+        _ => None,
+    }
+}
