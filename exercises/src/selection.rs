@@ -1,7 +1,7 @@
 //! Which exercises a word on the command line means, and how they are run.
 
 use std::path::Path;
-use std::process::{Command, ExitStatus};
+use std::process::{Command, ExitStatus, Stdio};
 
 use exercise_spec::{EXERCISES, Exercise};
 
@@ -33,19 +33,41 @@ pub fn unknown(name: &str) -> String {
     format!("there is no exercise `{name}`; there is {}", all.join(", "))
 }
 
-/// Compiles one answer and runs its checks, with more arguments for them.
+/// Compiles one answer and runs its checks, with more arguments for them. Nothing comes back
+/// when it does not compile; the compiler has said why.
 ///
 /// # Errors
 ///
-/// When cargo cannot be started.
-pub fn run(folder: &Path, slug: &str, arguments: &[String]) -> Result<ExitStatus, String> {
+/// When cargo or the compiled tests cannot be started.
+pub fn run(folder: &Path, slug: &str, arguments: &[String]) -> Result<Option<ExitStatus>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    Command::new(cargo)
-        .args(["test", "--quiet", "--offline", "--package", "exercises", "--test", slug, "--"])
+    let compiled = Command::new(cargo)
+        .args(["test", "--quiet", "--offline", "--package", "exercises", "--test", slug])
+        .args(["--no-run", "--message-format", "json-render-diagnostics"])
+        .current_dir(folder)
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|error| format!("cannot start cargo: {error}"))?;
+    if !compiled.status.success() {
+        return Ok(None);
+    }
+    let messages = String::from_utf8_lossy(&compiled.stdout);
+    let program = messages.lines().find_map(|line| program(line, slug));
+    let program =
+        program.ok_or_else(|| format!("cargo does not say where the tests of {slug} are"))?;
+    Command::new(&program)
         .args(arguments)
         .current_dir(folder)
         .status()
-        .map_err(|error| format!("cannot start cargo: {error}"))
+        .map(Some)
+        .map_err(|error| format!("cannot start {program}: {error}"))
+}
+
+/// The program of a test target, when a message of cargo names it.
+fn program(message: &str, slug: &str) -> Option<String> {
+    let message: serde_json::Value = serde_json::from_str(message).ok()?;
+    (message["target"]["name"] == slug).then_some(())?;
+    Some(message["executable"].as_str()?.to_owned())
 }
 
 /// Text in lines of at most `width` characters. Empty lines divide paragraphs.

@@ -26,8 +26,12 @@ fn main() -> ExitCode {
     for exercise in selected {
         println!("\n{}: {}", exercise.slug, exercise.title);
         match selection::run(Folder::here().path(), exercise.slug, &passed_on) {
-            Ok(status) if status.success() => {}
-            Ok(_) => failed.push(exercise.slug),
+            Ok(Some(status)) if status.success() => {}
+            Ok(Some(_)) => failed.push(exercise.slug),
+            Ok(None) => {
+                println!("{} does not compile; the compiler says why above", exercise.slug);
+                failed.push(exercise.slug);
+            }
             Err(error) => {
                 eprintln!("{error}");
                 return ExitCode::from(2);

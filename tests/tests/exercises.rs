@@ -165,3 +165,58 @@ fn no_reference_answer_calls_what_is_forbidden() {
         }
     }
 }
+
+#[test]
+fn every_question_in_words_has_a_rubric() {
+    let answers = fs::read_to_string(root().join("exercises/answers.md")).expect("answers.md");
+    let sections = answers.lines().filter_map(|line| line.strip_prefix("## "));
+    let asked: BTreeSet<&str> = sections.collect();
+    for slug in &asked {
+        assert!(
+            exercise_spec::exercise(slug).is_some(),
+            "answers.md: no exercise is called {slug}"
+        );
+        let rubric = root().join("tests/rubrics").join(format!("{slug}.md"));
+        assert!(rubric.is_file(), "{slug} has no rubric");
+    }
+}
+
+/// The table of the instructor's part: every misconception, and which check names it.
+fn table() -> String {
+    let mut text = String::from(
+        "| Exercise | Misconception | Named by | What the student reads |\n| --- | --- | --- | --- |\n",
+    );
+    for exercise in EXERCISES {
+        for wrong in answers_of(exercise).wrong {
+            let named = |check: &Check| {
+                check.run(&*wrong.answer).is_err_and(|failure| failure.misconception.is_some())
+            };
+            let public = (exercise.checks)();
+            let check = public.iter().find(|check| named(check)).map_or("", |check| check.name);
+            let known = wrong.misconception;
+            text += &format!(
+                "| `{}` | `{}` | `{check}` | {} |\n",
+                exercise.slug,
+                known.name,
+                known.sentence.replace('|', "\\|")
+            );
+        }
+    }
+    text
+}
+
+/// `ACCEPT=1 cargo test -p book-tests --test exercises table` writes it anew.
+#[test]
+fn the_table_of_misconceptions_is_what_the_checks_say() {
+    let path = root().join("src/instructors/misconceptions.md");
+    let page = fs::read_to_string(&path).expect("the page");
+    let (before, _) = page.split_once("\n| Exercise").expect("a table at the end of the page");
+    let anew = format!("{before}\n{}", table());
+    if std::env::var_os("ACCEPT").is_some() {
+        fs::write(&path, &anew).expect("written");
+    }
+    assert!(
+        page == anew || std::env::var_os("ACCEPT").is_some(),
+        "the table has changed; ACCEPT=1"
+    );
+}

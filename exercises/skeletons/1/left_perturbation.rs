@@ -18,10 +18,7 @@ pub fn left_pose_jacobian(
 
 /// The derivative by a twist on the **right** of the pose, T exp(ξ), of something whose
 /// derivative by a twist on the left is given.
-pub fn right_from_left(
-    camera_from_world: Isometry3<f64>,
-    left: Matrix2x6<f64>,
-) -> Matrix2x6<f64> {
+pub fn right_from_left(camera_from_world: Isometry3<f64>, left: Matrix2x6<f64>) -> Matrix2x6<f64> {
     let _ = (camera_from_world, left);
     todo!("the dictionary between the two sides")
 }

@@ -23,8 +23,8 @@ pub enum Side {
 }
 // ANCHOR_END: side
 
-// ANCHOR: signatures
 crate::signatures! {
+    // ANCHOR: signatures
     /// The derivative of the pixel of a world point by a twist ξ = (ρ, φ) that moves the pose on
     /// the **left**, exp(ξ) T, at ξ = 0. In pixels per metre and per radian. The point is in
     /// front of the camera.
@@ -37,7 +37,9 @@ crate::signatures! {
     /// The derivative by a twist on the **right** of the pose, T exp(ξ), of something whose
     /// derivative by a twist on the left is given.
     fn right_from_left(camera_from_world: Isometry3<f64>, left: Matrix2x6<f64>) -> Matrix2x6<f64>;
+    // ANCHOR_END: signatures
 
+    // ANCHOR: checking
     /// Either derivative by central differences with the step given: in each of the six
     /// directions, half the difference of two pixels over the step. Its error shrinks with the
     /// square of the step.
@@ -53,8 +55,8 @@ crate::signatures! {
     /// along its optical axis. The point is given in the camera's frame and stays where it is in
     /// the world.
     fn forward_motion(camera: Camera, point_in_camera: Vector3<f64>) -> Vector2<f64>;
+    // ANCHOR_END: checking
 }
-// ANCHOR_END: signatures
 
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
