@@ -67,7 +67,7 @@ pub struct Failure {
     /// The misconception that gives these numbers, if one does.
     pub misconception: Option<&'static Misconception>,
     /// Expected and obtained side by side, where that can be drawn.
-    pub picture: Option<Picture>,
+    pub picture: Option<Box<Picture>>,
 }
 
 impl Failure {
@@ -93,7 +93,7 @@ impl Failure {
 
     /// The same with a picture.
     pub fn with_picture(self, picture: Picture) -> Self {
-        Self { picture: Some(picture), ..self }
+        Self { picture: Some(Box::new(picture)), ..self }
     }
 }
 
