@@ -35,8 +35,11 @@ macro_rules! misconceptions {
 pub struct Check {
     /// What it states, as the name of a test.
     pub name: &'static str,
-    run: Box<dyn Fn(&dyn Transport) -> Result<(), Failure> + Send + Sync>,
+    run: Box<Run>,
 }
+
+/// What a check does with an answer.
+type Run = dyn Fn(&dyn Transport) -> Result<(), Failure> + Send + Sync;
 
 impl Check {
     /// A check from its statement and what it does.
