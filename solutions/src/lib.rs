@@ -1,6 +1,7 @@
 //! Reference answers to the exercises, one module each as a student would write it, and
 //! [`misconceptions`], the plausible wrong ones.
 
+pub mod along_or_across;
 pub mod left_perturbation;
 pub mod misconceptions;
 
@@ -33,5 +34,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation]
+    answers![left_perturbation, along_or_across]
 }

@@ -4,6 +4,7 @@
 //! in their numbers, their geometries and how near they come to what is allowed, and in nothing
 //! that a student could not know.
 
+pub mod along_or_across;
 pub mod left_perturbation;
 
 use exercise_spec::check::Check;
@@ -12,6 +13,7 @@ use exercise_spec::check::Check;
 /// such exercise.
 pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
+        "along_or_across" => Some(along_or_across::checks(seed)),
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         _ => None,
     }

@@ -6,6 +6,7 @@
 //! no answer: what checks compare with are oracles that find the same numbers another way, by
 //! differences or by brute force.
 
+pub mod along_or_across;
 pub mod answer;
 pub mod camera;
 pub mod check;
@@ -37,7 +38,7 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE];
+pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE, &along_or_across::EXERCISE];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

@@ -1,5 +1,6 @@
 //! Plausible wrong answers: each changes the reference answer in one way.
 
+pub mod along_or_across;
 pub mod left_perturbation;
 
 use exercise_spec::answer::{Dispatch, Native, Transport};
