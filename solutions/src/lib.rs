@@ -4,6 +4,7 @@
 pub mod along_or_across;
 pub mod left_perturbation;
 pub mod misconceptions;
+pub mod scale_null_space;
 
 use exercise_spec::answer::{Native, Transport};
 use misconceptions::Wrong;
@@ -34,5 +35,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, along_or_across]
+    answers![left_perturbation, along_or_across, scale_null_space]
 }

@@ -6,6 +6,7 @@
 
 pub mod along_or_across;
 pub mod left_perturbation;
+pub mod scale_null_space;
 
 use exercise_spec::check::Check;
 
@@ -15,6 +16,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
         "along_or_across" => Some(along_or_across::checks(seed)),
         "left_perturbation" => Some(left_perturbation::checks(seed)),
+        "scale_null_space" => Some(scale_null_space::checks(seed)),
         _ => None,
     }
 }

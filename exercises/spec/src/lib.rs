@@ -13,6 +13,7 @@ pub mod check;
 pub mod draw;
 pub mod left_perturbation;
 pub mod picture;
+pub mod scale_null_space;
 
 use answer::Transport;
 use check::{Check, Failure, Misconception};
@@ -38,7 +39,8 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE, &along_or_across::EXERCISE];
+pub const EXERCISES: &[&Exercise] =
+    &[&left_perturbation::EXERCISE, &along_or_across::EXERCISE, &scale_null_space::EXERCISE];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {
