@@ -5,6 +5,7 @@ pub mod along_or_across;
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod scale_null_space;
+pub mod stereo_gauge;
 
 use exercise_spec::answer::{Native, Transport};
 use misconceptions::Wrong;
@@ -35,5 +36,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, along_or_across, scale_null_space]
+    answers![left_perturbation, along_or_across, scale_null_space, stereo_gauge]
 }

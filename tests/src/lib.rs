@@ -7,6 +7,7 @@
 pub mod along_or_across;
 pub mod left_perturbation;
 pub mod scale_null_space;
+pub mod stereo_gauge;
 
 use exercise_spec::check::Check;
 
@@ -17,6 +18,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "along_or_across" => Some(along_or_across::checks(seed)),
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "scale_null_space" => Some(scale_null_space::checks(seed)),
+        "stereo_gauge" => Some(stereo_gauge::checks(seed)),
         _ => None,
     }
 }

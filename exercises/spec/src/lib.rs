@@ -14,6 +14,7 @@ pub mod draw;
 pub mod left_perturbation;
 pub mod picture;
 pub mod scale_null_space;
+pub mod stereo_gauge;
 
 use answer::Transport;
 use check::{Check, Failure, Misconception};
@@ -39,8 +40,12 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] =
-    &[&left_perturbation::EXERCISE, &along_or_across::EXERCISE, &scale_null_space::EXERCISE];
+pub const EXERCISES: &[&Exercise] = &[
+    &left_perturbation::EXERCISE,
+    &along_or_across::EXERCISE,
+    &scale_null_space::EXERCISE,
+    &stereo_gauge::EXERCISE,
+];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

@@ -3,6 +3,7 @@
 pub mod along_or_across;
 pub mod left_perturbation;
 pub mod scale_null_space;
+pub mod stereo_gauge;
 
 use exercise_spec::answer::{Dispatch, Native, Transport};
 use exercise_spec::check::Misconception;
