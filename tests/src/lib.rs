@@ -5,6 +5,7 @@
 //! that a student could not know.
 
 pub mod left_perturbation;
+pub mod noise_growth;
 
 use exercise_spec::check::Check;
 
@@ -13,6 +14,7 @@ use exercise_spec::check::Check;
 pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
+        "noise_growth" => Some(noise_growth::checks(seed)),
         _ => None,
     }
 }
