@@ -4,6 +4,7 @@
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod noise_growth;
+pub mod residual_jacobian;
 
 use exercise_spec::answer::{Native, Transport};
 use misconceptions::Wrong;
@@ -34,5 +35,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, noise_growth]
+    answers![left_perturbation, noise_growth, residual_jacobian]
 }

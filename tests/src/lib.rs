@@ -6,6 +6,7 @@
 
 pub mod left_perturbation;
 pub mod noise_growth;
+pub mod residual_jacobian;
 
 use exercise_spec::check::Check;
 
@@ -15,6 +16,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "noise_growth" => Some(noise_growth::checks(seed)),
+        "residual_jacobian" => Some(residual_jacobian::checks(seed)),
         _ => None,
     }
 }

@@ -11,8 +11,10 @@ pub mod camera;
 pub mod check;
 pub mod draw;
 pub mod left_perturbation;
+pub mod navigation;
 pub mod noise_growth;
 pub mod picture;
+pub mod residual_jacobian;
 
 use answer::Transport;
 use check::{Check, Failure, Misconception};
@@ -38,7 +40,8 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE, &noise_growth::EXERCISE];
+pub const EXERCISES: &[&Exercise] =
+    &[&left_perturbation::EXERCISE, &noise_growth::EXERCISE, &residual_jacobian::EXERCISE];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

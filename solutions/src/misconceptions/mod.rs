@@ -2,6 +2,7 @@
 
 pub mod left_perturbation;
 pub mod noise_growth;
+pub mod residual_jacobian;
 
 use exercise_spec::answer::{Dispatch, Native, Transport};
 use exercise_spec::check::Misconception;
