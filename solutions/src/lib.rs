@@ -5,6 +5,7 @@ pub mod left_perturbation;
 pub mod misconceptions;
 pub mod noise_growth;
 pub mod residual_jacobian;
+pub mod scale_and_gravity;
 
 use exercise_spec::answer::{Native, Transport};
 use misconceptions::Wrong;
@@ -35,5 +36,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, noise_growth, residual_jacobian]
+    answers![left_perturbation, noise_growth, residual_jacobian, scale_and_gravity]
 }

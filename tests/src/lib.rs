@@ -7,6 +7,7 @@
 pub mod left_perturbation;
 pub mod noise_growth;
 pub mod residual_jacobian;
+pub mod scale_and_gravity;
 
 use exercise_spec::check::Check;
 
@@ -17,6 +18,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "noise_growth" => Some(noise_growth::checks(seed)),
         "residual_jacobian" => Some(residual_jacobian::checks(seed)),
+        "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
         _ => None,
     }
 }

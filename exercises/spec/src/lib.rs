@@ -15,6 +15,7 @@ pub mod navigation;
 pub mod noise_growth;
 pub mod picture;
 pub mod residual_jacobian;
+pub mod scale_and_gravity;
 
 use answer::Transport;
 use check::{Check, Failure, Misconception};
@@ -40,8 +41,12 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] =
-    &[&left_perturbation::EXERCISE, &noise_growth::EXERCISE, &residual_jacobian::EXERCISE];
+pub const EXERCISES: &[&Exercise] = &[
+    &left_perturbation::EXERCISE,
+    &noise_growth::EXERCISE,
+    &residual_jacobian::EXERCISE,
+    &scale_and_gravity::EXERCISE,
+];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

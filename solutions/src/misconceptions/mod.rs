@@ -3,6 +3,7 @@
 pub mod left_perturbation;
 pub mod noise_growth;
 pub mod residual_jacobian;
+pub mod scale_and_gravity;
 
 use exercise_spec::answer::{Dispatch, Native, Transport};
 use exercise_spec::check::Misconception;
