@@ -1,4 +1,4 @@
-//! Where the uncertainty comes from.
+//! Where uncertainty comes from.
 
 use exercise_spec::noise_growth::{Densities, Exponents, Reading, Source};
 use nalgebra::{Matrix6, Vector6};

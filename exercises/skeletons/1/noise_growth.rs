@@ -1,4 +1,4 @@
-//! Where the uncertainty comes from. Edition 1.
+//! Where uncertainty comes from. Edition 1.
 //!
 //! `cargo test -p exercises noise_growth`
 

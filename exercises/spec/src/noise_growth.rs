@@ -1,4 +1,4 @@
-//! Where the uncertainty comes from: how noise enters the sums over readings, and how it grows.
+//! Where uncertainty comes from: how noise enters the sums over readings, and how it grows.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -101,7 +101,7 @@ crate::signatures! {
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "noise_growth",
-    title: "Where the uncertainty comes from",
+    title: "Where uncertainty comes from",
     chapter: "preintegration",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
