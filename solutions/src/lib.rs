@@ -4,6 +4,9 @@
 pub mod along_or_across;
 pub mod left_perturbation;
 pub mod misconceptions;
+pub mod noise_growth;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
@@ -36,5 +39,13 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, along_or_across, scale_null_space, stereo_gauge]
+    answers![
+        left_perturbation,
+        along_or_across,
+        scale_null_space,
+        stereo_gauge,
+        noise_growth,
+        residual_jacobian,
+        scale_and_gravity,
+    ]
 }

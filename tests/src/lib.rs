@@ -6,6 +6,9 @@
 
 pub mod along_or_across;
 pub mod left_perturbation;
+pub mod noise_growth;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
@@ -19,6 +22,9 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "scale_null_space" => Some(scale_null_space::checks(seed)),
         "stereo_gauge" => Some(stereo_gauge::checks(seed)),
+        "noise_growth" => Some(noise_growth::checks(seed)),
+        "residual_jacobian" => Some(residual_jacobian::checks(seed)),
+        "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
         _ => None,
     }
 }

@@ -12,7 +12,8 @@ use exercises::{hints, picture, selection};
 use tempfile::TempDir;
 
 const SLUG: &str = "left_perturbation";
-const FIRST: &str = "//! A skeleton. Edition 1.\n\npub fn a() {\n    todo!()\n}\n\npub fn b() {\n    todo!()\n}\n";
+const FIRST: &str =
+    "//! A skeleton. Edition 1.\n\npub fn a() {\n    todo!()\n}\n\npub fn b() {\n    todo!()\n}\n";
 
 /// A folder with the skeleton of one edition, and the answer as it was handed out.
 fn folder() -> (TempDir, Folder) {
@@ -43,7 +44,10 @@ fn a_reset_puts_the_newest_skeleton_back_and_keeps_every_former_answer() {
         former.push(edition::reset(&folder, SLUG).expect("reset"));
         assert_eq!(text(&folder.answer(SLUG)), FIRST);
     }
-    assert_eq!(former.iter().map(|path| text(path)).collect::<Vec<_>>(), ["first try", "second try"]);
+    assert_eq!(
+        former.iter().map(|path| text(path)).collect::<Vec<_>>(),
+        ["first try", "second try"]
+    );
 }
 
 #[test]
@@ -125,7 +129,10 @@ fn a_name_that_is_none_is_told_with_those_there_are() {
 
 #[test]
 fn long_sentences_are_broken_between_words() {
-    assert_eq!(selection::wrapped("one two three\nfour\n\nfive", 9), "one two\nthree\nfour\n\nfive");
+    assert_eq!(
+        selection::wrapped("one two three\nfour\n\nfive", 9),
+        "one two\nthree\nfour\n\nfive"
+    );
 }
 
 #[test]

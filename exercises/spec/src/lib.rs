@@ -12,7 +12,11 @@ pub mod camera;
 pub mod check;
 pub mod draw;
 pub mod left_perturbation;
+pub mod navigation;
+pub mod noise_growth;
 pub mod picture;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
@@ -45,6 +49,9 @@ pub const EXERCISES: &[&Exercise] = &[
     &along_or_across::EXERCISE,
     &scale_null_space::EXERCISE,
     &stereo_gauge::EXERCISE,
+    &noise_growth::EXERCISE,
+    &residual_jacobian::EXERCISE,
+    &scale_and_gravity::EXERCISE,
 ];
 
 /// The exercise of a name.

@@ -2,6 +2,9 @@
 
 pub mod along_or_across;
 pub mod left_perturbation;
+pub mod noise_growth;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
