@@ -3,6 +3,7 @@
 
 pub mod left_perturbation;
 pub mod misconceptions;
+pub mod outlier_rescue;
 
 use exercise_spec::answer::{Native, Transport};
 use misconceptions::Wrong;
@@ -33,5 +34,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation]
+    answers![left_perturbation, outlier_rescue]
 }

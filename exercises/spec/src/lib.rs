@@ -11,6 +11,7 @@ pub mod camera;
 pub mod check;
 pub mod draw;
 pub mod left_perturbation;
+pub mod outlier_rescue;
 pub mod picture;
 
 use answer::Transport;
@@ -37,7 +38,7 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE];
+pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE, &outlier_rescue::EXERCISE];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {
