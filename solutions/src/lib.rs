@@ -3,6 +3,7 @@
 
 pub mod left_perturbation;
 pub mod misconceptions;
+pub mod null_space;
 pub mod outlier_rescue;
 
 use exercise_spec::answer::{Native, Transport};
@@ -34,5 +35,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, outlier_rescue]
+    answers![left_perturbation, outlier_rescue, null_space]
 }

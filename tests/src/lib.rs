@@ -5,6 +5,7 @@
 //! that a student could not know.
 
 pub mod left_perturbation;
+pub mod null_space;
 pub mod outlier_rescue;
 
 use exercise_spec::check::Check;
@@ -15,6 +16,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "outlier_rescue" => Some(outlier_rescue::checks(seed)),
+        "null_space" => Some(null_space::checks(seed)),
         _ => None,
     }
 }

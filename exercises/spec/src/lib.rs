@@ -11,6 +11,7 @@ pub mod camera;
 pub mod check;
 pub mod draw;
 pub mod left_perturbation;
+pub mod null_space;
 pub mod outlier_rescue;
 pub mod picture;
 
@@ -38,7 +39,8 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] = &[&left_perturbation::EXERCISE, &outlier_rescue::EXERCISE];
+pub const EXERCISES: &[&Exercise] =
+    &[&left_perturbation::EXERCISE, &outlier_rescue::EXERCISE, &null_space::EXERCISE];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

@@ -1,6 +1,7 @@
 //! Plausible wrong answers: each changes the reference answer in one way.
 
 pub mod left_perturbation;
+pub mod null_space;
 pub mod outlier_rescue;
 
 use exercise_spec::answer::{Dispatch, Native, Transport};
