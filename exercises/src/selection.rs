@@ -5,10 +5,13 @@ use std::process::{Command, ExitStatus, Stdio};
 
 use exercise_spec::{EXERCISES, Exercise};
 
-/// The exercises that a filter of `cargo test` selects: those whose name contains it, and those
-/// with a check whose name does.
+/// The exercises that a filter of `cargo test` selects: the one of that name, and if there is
+/// none, those whose name contains it or who have a check whose name does.
 pub fn selected(filter: Option<&str>) -> Vec<&'static Exercise> {
     let Some(filter) = filter else { return EXERCISES.to_vec() };
+    if let Some(exact) = exercise_spec::exercise(filter) {
+        return vec![exact];
+    }
     let has = |exercise: &&&Exercise| {
         exercise.slug.contains(filter)
             || (exercise.checks)()

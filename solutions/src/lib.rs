@@ -5,6 +5,8 @@ pub mod along_or_across;
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod noise_growth;
+pub mod null_space;
+pub mod outlier_rescue;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
@@ -43,9 +45,11 @@ pub fn answers() -> Vec<Answers> {
         left_perturbation,
         along_or_across,
         scale_null_space,
+        outlier_rescue,
         stereo_gauge,
         noise_growth,
         residual_jacobian,
         scale_and_gravity,
+        null_space,
     ]
 }

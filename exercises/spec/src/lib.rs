@@ -14,6 +14,8 @@ pub mod draw;
 pub mod left_perturbation;
 pub mod navigation;
 pub mod noise_growth;
+pub mod null_space;
+pub mod outlier_rescue;
 pub mod picture;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
@@ -48,10 +50,12 @@ pub const EXERCISES: &[&Exercise] = &[
     &left_perturbation::EXERCISE,
     &along_or_across::EXERCISE,
     &scale_null_space::EXERCISE,
+    &outlier_rescue::EXERCISE,
     &stereo_gauge::EXERCISE,
     &noise_growth::EXERCISE,
     &residual_jacobian::EXERCISE,
     &scale_and_gravity::EXERCISE,
+    &null_space::EXERCISE,
 ];
 
 /// The exercise of a name.

@@ -3,6 +3,8 @@
 pub mod along_or_across;
 pub mod left_perturbation;
 pub mod noise_growth;
+pub mod null_space;
+pub mod outlier_rescue;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
