@@ -35,7 +35,8 @@ pub fn cut(source: &str, anchor: &str) -> Option<Listing> {
 
 /// The mark and the name on a line that holds nothing but an anchor.
 fn mark_of(line: &str) -> Option<(&str, &str)> {
-    let text = line.trim().trim_start_matches(['/', '#']).trim();
+    let text = line.trim().trim_start_matches(['/', '#', '<', '!', '-']).trim_end_matches("-->");
+    let text = text.trim();
     let (mark, name) = text.split_once(' ')?;
     matches!(mark, "ANCHOR:" | "ANCHOR_END:").then(|| (mark, name.trim()))
 }
@@ -51,6 +52,14 @@ mod tests {
         assert_eq!(piece.code, ["fn a() {", "    b();", "}"]);
         assert_eq!((piece.first, piece.last), (4, 8));
         assert_eq!(cut(source, "inner").unwrap().code, ["b();"]);
+    }
+
+    #[test]
+    fn anchors_stand_in_comments_of_rust_python_and_markdown() {
+        for [begin, end] in [["// ", ""], ["# ", ""], ["<!-- ", " -->"]] {
+            let source = format!("{begin}ANCHOR: a{end}\nx\n{begin}ANCHOR_END: a{end}\n");
+            assert_eq!(cut(&source, "a").unwrap().code, ["x"]);
+        }
     }
 
     #[test]

@@ -43,9 +43,14 @@ impl Emitter<'_, '_> {
                 )
             }
             "proof" => "<div class=\"proof\">\n<p class=\"proof-title\">Proof.</p>\n".to_owned(),
+            "hint" => {
+                let title = self.said(block.line, attributes, "title");
+                let text = self.text_of(block, attributes.value("text"));
+                format!("<details class=\"reveal\"><summary>Hint: {title}</summary>\n\n{text}\n")
+            }
             "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
             other => {
-                let known = "opening, predict, reveal, theorem, proof, note";
+                let known = "opening, predict, reveal, theorem, proof, hint, note";
                 self.fault(
                     block.line,
                     other,
@@ -68,6 +73,12 @@ impl Emitter<'_, '_> {
         });
     }
 
+    /// What a hint says: a piece of a file that the exercise's own program reads too.
+    fn text_of(&mut self, block: &Block, target: &str) -> String {
+        let text = self.cut(block, "hint", target).map(|(_, piece)| piece.code.join("\n"));
+        self.resolve(block.line, &text.unwrap_or_default())
+    }
+
     fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
         let difficulty = self.said(line, attributes, "difficulty");
         let needs = self.said(line, attributes, "needs");
@@ -78,14 +89,14 @@ impl Emitter<'_, '_> {
         )
     }
 
-    /// What the opening says of a matter that it must not leave out.
+    /// What an opening or a hint says of a matter that it must not leave out.
     fn said(&mut self, line: usize, attributes: &Attributes, key: &str) -> String {
         let value = self.resolve(line, attributes.value(key));
         if value.is_empty() {
             self.fault(
                 line,
-                "opening",
-                format!("the opening does not say {key}=\"…\""),
+                key,
+                format!("the attributes do not say {key}=\"…\""),
                 "a reader wants to know before reading",
             );
         }
@@ -102,7 +113,7 @@ impl Emitter<'_, '_> {
             );
         };
         let end = match division.class.as_str() {
-            "reveal" => "</details>".to_owned(),
+            "reveal" | "hint" => "</details>".to_owned(),
             "opening" => format!("</div>\n{}", legend(self.page)),
             "predict" => {
                 if division.right_choices != 1 || division.reveals != 1 {

@@ -98,7 +98,12 @@ impl Emitter<'_, '_> {
     }
 
     /// The piece of a file that an include asks for, and the file.
-    fn cut(&mut self, block: &Block, id: &str, target: &str) -> Option<(String, Listing)> {
+    pub(super) fn cut(
+        &mut self,
+        block: &Block,
+        id: &str,
+        target: &str,
+    ) -> Option<(String, Listing)> {
         let (path, name) = target.rsplit_once(':').unwrap_or((target, ""));
         let Some(file) = self.included(path) else {
             self.fault(

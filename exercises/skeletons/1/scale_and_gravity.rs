@@ -1,0 +1,33 @@
+//! What fixes the scale. Edition 1.
+//!
+//! `cargo test -p exercises scale_and_gravity`
+
+use exercise_spec::scale_and_gravity::{Deltas, Interval, State, Vector9, Window};
+use nalgebra::Vector3;
+
+/// The window made `scale` times as large, so that every picture of every state stays what it is.
+/// The position of the first state stays, because it is pinned.
+pub fn scaled_window(window: Window, scale: f64) -> Window {
+    let _ = (window, scale);
+    todo!("the same window, larger: what grows, about which point, and what does not?")
+}
+
+/// The inertial residual of two states whose window is made s times as large, taken apart: the
+/// vectors a and b, in the order (φ, v, p), with r(s) = s a + b for every s.
+pub fn split_residual(
+    deltas: Deltas,
+    first: State,
+    second: State,
+    gravity: Vector3<f64>,
+) -> (Vector9, Vector9) {
+    let _ = (deltas, first, second, gravity);
+    todo!("what grows with the scale, and what stays")
+}
+
+/// Whether the readings leave the scale free, for states that agree with them and known biases:
+/// in every interval the residual changes by no more than `tolerance` t in velocity and ½
+/// `tolerance` t² in position per unit of log s.
+pub fn scale_is_free(intervals: Vec<Interval>, gravity: Vector3<f64>, tolerance: f64) -> bool {
+    let _ = (intervals, gravity, tolerance);
+    todo!("a verdict from readings, gravity and the rotation at the beginning")
+}

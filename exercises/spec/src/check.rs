@@ -1,0 +1,306 @@
+//! Checks, and what they say when an answer is wrong.
+
+use std::fmt::{self, Display, Formatter, Write as _};
+
+use nalgebra::{DMatrix, Dim, Matrix, RawStorage};
+
+use crate::answer::{Fault, Transport};
+use crate::picture::Picture;
+
+/// A plausible wrong answer: its name, and what to tell a student who gave it.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Misconception {
+    /// One word for reports.
+    pub name: &'static str,
+    /// What the output shows and a question that leads on, without the answer.
+    pub sentence: &'static str,
+}
+
+/// Declares misconceptions: a constant, its name and its sentence.
+#[macro_export]
+macro_rules! misconceptions {
+    ($($constant:ident, $name:literal: $sentence:literal;)+) => {
+        $(
+            #[doc = $sentence]
+            pub static $constant: $crate::check::Misconception =
+                $crate::check::Misconception { name: $name, sentence: $sentence };
+        )+
+
+        /// Every misconception of the exercise.
+        pub const MISCONCEPTIONS: &[&$crate::check::Misconception] = &[$(&$constant),+];
+    };
+}
+
+/// One thing that an answer must do, on instances that were drawn already.
+pub struct Check {
+    /// What it states, as the name of a test.
+    pub name: &'static str,
+    run: Box<Run>,
+}
+
+/// What a check does with an answer.
+type Run = dyn Fn(&dyn Transport) -> Result<(), Failure> + Send + Sync;
+
+impl Check {
+    /// A check from its statement and what it does.
+    pub fn new(
+        name: &'static str,
+        run: impl Fn(&dyn Transport) -> Result<(), Failure> + Send + Sync + 'static,
+    ) -> Self {
+        Self { name, run: Box::new(run) }
+    }
+
+    /// Runs it on an answer.
+    ///
+    /// # Errors
+    ///
+    /// A [`Failure`] when the answer is wrong.
+    pub fn run(&self, answer: &dyn Transport) -> Result<(), Failure> {
+        (self.run)(answer)
+    }
+}
+
+/// Why an answer fails a check, in words of the subject.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// What is wrong.
+    pub sentence: String,
+    /// Numbers expected and obtained, in lines; may be empty.
+    pub numbers: String,
+    /// The misconception that gives these numbers, if one does.
+    pub misconception: Option<&'static Misconception>,
+    /// Expected and obtained side by side, where that can be drawn.
+    pub picture: Option<Box<Picture>>,
+}
+
+impl Failure {
+    /// A failure that is told in a sentence.
+    pub fn new(sentence: impl Into<String>) -> Self {
+        Self {
+            sentence: sentence.into(),
+            numbers: String::new(),
+            misconception: None,
+            picture: None,
+        }
+    }
+
+    /// A failure that is known.
+    pub fn known(misconception: &'static Misconception) -> Self {
+        Self { misconception: Some(misconception), ..Self::new(misconception.sentence) }
+    }
+
+    /// The same with lines of numbers.
+    pub fn with_numbers(self, numbers: impl Into<String>) -> Self {
+        Self { numbers: numbers.into(), ..self }
+    }
+
+    /// The same with a picture.
+    pub fn with_picture(self, picture: Picture) -> Self {
+        Self { picture: Some(Box::new(picture)), ..self }
+    }
+}
+
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Self {
+        Self::new(fault.to_string())
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.sentence)?;
+        if !self.numbers.is_empty() {
+            write!(formatter, "\n\n{}", self.numbers.trim_end())?;
+        }
+        Ok(())
+    }
+}
+
+/// An output beside what an oracle says.
+pub struct Comparison<'a> {
+    what: &'a str,
+    obtained: DMatrix<f64>,
+    expected: DMatrix<f64>,
+    tolerance: f64,
+    rows: &'a [&'a str],
+    columns: &'a [&'a str],
+    candidates: Vec<(&'static Misconception, DMatrix<f64>)>,
+}
+
+/// Compares numbers with those of an oracle. `what` names them in a sentence: "the Jacobian".
+pub fn compare<'a, R, C, S, R2, C2, S2>(
+    what: &'a str,
+    obtained: &Matrix<f64, R, C, S>,
+    expected: &Matrix<f64, R2, C2, S2>,
+) -> Comparison<'a>
+where
+    R: Dim,
+    C: Dim,
+    S: RawStorage<f64, R, C>,
+    R2: Dim,
+    C2: Dim,
+    S2: RawStorage<f64, R2, C2>,
+{
+    let (obtained, expected) = (dense(obtained), dense(expected));
+    let candidates = Vec::new();
+    Comparison { what, obtained, expected, tolerance: 1e-9, rows: &[], columns: &[], candidates }
+}
+
+/// Compares one number with that of an oracle.
+pub fn compare_number(what: &str, obtained: f64, expected: f64) -> Comparison<'_> {
+    compare_list(what, &[obtained], &[expected])
+}
+
+/// Compares a list of numbers with that of an oracle.
+pub fn compare_list<'a>(what: &'a str, obtained: &[f64], expected: &[f64]) -> Comparison<'a> {
+    let column = |list: &[f64]| DMatrix::from_column_slice(list.len(), 1, list);
+    compare(what, &column(obtained), &column(expected))
+}
+
+fn dense<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(matrix: &Matrix<f64, R, C, S>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| matrix[(row, column)])
+}
+
+impl<'a> Comparison<'a> {
+    /// How far entries may be off, as a part of the greatest entry expected. At first 1e-9.
+    pub fn within(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// Names of rows and columns.
+    pub fn labelled(self, rows: &'a [&'a str], columns: &'a [&'a str]) -> Self {
+        Self { rows, columns, ..self }
+    }
+
+    /// What a misconception would give. It is named when the output agrees with it and not with
+    /// the oracle.
+    pub fn or<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
+        mut self,
+        misconception: &'static Misconception,
+        candidate: &Matrix<f64, R, C, S>,
+    ) -> Self {
+        self.candidates.push((misconception, dense(candidate)));
+        self
+    }
+
+    /// [`Comparison::or`] for one number.
+    pub fn or_number(self, misconception: &'static Misconception, candidate: f64) -> Self {
+        self.or_list(misconception, &[candidate])
+    }
+
+    /// [`Comparison::or`] for a list.
+    pub fn or_list(self, misconception: &'static Misconception, candidate: &[f64]) -> Self {
+        self.or(misconception, &DMatrix::from_column_slice(candidate.len(), 1, candidate))
+    }
+
+    /// Whether the output agrees with the oracle.
+    ///
+    /// # Errors
+    ///
+    /// A [`Failure`] with the numbers when it does not.
+    pub fn judge(&self) -> Result<(), Failure> {
+        let (obtained, expected) = (&self.obtained, &self.expected);
+        if obtained.shape() != expected.shape() {
+            let (rows, columns) = obtained.shape();
+            let sentence = format!(
+                "{}: {rows}×{columns} numbers came back, and there should be {}×{}.",
+                self.what,
+                expected.nrows(),
+                expected.ncols()
+            );
+            return Err(Failure::new(sentence));
+        }
+        if let Some(bad) = obtained.iter().find(|entry| !entry.is_finite()) {
+            let sentence = format!("{}: an entry is {bad}; every entry must be finite.", self.what);
+            return Err(Failure::new(sentence).with_numbers(self.numbers()));
+        }
+        if agree(obtained, expected, self.tolerance) {
+            return Ok(());
+        }
+        let known = self.candidates.iter().find(|(_, candidate)| {
+            candidate.shape() == obtained.shape() && agree(obtained, candidate, self.tolerance)
+        });
+        let failure = match known {
+            Some((misconception, _)) => Failure::known(misconception),
+            None => Failure::new(format!("{} is not what it should be.", capital(self.what))),
+        };
+        Err(failure.with_numbers(self.numbers()))
+    }
+
+    /// Whether two entries are as near as they must be.
+    fn near(&self, row: usize, column: usize) -> bool {
+        let scale = self.expected.amax();
+        (self.obtained[(row, column)] - self.expected[(row, column)]).abs()
+            <= self.tolerance * scale + f64::MIN_POSITIVE
+    }
+
+    /// Both matrices as a table; wrong entries are marked. Long ones are cut to their first rows
+    /// that are wrong.
+    fn numbers(&self) -> String {
+        const MOST: usize = 12;
+        let mut text = String::new();
+        let wrong = |row: &usize| (0..self.expected.ncols()).any(|c| !self.near(*row, c));
+        let all: Vec<usize> = match self.expected.nrows() {
+            count if count <= MOST => (0..count).collect(),
+            count => (0..count).filter(wrong).collect(),
+        };
+        for (title, matrix) in [("expected", &self.expected), ("obtained", &self.obtained)] {
+            let _ = writeln!(text, "{title}:");
+            self.heading(&mut text);
+            for &row in all.iter().take(MOST) {
+                let _ = write!(text, "{:>10}", self.label(self.rows, row));
+                for column in 0..matrix.ncols() {
+                    let marked = title == "obtained" && !self.near(row, column);
+                    let mark = if marked { '*' } else { ' ' };
+                    let _ = write!(text, "{:>12}{mark}", readable(matrix[(row, column)]));
+                }
+                text.push('\n');
+            }
+        }
+        if all.len() > MOST {
+            let _ = writeln!(text, "and {} more rows that differ", all.len() - MOST);
+        }
+        let _ =
+            writeln!(text, "* differs by more than {:.0e} of the greatest entry", self.tolerance);
+        text
+    }
+
+    fn heading(&self, text: &mut String) {
+        if !self.columns.is_empty() {
+            let _ = write!(text, "{:10}", "");
+            for column in self.columns {
+                let _ = write!(text, "{column:>12} ");
+            }
+            text.push('\n');
+        }
+    }
+
+    fn label(&self, labels: &[&str], index: usize) -> String {
+        labels.get(index).map_or_else(|| format!("[{index}]"), |label| (*label).to_owned())
+    }
+}
+
+/// Whether all entries agree, to a part of the greatest of the second.
+fn agree(a: &DMatrix<f64>, b: &DMatrix<f64>, tolerance: f64) -> bool {
+    let scale = b.amax();
+    a.iter().zip(b.iter()).all(|(a, b)| (a - b).abs() <= tolerance * scale + f64::MIN_POSITIVE)
+}
+
+/// A number in a form that can be read: five digits, with an exponent where it is needed.
+pub fn readable(number: f64) -> String {
+    let size = number.abs();
+    match size {
+        _ if !number.is_finite() => number.to_string(),
+        0.0 => "0".to_owned(),
+        _ if (1e-3..1e5).contains(&size) => {
+            let decimals = (4 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            format!("{number:.decimals$}")
+        }
+        _ => format!("{number:.3e}"),
+    }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

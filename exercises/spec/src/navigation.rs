@@ -1,0 +1,90 @@
+//! States of a body and preintegrated readings as plain data.
+
+use nalgebra::{Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
+use vislam::inertial::{ImuBias, NavState};
+use vislam::preintegration::{self, Matrix9, Matrix9x6, Preintegrated};
+
+use crate::draw::Draw;
+
+// ANCHOR: state
+/// Where a body is, how it is turned and how fast it goes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The rotation that takes body coordinates to world coordinates.
+    pub world_from_body: Rotation3<f64>,
+    /// Velocity in the world, in m/s.
+    pub velocity: Vector3<f64>,
+    /// Position in the world, in metres.
+    pub position: Vector3<f64>,
+}
+
+/// What the readings of an interval say about it, without gravity and without the velocity at
+/// its beginning. The bias is known and taken off.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Deltas {
+    /// Length of the interval, in seconds.
+    pub duration: f64,
+    /// Takes coordinates of the last body frame to the first.
+    pub rotation: Rotation3<f64>,
+    /// In the first body frame, in m/s.
+    pub velocity: Vector3<f64>,
+    /// In the first body frame, in metres.
+    pub position: Vector3<f64>,
+}
+// ANCHOR_END: state
+
+impl State {
+    /// The library's state with these numbers.
+    pub(crate) fn nav(&self) -> NavState {
+        let Self { world_from_body, velocity, position } = *self;
+        NavState { world_from_body, velocity, position }
+    }
+
+    /// The state of the library's.
+    pub(crate) fn of(state: &NavState) -> Self {
+        let NavState { world_from_body, velocity, position } = *state;
+        Self { world_from_body, velocity, position }
+    }
+
+    /// A state that is turned, moves, and is away from the origin.
+    pub(crate) fn drawn(draw: &mut Draw) -> Self {
+        Self {
+            world_from_body: draw.rotation(0.5..2.5),
+            velocity: draw.vector(1.0..6.0),
+            position: draw.vector(3.0..12.0),
+        }
+    }
+}
+
+impl Deltas {
+    /// The library's sums with these numbers, at a bias of zero and without a covariance.
+    pub(crate) fn preintegrated(&self) -> Preintegrated {
+        let Self { duration, rotation, velocity, position } = *self;
+        Preintegrated {
+            duration,
+            steps: 1,
+            deltas: preintegration::Deltas { rotation, velocity, position },
+            covariance: Matrix9::zeros(),
+            bias_jacobian: Matrix9x6::zeros(),
+            bias: ImuBias::default(),
+            greatest_force: 0.0,
+        }
+    }
+
+    /// Any deltas of an interval as long as a number of the range.
+    pub(crate) fn drawn(draw: &mut Draw, duration: [f64; 2]) -> Self {
+        Self {
+            duration: draw.uniform(duration[0]..duration[1]),
+            rotation: draw.rotation(0.4..2.0),
+            velocity: draw.vector(2.0..9.0),
+            position: draw.vector(1.0..8.0),
+        }
+    }
+
+    /// The state to which they lead.
+    pub(crate) fn lead(&self, first: &State, gravity: &Vector3<f64>) -> State {
+        let sums = self.preintegrated();
+        State::of(&sums.predict(&first.nav(), gravity, &ImuBias::default()))
+    }
+}

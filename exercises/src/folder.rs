@@ -1,0 +1,76 @@
+//! Where the answers lie, and what is kept beside them.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A folder of exercises.
+#[derive(Debug, Clone)]
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// The folder of this package.
+    pub fn here() -> Self {
+        Self(env!("CARGO_MANIFEST_DIR").into())
+    }
+
+    /// Another folder of the same shape.
+    pub fn at(path: impl Into<PathBuf>) -> Self {
+        Self(path.into())
+    }
+
+    /// The folder itself.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Where the answers lie.
+    pub fn answers(&self) -> PathBuf {
+        self.0.join("src")
+    }
+
+    /// The file of an answer.
+    pub fn answer(&self, slug: &str) -> PathBuf {
+        self.answers().join(format!("{slug}.rs"))
+    }
+
+    /// The skeletons of an edition.
+    pub fn skeletons(&self, edition: u32) -> PathBuf {
+        self.0.join("skeletons").join(edition.to_string())
+    }
+
+    /// A file that the runner keeps, and that is no part of the work.
+    pub fn kept(&self, name: &str) -> PathBuf {
+        self.0.join(".progress").join(name)
+    }
+
+    /// Writes a kept file.
+    ///
+    /// # Errors
+    ///
+    /// When the folder cannot be written to.
+    pub fn keep(&self, name: &str, text: &str) -> io::Result<PathBuf> {
+        let path = self.kept(name);
+        fs::create_dir_all(path.parent().unwrap_or(&self.0))?;
+        fs::write(&path, text)?;
+        Ok(path)
+    }
+}
+
+/// Reads a text file, with an error that names it.
+///
+/// # Errors
+///
+/// When it is not there, or no text.
+pub fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+}
+
+/// Writes a text file, with an error that names it.
+///
+/// # Errors
+///
+/// When it cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<(), String> {
+    fs::write(path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))
+}

@@ -1,0 +1,68 @@
+//! The tests of one answer.
+
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
+
+use exercise_spec::Exercise;
+use exercise_spec::answer::{Dispatch, Native};
+use exercise_spec::check::Failure;
+use libtest_mimic::{Arguments, Failed, Trial};
+
+use crate::folder::Folder;
+use crate::progress::Verdicts;
+use crate::{picture, selection};
+
+/// Runs the checks of an exercise on an answer, prints what is wrong, and keeps the outcome for
+/// the list of progress. `source` is the answer's text.
+pub fn judge(
+    exercise: &'static Exercise,
+    source: &str,
+    functions: impl Dispatch + 'static,
+) -> ExitCode {
+    let mut arguments = Arguments::from_args();
+    // The name of the exercise selects all its checks; they do not repeat it.
+    arguments.filter = arguments.filter.filter(|filter| !exercise.slug.contains(filter.as_str()));
+    let partial = arguments.filter.is_some() || !arguments.skip.is_empty() || arguments.list;
+    let answer = Arc::new(Native(functions));
+    let verdicts = Arc::new(Mutex::new(Verdicts::new(exercise.slug, source)));
+    let trials = (exercise.checks)().into_iter().map(|check| {
+        let (answer, verdicts) = (Arc::clone(&answer), Arc::clone(&verdicts));
+        Trial::test(format!("{}::{}", exercise.slug, check.name), move || {
+            let outcome = check.run(&*answer);
+            if let Ok(mut verdicts) = verdicts.lock() {
+                verdicts.add(check.name, &outcome);
+            }
+            outcome.map_err(|failure| Failed::from(told(exercise.slug, check.name, &failure)))
+        })
+    });
+    let conclusion = libtest_mimic::run(&arguments, trials.collect());
+    let kept = verdicts.lock().map(|verdicts| verdicts.clone());
+    if let (false, Ok(verdicts)) = (partial, kept)
+        && let Err(error) = verdicts.keep(&Folder::here())
+    {
+        eprintln!("the outcome could not be kept for the list of progress: {error}");
+    }
+    if conclusion.has_failed() {
+        println!("A hint: cargo run -p exercises -- hint {}", exercise.slug);
+    }
+    conclusion.exit_code()
+}
+
+/// A failure as the terminal shows it, with the path of its picture.
+fn told(slug: &str, check: &str, failure: &Failure) -> String {
+    let mut text = selection::wrapped(&failure.sentence, 96);
+    if !failure.numbers.is_empty() {
+        let _ = write!(text, "\n\n{}", failure.numbers.trim_end());
+    }
+    if let Some(drawn) = &failure.picture {
+        let name = format!("{slug}-{check}.svg");
+        let kept = picture::svg(drawn)
+            .and_then(|svg| Folder::here().keep(&name, &svg).map_err(|error| error.to_string()));
+        let _ = match kept {
+            Ok(path) => write!(text, "\n\nexpected and obtained, drawn: {}", path.display()),
+            Err(error) => write!(text, "\n\nno picture could be drawn: {error}"),
+        };
+    }
+    text
+}

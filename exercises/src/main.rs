@@ -1,0 +1,89 @@
+//! `cargo run -p exercises`: progress, hints, fresh skeletons and a watch over the files.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use exercise_spec::{EXERCISES, Exercise};
+use exercises::edition::{self, Update};
+use exercises::folder::Folder;
+use exercises::{hints, progress, selection, watch};
+
+/// The exercises of the book. Without a command it shows how far they are.
+#[derive(Parser)]
+#[command(name = "exercises", bin_name = "cargo run -p exercises --")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Gives the next hint
+    Hint {
+        /// Name of the exercise
+        name: String,
+    },
+    /// Puts the skeleton back and keeps the answer aside
+    Reset {
+        /// Name of the exercise
+        name: String,
+    },
+    /// Brings answers to the newest edition of their skeletons and loses no work
+    Update,
+    /// Runs tests whenever an answer is saved
+    Watch {
+        /// Name of the exercise; without it, all
+        name: Option<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("{sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: Option<Command>) -> Result<(), String> {
+    let folder = Folder::here();
+    match command {
+        None => {
+            for exercise in progress::to_judge(&folder) {
+                println!("{} has changed; its tests run", exercise.slug);
+                selection::run(folder.path(), exercise.slug, &[])?;
+            }
+            print!("{}", progress::list(&folder));
+        }
+        Some(Command::Hint { name }) => {
+            print!("{}", hints::next(&folder, selection::named(&name)?)?);
+        }
+        Some(Command::Reset { name }) => {
+            let former = edition::reset(&folder, selection::named(&name)?.slug)?;
+            println!("{name} is a skeleton again; the former answer is {}", former.display());
+        }
+        Some(Command::Update) => {
+            EXERCISES.iter().try_for_each(|exercise| update(&folder, exercise))?;
+        }
+        Some(Command::Watch { name }) => watch::watch(&folder, name.as_deref())?,
+    }
+    Ok(())
+}
+
+fn update(folder: &Folder, exercise: &Exercise) -> Result<(), String> {
+    let slug = exercise.slug;
+    match edition::update(folder, slug)? {
+        Update::Current(edition) => println!("{slug}: edition {edition}, the newest"),
+        Update::Merged { edition, former } => {
+            println!("{slug}: now edition {edition}; the former file is {}", former.display());
+        }
+        Update::Conflict { edition, merged } => println!(
+            "{slug}: edition {edition} changes lines that you changed too, so your file stays as \
+             it is; both together are {}",
+            merged.display()
+        ),
+    }
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! How far the answers are.
+
+use std::fmt::Write as _;
+
+use exercise_spec::check::Failure;
+use exercise_spec::{EXERCISES, Exercise};
+
+use crate::edition;
+use crate::folder::{Folder, read};
+
+/// What the checks said about an answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdicts {
+    slug: String,
+    source: String,
+    checks: Vec<(String, bool)>,
+}
+
+impl Verdicts {
+    /// None yet, about an answer with this text.
+    pub fn new(slug: &str, source: &str) -> Self {
+        Self { slug: slug.to_owned(), source: source.to_owned(), checks: Vec::new() }
+    }
+
+    /// One more.
+    pub fn add(&mut self, check: &str, outcome: &Result<(), Failure>) {
+        self.checks.push((check.to_owned(), outcome.is_ok()));
+    }
+
+    /// How many checks passed.
+    pub fn passed(&self) -> usize {
+        self.checks.iter().filter(|(_, passed)| *passed).count()
+    }
+
+    /// Keeps them, with the text that they are about.
+    ///
+    /// # Errors
+    ///
+    /// When the folder cannot be written to.
+    pub fn keep(&self, folder: &Folder) -> std::io::Result<()> {
+        let word = |passed| if passed { "passed" } else { "failed" };
+        let lines: String = self
+            .checks
+            .iter()
+            .map(|(check, passed)| format!("{} {check}\n", word(*passed)))
+            .collect();
+        folder.keep(&format!("{}.verdicts", self.slug), &lines)?;
+        folder.keep(&format!("{}.judged", self.slug), &self.source)?;
+        Ok(())
+    }
+
+    /// Those that were kept, if the answer is still the same.
+    fn kept(folder: &Folder, slug: &str) -> Option<Self> {
+        let source = read(&folder.kept(&format!("{slug}.judged"))).ok()?;
+        if read(&folder.answer(slug)).ok()? != source {
+            return None;
+        }
+        let lines = read(&folder.kept(&format!("{slug}.verdicts"))).ok()?;
+        let checks = lines.lines().filter_map(|line| {
+            let (word, check) = line.split_once(' ')?;
+            Some((check.to_owned(), word == "passed"))
+        });
+        Some(Self { slug: slug.to_owned(), source, checks: checks.collect() })
+    }
+}
+
+/// How far one answer is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum State {
+    /// The skeleton as it was handed out.
+    Untouched,
+    /// Changed since its tests ran, or they never did.
+    Unknown,
+    /// Tested as it is.
+    Judged {
+        /// Checks that it passes.
+        passed: usize,
+        /// All checks.
+        of: usize,
+    },
+    /// The file cannot be read, and why.
+    Missing(String),
+}
+
+/// How far an answer is.
+pub fn state(folder: &Folder, exercise: &Exercise) -> State {
+    let answer = match read(&folder.answer(exercise.slug)) {
+        Ok(answer) => answer,
+        Err(error) => return State::Missing(error),
+    };
+    if edition::skeleton_of(folder, exercise.slug, &answer).as_ref() == Some(&answer) {
+        return State::Untouched;
+    }
+    match Verdicts::kept(folder, exercise.slug) {
+        Some(verdicts) => {
+            State::Judged { passed: verdicts.passed(), of: (exercise.checks)().len() }
+        }
+        None => State::Unknown,
+    }
+}
+
+/// Exercises whose tests must run before their state is known.
+pub fn to_judge(folder: &Folder) -> Vec<&'static Exercise> {
+    let unknown = |exercise: &&&Exercise| state(folder, exercise) == State::Unknown;
+    EXERCISES.iter().filter(unknown).copied().collect()
+}
+
+/// The list of all exercises and how far they are.
+pub fn list(folder: &Folder) -> String {
+    let mut text = String::new();
+    let mut solved = 0;
+    for exercise in EXERCISES {
+        let (mark, words) = match state(folder, exercise) {
+            State::Untouched => (' ', "not begun".to_owned()),
+            State::Unknown => ('?', "does not compile".to_owned()),
+            State::Judged { passed, of } if passed == of => {
+                solved += 1;
+                ('x', "solved".to_owned())
+            }
+            State::Judged { passed, of } => ('-', format!("{passed} of {of} checks pass")),
+            State::Missing(error) => ('!', error),
+        };
+        let _ = writeln!(text, "[{mark}] {:20} {:28} {words}", exercise.slug, exercise.title);
+    }
+    let _ = writeln!(text, "\n{solved} of {} solved", EXERCISES.len());
+    if let Some(next) = EXERCISES.iter().find(
+        |exercise| !matches!(state(folder, exercise), State::Judged { passed, of } if passed == of),
+    ) {
+        let _ = writeln!(text, "Next: src/{}.rs, then cargo test -p exercises {0}", next.slug);
+    }
+    text
+}

@@ -1,0 +1,91 @@
+//! Wrong answers to [`left_perturbation`](crate::left_perturbation).
+
+use exercise_spec::left_perturbation::*;
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Point3, Vector3, Vector6};
+use vislam::manifold::{se3, so3};
+
+use super::Wrong;
+use crate::left_perturbation as right;
+
+/// The reference answer.
+pub const REFERENCE: Functions = Functions {
+    left_pose_jacobian: right::left_pose_jacobian,
+    right_from_left: right::right_from_left,
+    central_differences: right::central_differences,
+    forward_motion: right::forward_motion,
+};
+
+/// All of them.
+pub fn wrong() -> Vec<Wrong> {
+    let jacobian = |misconception, left_pose_jacobian| {
+        Wrong::new(misconception, Functions { left_pose_jacobian, ..REFERENCE })
+    };
+    let dictionary = |misconception, right_from_left| {
+        Wrong::new(misconception, Functions { right_from_left, ..REFERENCE })
+    };
+    let differences = |misconception, central_differences| {
+        Wrong::new(misconception, Functions { central_differences, ..REFERENCE })
+    };
+    vec![
+        jacobian(&RIGHT_PERTURBATION, |camera, pose, point| {
+            right::right_from_left(pose, right::left_pose_jacobian(camera, pose, point))
+        }),
+        jacobian(&POINT_IN_WORLD, |camera, pose, point| {
+            let projection = projection(&camera, &pose, &point);
+            blocks(&projection, &(-projection * so3::hat(&point)))
+        }),
+        jacobian(&ROTATION_KEPT, |camera, pose, point| {
+            let turned = projection(&camera, &pose, &point) * pose.rotation.to_rotation_matrix();
+            blocks(&turned, &(-turned * so3::hat(&(pose * Point3::from(point)).coords)))
+        }),
+        jacobian(&SKEW_SIGN, |camera, pose, point| {
+            let mut jacobian = right::left_pose_jacobian(camera, pose, point);
+            jacobian.fixed_columns_mut::<3>(3).neg_mut();
+            jacobian
+        }),
+        jacobian(&ROTATION_FIRST, |camera, pose, point| {
+            let jacobian = right::left_pose_jacobian(camera, pose, point);
+            blocks(&jacobian.fixed_columns::<3>(3).into(), &jacobian.fixed_columns::<3>(0).into())
+        }),
+        dictionary(&TRANSPOSED_ADJOINT, |pose, left| left * se3::adjoint(&pose).transpose()),
+        dictionary(&INVERSE_ADJOINT, |pose, left| left * se3::adjoint(&pose.inverse())),
+        differences(&ONE_SIDED, |camera, pose, point, side, step| {
+            let pixel = |axis: Option<usize>| {
+                let xi = Vector6::from_fn(|row, _| if Some(row) == axis { step } else { 0.0 });
+                let moved = match side {
+                    Side::Left => se3::exp(&xi) * pose,
+                    Side::Right => pose * se3::exp(&xi),
+                };
+                camera.pinhole().project(&moved, &point).unwrap_or_default()
+            };
+            let columns = [0, 1, 2, 3, 4, 5].map(|axis| (pixel(Some(axis)) - pixel(None)) / step);
+            Matrix2x6::from_columns(&columns)
+        }),
+        differences(&SIDES_EXCHANGED, |camera, pose, point, side, step| {
+            let other = match side {
+                Side::Left => Side::Right,
+                Side::Right => Side::Left,
+            };
+            right::central_differences(camera, pose, point, other, step)
+        }),
+        Wrong::new(
+            &POINT_MOVES,
+            Functions {
+                forward_motion: |camera, point| -right::forward_motion(camera, point),
+                ..REFERENCE
+            },
+        ),
+    ]
+}
+
+fn projection(camera: &Camera, pose: &Isometry3<f64>, point: &Vector3<f64>) -> Matrix2x3<f64> {
+    let point_in_camera = (pose * Point3::from(*point)).coords;
+    camera.pinhole().projection_jacobian(&point_in_camera).unwrap_or_default()
+}
+
+fn blocks(translation: &Matrix2x3<f64>, rotation: &Matrix2x3<f64>) -> Matrix2x6<f64> {
+    let mut jacobian = Matrix2x6::zeros();
+    jacobian.fixed_columns_mut::<3>(0).copy_from(translation);
+    jacobian.fixed_columns_mut::<3>(3).copy_from(rotation);
+    jacobian
+}

@@ -1,0 +1,29 @@
+//! Plausible wrong answers: each changes the reference answer in one way.
+
+pub mod along_or_across;
+pub mod left_perturbation;
+pub mod noise_growth;
+pub mod null_space;
+pub mod outlier_rescue;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
+pub mod scale_null_space;
+pub mod stereo_gauge;
+
+use exercise_spec::answer::{Dispatch, Native, Transport};
+use exercise_spec::check::Misconception;
+
+/// A wrong answer and what it should be recognized as.
+pub struct Wrong {
+    /// What is wrong with it.
+    pub misconception: &'static Misconception,
+    /// The answer.
+    pub answer: Box<dyn Transport>,
+}
+
+impl Wrong {
+    /// A wrong answer of its functions.
+    fn new(misconception: &'static Misconception, functions: impl Dispatch + 'static) -> Self {
+        Self { misconception, answer: Box::new(Native(functions)) }
+    }
+}

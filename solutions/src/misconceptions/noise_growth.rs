@@ -1,0 +1,149 @@
+//! Wrong answers to [`noise_growth`](crate::noise_growth).
+
+use exercise_spec::noise_growth::*;
+use nalgebra::{Matrix3, Matrix6, Vector6};
+use vislam::manifold::so3;
+
+use super::Wrong;
+use crate::noise_growth as right;
+
+/// The reference answer.
+pub const REFERENCE: Functions = Functions {
+    error_step: right::error_step,
+    next_covariance: right::next_covariance,
+    covariance_of: right::covariance_of,
+    predicted_exponents: right::predicted_exponents,
+    fitted_exponent: right::fitted_exponent,
+};
+
+/// All of them.
+pub fn wrong() -> Vec<Wrong> {
+    let step = |misconception, error_step| {
+        Wrong::new(misconception, Functions { error_step, ..REFERENCE })
+    };
+    let covariance = |misconception, next_covariance| {
+        Wrong::new(misconception, Functions { next_covariance, ..REFERENCE })
+    };
+    let exponents = |misconception, predicted_exponents| {
+        Wrong::new(misconception, Functions { predicted_exponents, ..REFERENCE })
+    };
+    let fit = |misconception, fitted_exponent| {
+        Wrong::new(misconception, Functions { fitted_exponent, ..REFERENCE })
+    };
+    vec![
+        step(&UNTRANSPOSED_BLOCK, |reading, dt| {
+            let turn = so3::exp(&(dt * reading.gyro)).into_inner();
+            blocks(&reading, dt, &turn, &(-dt * turn * so3::hat(&reading.force)), &turn)
+        }),
+        step(&VELOCITY_NOT_TURNED, |reading, dt| {
+            let back = so3::exp(&(-dt * reading.gyro)).into_inner();
+            blocks(&reading, dt, &back, &(-dt * so3::hat(&reading.force)), &Matrix3::identity())
+        }),
+        step(&LEAK_SIGN, |reading, dt| {
+            let (mut f, g) = right::error_step(reading, dt);
+            f.fixed_view_mut::<3, 3>(3, 0).neg_mut();
+            (f, g)
+        }),
+        step(&ROTATION_TOO_EARLY, |reading, dt| {
+            let back = so3::exp(&(-dt * reading.gyro)).into_inner();
+            let force = so3::hat(&reading.force);
+            let (mut f, mut g) =
+                blocks(&reading, dt, &back, &(-dt * force * back), &Matrix3::identity());
+            f.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
+            let tilted = -dt * dt * force * so3::right_jacobian(&(dt * reading.gyro));
+            g.fixed_view_mut::<3, 3>(3, 0).copy_from(&tilted);
+            (f, g)
+        }),
+        step(&RIGHT_JACOBIAN_FORGOTTEN, |reading, dt| {
+            let (f, mut g) = right::error_step(reading, dt);
+            g.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(dt));
+            (f, g)
+        }),
+        step(&SQUARED_STEP, |reading, dt| {
+            let (mut f, g) = right::error_step(reading, dt);
+            f.fixed_view_mut::<3, 3>(3, 0).scale_mut(dt);
+            (f, g)
+        }),
+        Wrong::new(
+            &DENSITY_PER_SAMPLE,
+            Functions {
+                next_covariance: |before, reading, dt, densities| {
+                    next(&before, &reading, dt, &densities, 1.0)
+                },
+                covariance_of: |readings, dt, densities| {
+                    readings.iter().fold(Matrix6::zeros(), |before, reading| {
+                        next(&before, reading, dt, &densities, 1.0)
+                    })
+                },
+                ..REFERENCE
+            },
+        ),
+        covariance(&DENSITY_TIMES_STEP, |before, reading, dt, densities| {
+            next(&before, &reading, dt, &densities, dt)
+        }),
+        covariance(&TRANSPOSED_PROPAGATION, |before, reading, dt, densities| {
+            let (f, _) = right::error_step(reading, dt);
+            f.transpose() * before * f
+                + right::next_covariance(Matrix6::zeros(), reading, dt, densities)
+        }),
+        exponents(&NOISE_AS_BIAS, |source| {
+            let (attitude, velocity, position) = match source {
+                Source::Accelerometer => (None, Some(1.0), Some(2.0)),
+                Source::Gyroscope => (Some(1.0), Some(2.0), Some(3.0)),
+                Source::Both => (Some(1.0), None, None),
+            };
+            Exponents { attitude, velocity, position }
+        }),
+        exponents(&VARIANCE_FOR_SIGMA, |source| {
+            let Exponents { attitude, velocity, position } = right::predicted_exponents(source);
+            let [attitude, velocity, position] =
+                [attitude, velocity, position].map(|exponent| Some(2.0 * exponent?));
+            Exponents { attitude, velocity, position }
+        }),
+        exponents(&ONE_EXPONENT_FOR_BOTH, |source| match source {
+            Source::Both => right::predicted_exponents(Source::Gyroscope),
+            source => right::predicted_exponents(source),
+        }),
+        fit(&PLAIN_AXES, |durations, sigmas| {
+            let exponentials = |list: Vec<f64>| list.into_iter().map(f64::exp).collect();
+            right::fitted_exponent(exponentials(durations), exponentials(sigmas))
+        }),
+        fit(&ENDS_ONLY, |durations, sigmas| {
+            let ratio = |list: &[f64]| (list[list.len() - 1] / list[0]).ln();
+            ratio(&sigmas) / ratio(&durations)
+        }),
+    ]
+}
+
+/// F and G from their blocks.
+fn blocks(
+    reading: &Reading,
+    dt: f64,
+    attitude: &Matrix3<f64>,
+    leak: &Matrix3<f64>,
+    velocity: &Matrix3<f64>,
+) -> (Matrix6<f64>, Matrix6<f64>) {
+    let (mut f, mut g) = (Matrix6::zeros(), Matrix6::zeros());
+    f.fixed_view_mut::<3, 3>(0, 0).copy_from(attitude);
+    f.fixed_view_mut::<3, 3>(3, 0).copy_from(leak);
+    f.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
+    let right_jacobian = so3::right_jacobian(&(dt * reading.gyro));
+    g.fixed_view_mut::<3, 3>(0, 0).copy_from(&(dt * right_jacobian));
+    g.fixed_view_mut::<3, 3>(3, 3).copy_from(&(dt * velocity));
+    (f, g)
+}
+
+/// A step of the covariance in which a reading has a variance of so much for each squared density.
+fn next(
+    covariance: &Matrix6<f64>,
+    reading: &Reading,
+    dt: f64,
+    densities: &Densities,
+    variance: f64,
+) -> Matrix6<f64> {
+    let (f, g) = right::error_step(*reading, dt);
+    let (gyro, force) = (densities.gyro.powi(2), densities.accelerometer.powi(2));
+    let of_reading =
+        variance * Matrix6::from_diagonal(&Vector6::new(gyro, gyro, gyro, force, force, force));
+    f * covariance * f.transpose() + g * of_reading * g.transpose()
+}

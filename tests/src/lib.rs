@@ -1,0 +1,34 @@
+//! The hidden checks: those of the specification, on instances that nobody has seen.
+//!
+//! A module for each exercise draws the instances from a seed. They differ from the public ones
+//! in their numbers, their geometries and how near they come to what is allowed, and in nothing
+//! that a student could not know.
+
+pub mod along_or_across;
+pub mod left_perturbation;
+pub mod noise_growth;
+pub mod null_space;
+pub mod outlier_rescue;
+pub mod residual_jacobian;
+pub mod scale_and_gravity;
+pub mod scale_null_space;
+pub mod stereo_gauge;
+
+use exercise_spec::check::Check;
+
+/// The hidden checks of an exercise, on instances drawn from a seed. Nothing where there is no
+/// such exercise.
+pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
+    match slug {
+        "left_perturbation" => Some(left_perturbation::checks(seed)),
+        "along_or_across" => Some(along_or_across::checks(seed)),
+        "scale_null_space" => Some(scale_null_space::checks(seed)),
+        "outlier_rescue" => Some(outlier_rescue::checks(seed)),
+        "stereo_gauge" => Some(stereo_gauge::checks(seed)),
+        "noise_growth" => Some(noise_growth::checks(seed)),
+        "residual_jacobian" => Some(residual_jacobian::checks(seed)),
+        "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
+        "null_space" => Some(null_space::checks(seed)),
+        _ => None,
+    }
+}

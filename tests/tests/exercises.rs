@@ -1,0 +1,222 @@
+//! Skeletons, reference answers and wrong ones against the public and the hidden checks.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use book_tests::hidden_checks;
+use exercise_spec::answer::Transport;
+use exercise_spec::check::{Check, Failure};
+use exercise_spec::{EXERCISES, Exercise};
+use exercises::folder::Folder;
+use exercises::{edition, selection};
+use quote::ToTokens;
+use solutions::{Answers, answers};
+
+const SEEDS: [u64; 3] = [101, 202, 303];
+
+fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
+
+fn answers_of(exercise: &Exercise) -> Answers {
+    let of = answers().into_iter().find(|answers| answers.slug == exercise.slug);
+    of.unwrap_or_else(|| panic!("{} has no reference answer", exercise.slug))
+}
+
+/// Public checks, and hidden ones of all seeds.
+fn checks(exercise: &Exercise) -> Vec<Check> {
+    let hidden = |seed: &u64| {
+        hidden_checks(exercise.slug, *seed)
+            .unwrap_or_else(|| panic!("{} has no hidden checks", exercise.slug))
+    };
+    (exercise.checks)().into_iter().chain(SEEDS.iter().flat_map(hidden)).collect()
+}
+
+fn failures(exercise: &Exercise, answer: &dyn Transport) -> Vec<(&'static str, Failure)> {
+    let run = |check: &Check| Some((check.name, check.run(answer).err()?));
+    checks(exercise).iter().filter_map(run).collect()
+}
+
+#[test]
+fn the_reference_passes_every_check() {
+    for exercise in EXERCISES {
+        let failed = failures(exercise, &*answers_of(exercise).reference);
+        assert!(failed.is_empty(), "{}: {failed:?}", exercise.slug);
+    }
+}
+
+#[test]
+fn every_wrong_answer_is_rejected_by_its_own_name_and_by_no_other() {
+    for exercise in EXERCISES {
+        for wrong in answers_of(exercise).wrong {
+            let failed = failures(exercise, &*wrong.answer);
+            let named: BTreeSet<&str> = failed
+                .iter()
+                .filter_map(|(_, failure)| Some(failure.misconception?.name))
+                .collect();
+            let (slug, name) = (exercise.slug, wrong.misconception.name);
+            assert_eq!(named, BTreeSet::from([name]), "{slug}: {name}: {failed:?}");
+            let public: Vec<&str> = (exercise.checks)().iter().map(|check| check.name).collect();
+            assert!(
+                failed.iter().any(|(check, failure)| {
+                    public.contains(check) && failure.misconception.is_some()
+                }),
+                "{slug}: {name} is not named by a check that students have"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_misconception_has_an_answer_that_shows_it_and_there_are_at_least_four() {
+    for exercise in EXERCISES {
+        let shown: Vec<&str> =
+            answers_of(exercise).wrong.iter().map(|wrong| wrong.misconception.name).collect();
+        let named: Vec<&str> = exercise.misconceptions.iter().map(|known| known.name).collect();
+        assert_eq!(shown, named, "{}", exercise.slug);
+        assert!(named.len() >= 4, "{} has only {named:?}", exercise.slug);
+    }
+}
+
+#[test]
+fn numbers_that_are_none_earn_nothing_and_no_function_can_be_left_out() {
+    for exercise in EXERCISES {
+        for (index, spoiled) in answers_of(exercise).spoiled.iter().enumerate() {
+            for check in checks(exercise) {
+                let name = format!("{}::{} of spoiled answer {index}", exercise.slug, check.name);
+                let failure = check.run(&**spoiled).expect_err(&name);
+                assert_eq!(failure.misconception, None, "{name}: {failure}");
+            }
+        }
+    }
+}
+
+#[test]
+fn skeletons_are_those_of_the_newest_edition_and_say_so() {
+    let folder = Folder::at(root().join("exercises"));
+    for exercise in EXERCISES {
+        let text = fs::read_to_string(folder.answer(exercise.slug)).expect("a skeleton");
+        let newest = edition::newest(&folder, exercise.slug).expect("an edition");
+        assert_eq!(edition::edition_of(&text), Some(newest), "{}", exercise.slug);
+        let kept = folder.skeletons(newest).join(format!("{}.rs", exercise.slug));
+        assert_eq!(text, fs::read_to_string(kept).expect("kept"), "{}", exercise.slug);
+    }
+}
+
+/// Every public function of a file with its description and its types, and none of its body.
+fn interface(path: PathBuf) -> Vec<String> {
+    let text = fs::read_to_string(&path).expect("a file");
+    let file: syn::File = syn::parse_str(&text).expect("Rust");
+    let signature = |item: &syn::Item| match item {
+        syn::Item::Fn(function) if matches!(function.vis, syn::Visibility::Public(_)) => {
+            let docs = function.attrs.iter().map(|doc| doc.to_token_stream().to_string());
+            Some(docs.collect::<String>() + &function.sig.to_token_stream().to_string())
+        }
+        _ => None,
+    };
+    file.items.iter().filter_map(signature).collect()
+}
+
+#[test]
+fn skeletons_and_reference_answers_have_the_same_interface() {
+    for exercise in EXERCISES {
+        let file = format!("{}.rs", exercise.slug);
+        let skeleton = interface(root().join("exercises/src").join(&file));
+        assert_eq!(skeleton, interface(root().join("solutions/src").join(&file)));
+        let names: Vec<String> =
+            exercise.functions.iter().map(|name| format!("fn {name}")).collect();
+        assert_eq!(skeleton.len(), names.len(), "{}", exercise.slug);
+        for (signature, name) in skeleton.iter().zip(names) {
+            assert!(signature.contains(&name), "{signature} is not {name}");
+        }
+    }
+}
+
+#[test]
+fn every_name_selects_its_exercise_alone_and_at_least_one_check() {
+    for exercise in EXERCISES {
+        let selected: Vec<&str> =
+            selection::selected(Some(exercise.slug)).iter().map(|found| found.slug).collect();
+        assert_eq!(selected, [exercise.slug]);
+        assert!(!(exercise.checks)().is_empty());
+    }
+}
+
+#[test]
+fn hints_lead_from_a_question_to_the_idea_in_at_least_three_steps() {
+    for exercise in EXERCISES {
+        let ladder = exercise.hint_ladder();
+        assert!(ladder.len() >= 3, "{}", exercise.slug);
+        assert!(ladder[0].contains('?'), "{}: the first hint asks nothing", exercise.slug);
+        assert!(ladder.iter().all(|hint| !hint.contains('$')), "{}: TeX", exercise.slug);
+    }
+}
+
+#[test]
+fn no_reference_answer_calls_what_is_forbidden() {
+    for exercise in EXERCISES {
+        let path = root().join("solutions/src").join(format!("{}.rs", exercise.slug));
+        let text = fs::read_to_string(path).expect("an answer");
+        for item in exercise.forbidden {
+            let word = |c: char| c.is_alphanumeric() || c == '_';
+            let called = text.split(|c| !word(c)).any(|found| found == *item);
+            assert!(!called, "{} calls {item}", exercise.slug);
+        }
+    }
+}
+
+#[test]
+fn every_question_in_words_has_a_rubric() {
+    let answers = fs::read_to_string(root().join("exercises/answers.md")).expect("answers.md");
+    let sections = answers.lines().filter_map(|line| line.strip_prefix("## "));
+    let asked: BTreeSet<&str> = sections.collect();
+    for slug in &asked {
+        assert!(
+            exercise_spec::exercise(slug).is_some(),
+            "answers.md: no exercise is called {slug}"
+        );
+        let rubric = root().join("tests/rubrics").join(format!("{slug}.md"));
+        assert!(rubric.is_file(), "{slug} has no rubric");
+    }
+}
+
+/// The table of the instructor's part: every misconception, and which check names it.
+fn table() -> String {
+    let mut text = String::from(
+        "| Exercise | Misconception | Named by | What the student reads |\n| --- | --- | --- | --- |\n",
+    );
+    for exercise in EXERCISES {
+        for wrong in answers_of(exercise).wrong {
+            let named = |check: &Check| {
+                check.run(&*wrong.answer).is_err_and(|failure| failure.misconception.is_some())
+            };
+            let public = (exercise.checks)();
+            let check = public.iter().find(|check| named(check)).map_or("", |check| check.name);
+            let known = wrong.misconception;
+            text += &format!(
+                "| `{}` | `{}` | `{check}` | {} |\n",
+                exercise.slug,
+                known.name,
+                known.sentence.replace('|', "\\|")
+            );
+        }
+    }
+    text
+}
+
+/// `ACCEPT=1 cargo test -p book-tests --test exercises table` writes it anew.
+#[test]
+fn the_table_of_misconceptions_is_what_the_checks_say() {
+    let path = root().join("src/instructors/misconceptions.md");
+    let page = fs::read_to_string(&path).expect("the page");
+    let (before, _) = page.split_once("\n| Exercise").expect("a table at the end of the page");
+    let anew = format!("{before}\n{}", table());
+    if std::env::var_os("ACCEPT").is_some() {
+        fs::write(&path, &anew).expect("written");
+    }
+    assert!(
+        page == anew || std::env::var_os("ACCEPT").is_some(),
+        "the table has changed; ACCEPT=1"
+    );
+}

@@ -1,0 +1,156 @@
+//! What `cargo run -p exercises` does with a student's files, in a folder of its own.
+
+use std::fs;
+use std::path::Path;
+
+use exercise_spec::EXERCISES;
+use exercise_spec::check::Failure;
+use exercises::edition::{self, Update};
+use exercises::folder::Folder;
+use exercises::progress::{self, State, Verdicts};
+use exercises::{hints, picture, selection};
+use tempfile::TempDir;
+
+const SLUG: &str = "left_perturbation";
+const FIRST: &str =
+    "//! A skeleton. Edition 1.\n\npub fn a() {\n    todo!()\n}\n\npub fn b() {\n    todo!()\n}\n";
+
+/// A folder with the skeleton of one edition, and the answer as it was handed out.
+fn folder() -> (TempDir, Folder) {
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = Folder::at(temporary.path());
+    fs::create_dir_all(folder.answers()).expect("a folder");
+    hand_out(&folder, 1, FIRST);
+    fs::write(folder.answer(SLUG), FIRST).expect("written");
+    (temporary, folder)
+}
+
+fn hand_out(folder: &Folder, edition: u32, skeleton: &str) {
+    fs::create_dir_all(folder.skeletons(edition)).expect("a folder");
+    let path = folder.skeletons(edition).join(format!("{SLUG}.rs"));
+    fs::write(path, skeleton).expect("written");
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).expect("readable")
+}
+
+#[test]
+fn a_reset_puts_the_newest_skeleton_back_and_keeps_every_former_answer() {
+    let (_temporary, folder) = folder();
+    let mut former = Vec::new();
+    for answer in ["first try", "second try"] {
+        fs::write(folder.answer(SLUG), answer).expect("written");
+        former.push(edition::reset(&folder, SLUG).expect("reset"));
+        assert_eq!(text(&folder.answer(SLUG)), FIRST);
+    }
+    assert_eq!(
+        former.iter().map(|path| text(path)).collect::<Vec<_>>(),
+        ["first try", "second try"]
+    );
+}
+
+#[test]
+fn an_update_keeps_the_students_work_and_takes_the_new_text() {
+    let (_temporary, folder) = folder();
+    let mine = FIRST.replacen("    todo!()", "    1 + 1;", 1);
+    fs::write(folder.answer(SLUG), &mine).expect("written");
+    assert_eq!(edition::update(&folder, SLUG), Ok(Update::Current(1)));
+    hand_out(&folder, 3, &FIRST.replace("Edition 1.", "Edition 3.").replace("fn b", "fn c"));
+    let Ok(Update::Merged { edition: 3, former }) = edition::update(&folder, SLUG) else {
+        panic!("not merged");
+    };
+    let merged = text(&folder.answer(SLUG));
+    assert!(merged.contains("Edition 3.") && merged.contains("1 + 1;") && merged.contains("fn c"));
+    assert_eq!(text(&former), mine);
+    assert_eq!(edition::update(&folder, SLUG), Ok(Update::Current(3)));
+}
+
+#[test]
+fn an_update_that_meets_the_students_lines_leaves_the_file_as_it_is() {
+    let (_temporary, folder) = folder();
+    let mine = FIRST.replacen("    todo!()", "    mine()", 1);
+    fs::write(folder.answer(SLUG), &mine).expect("written");
+    hand_out(&folder, 2, &FIRST.replace("1.", "2.").replacen("    todo!()", "    todo!(\"x\")", 1));
+    let Ok(Update::Conflict { edition: 2, merged }) = edition::update(&folder, SLUG) else {
+        panic!("no conflict");
+    };
+    assert_eq!(text(&folder.answer(SLUG)), mine);
+    assert!(text(&merged).contains("mine()") && text(&merged).contains("todo!(\"x\")"));
+}
+
+#[test]
+fn an_answer_that_does_not_say_its_edition_is_told_how() {
+    let (_temporary, folder) = folder();
+    fs::write(folder.answer(SLUG), "fn mine() {}").expect("written");
+    let error = edition::update(&folder, SLUG).expect_err("no edition");
+    assert!(error.contains("Edition N."), "{error}");
+    fs::remove_file(folder.answer(SLUG)).expect("removed");
+    let error = edition::update(&folder, SLUG).expect_err("no file");
+    assert!(error.contains("cannot read") && error.contains("left_perturbation.rs"), "{error}");
+}
+
+#[test]
+fn hints_come_one_by_one_and_the_last_one_stays() {
+    let (_temporary, folder) = folder();
+    let exercise = EXERCISES[0];
+    let count = exercise.hint_ladder().len();
+    for number in 1..=count {
+        let hint = hints::next(&folder, exercise).expect("a hint");
+        assert!(hint.starts_with(&format!("Hint {number} of {count}")), "{hint}");
+    }
+    let again = hints::next(&folder, exercise).expect("a hint");
+    assert!(again.starts_with(&format!("Hint {count} of {count}, the last")), "{again}");
+}
+
+#[test]
+fn progress_knows_what_was_tested_as_it_is() {
+    let (_temporary, folder) = folder();
+    let exercise = EXERCISES[0];
+    assert_eq!(progress::state(&folder, exercise), State::Untouched);
+    fs::write(folder.answer(SLUG), "//! Edition 1.\nfn mine() {}").expect("written");
+    assert_eq!(progress::state(&folder, exercise), State::Unknown);
+    let mut verdicts = Verdicts::new(SLUG, "//! Edition 1.\nfn mine() {}");
+    verdicts.add("one", &Ok(()));
+    verdicts.add("two", &Err(Failure::new("wrong")));
+    verdicts.keep(&folder).expect("kept");
+    let of = (exercise.checks)().len();
+    assert_eq!(progress::state(&folder, exercise), State::Judged { passed: 1, of });
+    fs::write(folder.answer(SLUG), "//! Edition 1.\nfn changed() {}").expect("written");
+    assert_eq!(progress::state(&folder, exercise), State::Unknown);
+    assert!(progress::list(&folder).contains(exercise.slug));
+}
+
+#[test]
+fn a_name_that_is_none_is_told_with_those_there_are() {
+    let error = selection::named("left_pertubation").map(|_| ()).expect_err("a misspelt name");
+    assert!(error.contains("left_pertubation") && error.contains("left_perturbation"), "{error}");
+}
+
+#[test]
+fn long_sentences_are_broken_between_words() {
+    assert_eq!(
+        selection::wrapped("one two three\nfour\n\nfive", 9),
+        "one two\nthree\nfour\n\nfive"
+    );
+}
+
+#[test]
+fn a_picture_has_both_kinds_of_points_and_one_without_finite_points_is_refused() {
+    let dots = |name: &str, at: f64| exercise_spec::picture::Dots {
+        name: name.to_owned(),
+        at: vec![[at, 1.0], [2.0, 3.0]],
+    };
+    let mut drawn = exercise_spec::picture::Picture {
+        title: "Moves <of> a pixel".to_owned(),
+        axes: ["u, px".to_owned(), "v, px".to_owned()],
+        expected: dots("expected", 0.5),
+        obtained: dots("obtained", f64::NAN),
+        downward: true,
+    };
+    let svg = picture::svg(&drawn).expect("drawn");
+    assert!(svg.contains("expected") && svg.contains("obtained") && svg.contains("&lt;of&gt;"));
+    drawn.expected.at = vec![[f64::NAN; 2]];
+    drawn.obtained.at = vec![[f64::INFINITY; 2]];
+    assert!(picture::svg(&drawn).is_err());
+}
