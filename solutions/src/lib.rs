@@ -1,6 +1,7 @@
 //! Reference answers to the exercises, one module each as a student would write it, and
 //! [`misconceptions`], the plausible wrong ones.
 
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod null_space;
@@ -35,5 +36,5 @@ pub fn answers() -> Vec<Answers> {
             }),+]
         };
     }
-    answers![left_perturbation, outlier_rescue, null_space]
+    answers![left_perturbation, outlier_rescue, null_space, fill_in]
 }

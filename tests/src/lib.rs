@@ -4,6 +4,7 @@
 //! in their numbers, their geometries and how near they come to what is allowed, and in nothing
 //! that a student could not know.
 
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod null_space;
 pub mod outlier_rescue;
@@ -17,6 +18,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "outlier_rescue" => Some(outlier_rescue::checks(seed)),
         "null_space" => Some(null_space::checks(seed)),
+        "fill_in" => Some(fill_in::checks(seed)),
         _ => None,
     }
 }

@@ -10,6 +10,7 @@ pub mod answer;
 pub mod camera;
 pub mod check;
 pub mod draw;
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod null_space;
 pub mod outlier_rescue;
@@ -39,8 +40,12 @@ pub struct Exercise {
 }
 
 /// Every exercise, in the order of the book.
-pub const EXERCISES: &[&Exercise] =
-    &[&left_perturbation::EXERCISE, &outlier_rescue::EXERCISE, &null_space::EXERCISE];
+pub const EXERCISES: &[&Exercise] = &[
+    &left_perturbation::EXERCISE,
+    &outlier_rescue::EXERCISE,
+    &null_space::EXERCISE,
+    &fill_in::EXERCISE,
+];
 
 /// The exercise of a name.
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {

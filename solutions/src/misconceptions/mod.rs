@@ -1,5 +1,6 @@
 //! Plausible wrong answers: each changes the reference answer in one way.
 
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod null_space;
 pub mod outlier_rescue;
