@@ -2,6 +2,7 @@
 //! [`misconceptions`], the plausible wrong ones.
 
 pub mod along_or_across;
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod noise_growth;
@@ -51,5 +52,6 @@ pub fn answers() -> Vec<Answers> {
         residual_jacobian,
         scale_and_gravity,
         null_space,
+        fill_in,
     ]
 }

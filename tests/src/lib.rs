@@ -5,6 +5,7 @@
 //! that a student could not know.
 
 pub mod along_or_across;
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod noise_growth;
 pub mod null_space;
@@ -29,6 +30,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "residual_jacobian" => Some(residual_jacobian::checks(seed)),
         "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
         "null_space" => Some(null_space::checks(seed)),
+        "fill_in" => Some(fill_in::checks(seed)),
         _ => None,
     }
 }

@@ -11,6 +11,7 @@ pub mod answer;
 pub mod camera;
 pub mod check;
 pub mod draw;
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod navigation;
 pub mod noise_growth;
@@ -56,6 +57,7 @@ pub const EXERCISES: &[&Exercise] = &[
     &residual_jacobian::EXERCISE,
     &scale_and_gravity::EXERCISE,
     &null_space::EXERCISE,
+    &fill_in::EXERCISE,
 ];
 
 /// The exercise of a name.

@@ -1,6 +1,7 @@
 //! Plausible wrong answers: each changes the reference answer in one way.
 
 pub mod along_or_across;
+pub mod fill_in;
 pub mod left_perturbation;
 pub mod noise_growth;
 pub mod null_space;

@@ -1,0 +1,36 @@
+//! Longer windows, keyframes that leave from anywhere, blocks of other sizes.
+
+use exercise_spec::check::Check;
+use exercise_spec::draw::Draw;
+use exercise_spec::fill_in::{Slide, Window, cheapest, couplings, losses, unlinked};
+
+/// The checks on instances of a seed.
+pub fn checks(seed: u64) -> Vec<Check> {
+    let mut draw = Draw::new(seed);
+    let slides: Vec<Slide> = (0..12)
+        .map(|index| {
+            let (keyframes, landmarks) = (draw.index(6..14), draw.index(4..12));
+            Slide::drawn(&mut draw, keyframes, landmarks, index % 3 > 0)
+        })
+        .collect();
+    let windows: Vec<Window> = [(5, 2), (6, 1), (4, 3), (4, 6)]
+        .map(|(keyframes, size)| Window::drawn(&mut draw, keyframes, size))
+        .into();
+    let dropped = windows.clone();
+    vec![
+        Check::new("slides_of_any_layout", move |answer| {
+            slides.iter().try_for_each(|slide| couplings(answer, slide))
+        }),
+        Check::new("rows_of_any_length", |answer| {
+            [(6, 9), (11, 30)].iter().try_for_each(|(keyframes, landmarks)| {
+                couplings(answer, &Slide::in_a_row(*keyframes, *landmarks, true))?;
+                couplings(answer, &Slide::in_a_row(*keyframes, *landmarks, false))
+            })
+        }),
+        Check::new("losses_of_any_link", move |answer| losses(answer, &windows)),
+        Check::new("cheapest_links_of_any_window", move |answer| {
+            cheapest(answer, &dropped)?;
+            unlinked(answer, 7, 1)
+        }),
+    ]
+}
