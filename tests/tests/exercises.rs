@@ -181,42 +181,38 @@ fn every_question_in_words_has_a_rubric() {
     }
 }
 
-/// The table of the instructor's part: every misconception, and which check names it.
-fn table() -> String {
-    let mut text = String::from(
-        "| Exercise | Misconception | Named by | What the student reads |\n| --- | --- | --- | --- |\n",
-    );
+/// The tables of the instructor's part: every misconception, which check names it, and how.
+fn tables() -> String {
+    let mut text = String::new();
     for exercise in EXERCISES {
+        text += &format!("\n## {}\n\nThe exercise is `{}`.\n", exercise.title, exercise.slug);
+        text += "\n| Mistake | What the student reads | Named by |\n| --- | --- | --- |\n";
+        let public = (exercise.checks)();
         for wrong in answers_of(exercise).wrong {
-            let named = |check: &Check| {
+            let named = |check: &&Check| {
                 check.run(&*wrong.answer).is_err_and(|failure| failure.misconception.is_some())
             };
-            let public = (exercise.checks)();
-            let check = public.iter().find(|check| named(check)).map_or("", |check| check.name);
+            let check = public.iter().find(named).map_or("", |check| check.name);
             let known = wrong.misconception;
-            text += &format!(
-                "| `{}` | `{}` | `{check}` | {} |\n",
-                exercise.slug,
-                known.name,
-                known.sentence.replace('|', "\\|")
-            );
+            let (name, check) = (known.name.replace('_', " "), check.replace('_', " "));
+            text += &format!("| {name} | {} | {check} |\n", known.sentence.replace('|', "\\|"));
         }
     }
     text
 }
 
-/// `ACCEPT=1 cargo test -p book-tests --test exercises table` writes it anew.
+/// `ACCEPT=1 cargo test -p book-tests --test exercises tables` writes them anew.
 #[test]
-fn the_table_of_misconceptions_is_what_the_checks_say() {
+fn the_tables_of_misconceptions_are_what_the_checks_say() {
     let path = root().join("src/instructors/misconceptions.md");
     let page = fs::read_to_string(&path).expect("the page");
-    let (before, _) = page.split_once("\n| Exercise").expect("a table at the end of the page");
-    let anew = format!("{before}\n{}", table());
+    let (before, _) = page.split_once("\n## ").expect("a section for each exercise");
+    let anew = format!("{before}{}", tables());
     if std::env::var_os("ACCEPT").is_some() {
         fs::write(&path, &anew).expect("written");
     }
     assert!(
         page == anew || std::env::var_os("ACCEPT").is_some(),
-        "the table has changed; ACCEPT=1"
+        "the tables have changed; ACCEPT=1"
     );
 }
