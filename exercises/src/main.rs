@@ -3,10 +3,10 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use exercise_runner::edition::{self, Update};
+use exercise_runner::folder::Folder;
+use exercise_runner::{hints, progress, selection, watch};
 use exercise_spec::{EXERCISES, Exercise};
-use exercises::edition::{self, Update};
-use exercises::folder::Folder;
-use exercises::{hints, progress, selection, watch};
 
 /// The exercises of the book. Without a command it shows how far they are.
 #[derive(Parser)]
@@ -61,8 +61,13 @@ fn run(command: Option<Command>) -> Result<(), String> {
             print!("{}", hints::next(&folder, selection::named(&name)?)?);
         }
         Some(Command::Reset { name }) => {
-            let former = edition::reset(&folder, selection::named(&name)?.slug)?;
-            println!("{name} is a skeleton again; the former answer is {}", former.display());
+            match edition::reset(&folder, selection::named(&name)?.slug)? {
+                None => println!("{name} is the skeleton already"),
+                Some(former) => println!(
+                    "{name} is a skeleton again; the former answer is {}",
+                    former.display()
+                ),
+            }
         }
         Some(Command::Update) => {
             EXERCISES.iter().try_for_each(|exercise| update(&folder, exercise))?;

@@ -15,5 +15,5 @@ fn main() -> ExitCode {
         exact_moves: answer::exact_moves,
         least_noticed_drag: answer::least_noticed_drag,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/along_or_across.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/along_or_across.rs"), functions)
 }

@@ -3,7 +3,7 @@
 
 use std::process::ExitCode;
 
-use exercises::{folder::Folder, selection};
+use exercise_runner::{folder::Folder, selection};
 use libtest_mimic::Arguments;
 
 fn main() -> ExitCode {

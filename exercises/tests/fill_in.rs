@@ -13,5 +13,5 @@ fn main() -> ExitCode {
         information_lost: answer::information_lost,
         cheapest_link: answer::cheapest_link,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/fill_in.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/fill_in.rs"), functions)
 }

@@ -14,5 +14,5 @@ fn main() -> ExitCode {
         central_differences: answer::central_differences,
         forward_motion: answer::forward_motion,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/left_perturbation.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/left_perturbation.rs"), functions)
 }

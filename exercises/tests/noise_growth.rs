@@ -15,5 +15,5 @@ fn main() -> ExitCode {
         predicted_exponents: answer::predicted_exponents,
         fitted_exponent: answer::fitted_exponent,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/noise_growth.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/noise_growth.rs"), functions)
 }

@@ -13,5 +13,5 @@ fn main() -> ExitCode {
         project_out: answer::project_out,
         correction: answer::correction,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/null_space.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/null_space.rs"), functions)
 }

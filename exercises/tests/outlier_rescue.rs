@@ -14,5 +14,5 @@ fn main() -> ExitCode {
         robust_pose: answer::robust_pose,
         rmse_of_right: answer::rmse_of_right,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/outlier_rescue.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/outlier_rescue.rs"), functions)
 }

@@ -13,5 +13,5 @@ fn main() -> ExitCode {
         by_first: answer::by_first,
         by_world_steps: answer::by_world_steps,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/residual_jacobian.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/residual_jacobian.rs"), functions)
 }

@@ -13,5 +13,5 @@ fn main() -> ExitCode {
         split_residual: answer::split_residual,
         scale_is_free: answer::scale_is_free,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/scale_and_gravity.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/scale_and_gravity.rs"), functions)
 }

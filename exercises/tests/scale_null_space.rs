@@ -14,5 +14,5 @@ fn main() -> ExitCode {
         annihilation: answer::annihilation,
         with_distance_held: answer::with_distance_held,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/scale_null_space.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/scale_null_space.rs"), functions)
 }

@@ -15,5 +15,5 @@ fn main() -> ExitCode {
         stiffnesses: answer::stiffnesses,
         rigid_motions: answer::rigid_motions,
     };
-    exercises::judge(&EXERCISE, include_str!("../src/stereo_gauge.rs"), functions)
+    exercise_runner::judge(&EXERCISE, include_str!("../src/stereo_gauge.rs"), functions)
 }

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use book_tests::hidden_checks;
+use exercise_runner::folder::Folder;
+use exercise_runner::{edition, selection};
 use exercise_spec::answer::Transport;
 use exercise_spec::check::{Check, Failure};
 use exercise_spec::{EXERCISES, Exercise};
-use exercises::folder::Folder;
-use exercises::{edition, selection};
 use quote::ToTokens;
 use solutions::{Answers, answers};
 

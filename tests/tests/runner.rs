@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use exercise_runner::edition::{self, Update};
+use exercise_runner::folder::Folder;
+use exercise_runner::progress::{self, State, Verdicts};
+use exercise_runner::{hints, picture, selection};
 use exercise_spec::EXERCISES;
 use exercise_spec::check::Failure;
-use exercises::edition::{self, Update};
-use exercises::folder::Folder;
-use exercises::progress::{self, State, Verdicts};
-use exercises::{hints, picture, selection};
 use tempfile::TempDir;
 
 const SLUG: &str = "left_perturbation";
@@ -41,7 +41,7 @@ fn a_reset_puts_the_newest_skeleton_back_and_keeps_every_former_answer() {
     let mut former = Vec::new();
     for answer in ["first try", "second try"] {
         fs::write(folder.answer(SLUG), answer).expect("written");
-        former.push(edition::reset(&folder, SLUG).expect("reset"));
+        former.extend(edition::reset(&folder, SLUG).expect("reset"));
         assert_eq!(text(&folder.answer(SLUG)), FIRST);
     }
     assert_eq!(

@@ -109,6 +109,7 @@ pub fn to_judge(folder: &Folder) -> Vec<&'static Exercise> {
 pub fn list(folder: &Folder) -> String {
     let mut text = String::new();
     let mut solved = 0;
+    let widest = EXERCISES.iter().map(|exercise| exercise.title.len()).max().unwrap_or(0);
     for exercise in EXERCISES {
         let (mark, words) = match state(folder, exercise) {
             State::Untouched => (' ', "not begun".to_owned()),
@@ -120,13 +121,17 @@ pub fn list(folder: &Folder) -> String {
             State::Judged { passed, of } => ('-', format!("{passed} of {of} checks pass")),
             State::Missing(error) => ('!', error),
         };
-        let _ = writeln!(text, "[{mark}] {:20} {:28} {words}", exercise.slug, exercise.title);
+        let _ = writeln!(text, "[{mark}] {:20} {:widest$}  {words}", exercise.slug, exercise.title);
     }
     let _ = writeln!(text, "\n{solved} of {} solved", EXERCISES.len());
     if let Some(next) = EXERCISES.iter().find(
         |exercise| !matches!(state(folder, exercise), State::Judged { passed, of } if passed == of),
     ) {
-        let _ = writeln!(text, "Next: src/{}.rs, then cargo test -p exercises {0}", next.slug);
+        let _ = writeln!(
+            text,
+            "Next: exercises/src/{}.rs, then cargo test -p exercises {0}",
+            next.slug
+        );
     }
     text
 }

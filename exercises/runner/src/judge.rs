@@ -23,6 +23,8 @@ pub fn judge(
     let mut arguments = Arguments::from_args();
     // The name of the exercise selects all its checks; they do not repeat it.
     arguments.filter = arguments.filter.filter(|filter| !exercise.slug.contains(filter.as_str()));
+    // One after the other, so that what is wrong first is told first.
+    arguments.test_threads = Some(1);
     let partial = arguments.filter.is_some() || !arguments.skip.is_empty() || arguments.list;
     let answer = Arc::new(Native(functions));
     let verdicts = Arc::new(Mutex::new(Verdicts::new(exercise.slug, source)));
@@ -33,7 +35,12 @@ pub fn judge(
             if let Ok(mut verdicts) = verdicts.lock() {
                 verdicts.add(check.name, &outcome);
             }
-            outcome.map_err(|failure| Failed::from(told(exercise.slug, check.name, &failure)))
+            let name = format!("{}-{}.svg", exercise.slug, check.name);
+            if outcome.is_ok() {
+                // Of an earlier answer there may be a picture.
+                let _ = std::fs::remove_file(Folder::here().kept(&name));
+            }
+            outcome.map_err(|failure| Failed::from(told(&name, &failure)))
         })
     });
     let conclusion = libtest_mimic::run(&arguments, trials.collect());
@@ -50,15 +57,15 @@ pub fn judge(
 }
 
 /// A failure as the terminal shows it, with the path of its picture.
-fn told(slug: &str, check: &str, failure: &Failure) -> String {
+fn told(picture_name: &str, failure: &Failure) -> String {
     let mut text = selection::wrapped(&failure.sentence, 96);
     if !failure.numbers.is_empty() {
         let _ = write!(text, "\n\n{}", failure.numbers.trim_end());
     }
     if let Some(drawn) = &failure.picture {
-        let name = format!("{slug}-{check}.svg");
-        let kept = picture::svg(drawn)
-            .and_then(|svg| Folder::here().keep(&name, &svg).map_err(|error| error.to_string()));
+        let kept = picture::svg(drawn).and_then(|svg| {
+            Folder::here().keep(picture_name, &svg).map_err(|error| error.to_string())
+        });
         let _ = match kept {
             Ok(path) => write!(text, "\n\nexpected and obtained, drawn: {}", path.display()),
             Err(error) => write!(text, "\n\nno picture could be drawn: {error}"),

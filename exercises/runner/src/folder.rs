@@ -9,9 +9,14 @@ use std::path::{Path, PathBuf};
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder of this package.
+    /// The folder of the exercises: where cargo runs them, so that a copy of the repository with
+    /// its compiled programs is not taken for the original.
     pub fn here() -> Self {
-        Self(env!("CARGO_MANIFEST_DIR").into())
+        if let Some(package) = std::env::var_os("CARGO_MANIFEST_DIR") {
+            return Self(package.into());
+        }
+        let runner = Path::new(env!("CARGO_MANIFEST_DIR"));
+        Self(runner.parent().unwrap_or(runner).to_owned())
     }
 
     /// Another folder of the same shape.

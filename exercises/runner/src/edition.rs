@@ -67,16 +67,20 @@ pub fn skeleton_of(folder: &Folder, slug: &str, answer: &str) -> Option<String> 
     skeleton(folder, slug, edition_of(answer)?).ok()
 }
 
-/// Puts the newest skeleton in place of an answer and tells where the former answer lies.
+/// Puts the newest skeleton in place of an answer and tells where the former answer lies, if
+/// there was anything but that skeleton.
 ///
 /// # Errors
 ///
 /// When a file cannot be read or written; then nothing is lost.
-pub fn reset(folder: &Folder, slug: &str) -> Result<PathBuf, String> {
+pub fn reset(folder: &Folder, slug: &str) -> Result<Option<PathBuf>, String> {
     let fresh = skeleton(folder, slug, newest(folder, slug)?)?;
+    if read(&folder.answer(slug)).as_ref() == Ok(&fresh) {
+        return Ok(None);
+    }
     let former = save(folder, slug)?;
     write(&folder.answer(slug), &fresh)?;
-    Ok(former)
+    Ok(Some(former))
 }
 
 /// Brings an answer to the newest edition of its skeleton, by a merge of what the student and
