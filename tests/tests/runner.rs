@@ -43,6 +43,7 @@ fn a_reset_puts_the_newest_skeleton_back_and_keeps_every_former_answer() {
         fs::write(folder.answer(SLUG), answer).expect("written");
         former.extend(edition::reset(&folder, SLUG).expect("reset"));
         assert_eq!(text(&folder.answer(SLUG)), FIRST);
+        assert_eq!(edition::reset(&folder, SLUG), Ok(None), "there is nothing to keep");
     }
     assert_eq!(
         former.iter().map(|path| text(path)).collect::<Vec<_>>(),
