@@ -102,11 +102,12 @@ impl Failure {
 
     /// The same, with the advice to see to an earlier function first when that fails as well and
     /// nothing better is known.
-    pub fn unless(self, function: &str, earlier: Result<(), Self>) -> Self {
-        if self.misconception.is_some() || earlier.is_ok() {
+    pub fn unless(self, function: &str, earlier: impl FnOnce() -> Result<(), Self>) -> Self {
+        if self.misconception.is_some() || earlier().is_ok() {
             return self;
         }
-        let sentence = format!("{} And `{function}` is not right yet: see to it first.", self.sentence);
+        let sentence =
+            format!("{} And `{function}` is not right yet: see to it first.", self.sentence);
         Self { sentence, ..self }
     }
 }

@@ -533,7 +533,7 @@ pub fn step(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     }
     comparison
         .judge()
-        .map_err(|failure| failure.unless("huber_weight", self::weights(answer, case)))
+        .map_err(|failure| failure.unless("huber_weight", || self::weights(answer, case)))
 }
 
 /// The pose that the search finds. Steps that lead astray end where points lie behind the camera,
@@ -581,7 +581,7 @@ pub fn pose(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .or(&FROZEN_WEIGHTS, &rows(&frozen))
         .judge()
         .map_err(|failure| {
-            case.told(failure, &obtained).unless("robust_step", step(answer, case))
+            case.told(failure, &obtained).unless("robust_step", || step(answer, case))
         })?;
     let plain = search(answer, case, f64::INFINITY)?;
     compare("the pose of least squares", &rows(&plain), &rows(&case.best(f64::INFINITY)))
@@ -695,8 +695,8 @@ pub fn rescue(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .labelled(&["squares", "Huber"], &["px"])
         .judge()
         .map_err(|failure| {
-            let failure = failure.unless("rmse_of_right", rmse(answer, case));
-            failure.unless("robust_pose", pose(answer, case))
+            let failure = failure.unless("rmse_of_right", || rmse(answer, case));
+            failure.unless("robust_pose", || pose(answer, case))
         })?;
     if obtained[1] < obtained[0] {
         return Ok(());

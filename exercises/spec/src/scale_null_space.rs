@@ -560,8 +560,8 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         readable(along),
         readable(other)
     ));
-    let failure = failure.unless("growth_direction", direction(answer, case));
-    Err(failure.unless("annihilation", measured(answer, case)))
+    let failure = failure.unless("growth_direction", || direction(answer, case));
+    Err(failure.unless("annihilation", || measured(answer, case)))
 }
 
 /// A step with the distance held, against one found from the null vector and differences.
@@ -597,7 +597,7 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     )
     .map_err(|failure| {
         if obtained.len() != step.len() || obtained.iter().any(|part| !part.is_finite()) {
-            return failure.unless("growth_direction", direction(answer, case));
+            return failure.unless("growth_direction", || direction(answer, case));
         }
         let numbers = format!(
             "{}\nthe distance changes by {} m for the step given, by {} m for the one returned; \
@@ -607,6 +607,6 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             readable(rate(&obtained)),
             readable((case.jacobian() * (&obtained - step)).amax())
         );
-        failure.with_numbers(numbers).unless("growth_direction", direction(answer, case))
+        failure.with_numbers(numbers).unless("growth_direction", || direction(answer, case))
     })
 }
