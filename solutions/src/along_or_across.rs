@@ -3,8 +3,9 @@
 use exercise_spec::along_or_across::View;
 use nalgebra::{Matrix2x3, Matrix3, Point3, Vector2, Vector3};
 
-/// The drag, in world coordinates and metres, that takes a point straight away from the centre of
-/// camera `seen_from`, along the ray on which that camera sees it. It is `distance` long.
+/// The drag, in world coordinates and metres, that takes a point straight away from the
+/// centre of camera `seen_from`, along the ray on which that camera sees it. It is
+/// `distance` long.
 pub fn drag_along(
     views: Vec<View>,
     seen_from: usize,
@@ -15,8 +16,9 @@ pub fn drag_along(
     distance * (point_in_world - centre).normalize()
 }
 
-/// The drag, in world coordinates and metres, at right angles both to that ray and to the y axis
-/// of camera `seen_from`. It is `distance` long, and the camera sees the point go to the right.
+/// The drag, in world coordinates and metres, at right angles both to that ray and to the
+/// y axis of camera `seen_from`. It is `distance` long, and the camera sees the point go
+/// to the right.
 pub fn drag_across(
     views: Vec<View>,
     seen_from: usize,
@@ -29,8 +31,8 @@ pub fn drag_across(
     distance * camera_from_world.inverse_transform_vector(&across)
 }
 
-/// How far the pixel of the point moves in each camera, to first order in the drag. The drag is in
-/// world coordinates and metres, the moves are in pixels, new place minus old.
+/// How far the pixel of the point moves in each camera, to first order in the drag. The drag
+/// is in world coordinates and metres, the moves are in pixels, new place minus old.
 pub fn predicted_moves(
     views: Vec<View>,
     point_in_world: Vector3<f64>,
@@ -39,8 +41,8 @@ pub fn predicted_moves(
     views.iter().map(|view| pixel_by_point(view, point_in_world) * drag).collect()
 }
 
-/// How far the pixel of the point really moves in each camera. The point is in front of all of
-/// them, before the drag and after it.
+/// How far the pixel of the point really moves in each camera. The point is in front of all
+/// of them, before the drag and after it.
 pub fn exact_moves(
     views: Vec<View>,
     point_in_world: Vector3<f64>,
@@ -55,9 +57,9 @@ pub fn exact_moves(
         .collect()
 }
 
-/// The drag of length one, in world coordinates, that all cameras **together** notice least: to
-/// first order, the sum over all cameras of the squared length of the pixel's move is smallest. Of
-/// the two such drags the one that leads away from camera 0.
+/// The drag of length one, in world coordinates, that all cameras **together** notice least:
+/// to first order, the sum over all cameras of the squared length of the pixel's move is
+/// smallest. Of the two such drags the one that leads away from camera 0.
 pub fn least_noticed_drag(views: Vec<View>, point_in_world: Vector3<f64>) -> Vector3<f64> {
     let jacobians = views.iter().map(|view| pixel_by_point(view, point_in_world));
     let information: Matrix3<f64> = jacobians.map(|jacobian| jacobian.tr_mul(&jacobian)).sum();

@@ -4,8 +4,9 @@ use exercise_spec::left_perturbation::{Camera, Side};
 use nalgebra::{Isometry3, Matrix2x6, Point3, Vector2, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
-/// The derivative of the pixel of a world point by a twist ξ = (ρ, φ) that moves the pose on the
-/// **left**, exp(ξ) T, at ξ = 0. In pixels per metre and per radian.
+/// The derivative of the pixel of a world point by a twist ξ = (ρ, φ) that moves the pose on
+/// the **left**, exp(ξ) T, at ξ = 0. In pixels per metre and per radian. The point is in
+/// front of the camera.
 pub fn left_pose_jacobian(
     camera: Camera,
     camera_from_world: Isometry3<f64>,
@@ -26,7 +27,9 @@ pub fn right_from_left(camera_from_world: Isometry3<f64>, left: Matrix2x6<f64>) 
     left * se3::adjoint(&camera_from_world)
 }
 
-/// Either derivative by central differences with the step given.
+/// Either derivative by central differences with the step given: in each of the six
+/// directions, half the difference of two pixels over the step. Its error shrinks with the
+/// square of the step.
 pub fn central_differences(
     camera: Camera,
     camera_from_world: Isometry3<f64>,
@@ -48,8 +51,9 @@ pub fn central_differences(
     )
 }
 
-/// How the pixel of a point moves, in pixels per metre, when the camera moves forward along its
-/// optical axis. The point is given in the camera's frame.
+/// How the pixel of a point moves, in pixels per metre, when the **camera** moves forward
+/// along its optical axis. The point is given in the camera's frame and stays where it is in
+/// the world.
 pub fn forward_motion(camera: Camera, point_in_camera: Vector3<f64>) -> Vector2<f64> {
     let projection = camera.pinhole().projection_jacobian(&point_in_camera).unwrap_or_default();
     -projection.column(2)

@@ -4,8 +4,14 @@ use exercise_spec::noise_growth::{Densities, Exponents, Reading, Source};
 use nalgebra::{Matrix6, Vector6};
 use vislam::manifold::so3;
 
-/// One step of the errors x = (φ, ν), both seen from the last body frame: F and G of
-/// x' = F x + G η, where η = (η_g, η_a) is added to the reading.
+/// One step of the errors x = (φ, ν) of the sums over readings, attitude first: the 6×6
+/// matrices F and G of x' = F x + G η. Here η = (η_g, η_a) is an error added to the reading
+/// of this step, gyroscope first.
+///
+/// Both errors are seen **from the last body frame**, that of the time reached: the sums
+/// come out as ΔR exp(φ) and Δv + ΔR ν. After the step they are seen from the body at its
+/// end. The step is ΔR' = ΔR exp(ω dt), Δv' = Δv + ΔR f dt, with the ΔR before the step in
+/// both. Derivatives are taken where x and η are zero; ω dt need not be small.
 pub fn error_step(reading: Reading, dt: f64) -> (Matrix6<f64>, Matrix6<f64>) {
     let turn = dt * reading.gyro;
     // Takes what the body saw before the step to what it sees after it.
@@ -21,8 +27,9 @@ pub fn error_step(reading: Reading, dt: f64) -> (Matrix6<f64>, Matrix6<f64>) {
     (from_errors, from_reading)
 }
 
-/// The 6×6 covariance of (φ, ν) after one more step. Densities are continuous: a reading has
-/// along each axis the variance σ²/dt.
+/// The 6×6 covariance of (φ, ν) after one more step of `dt` seconds, in rad², rad m/s and
+/// (m/s)². The noise of a reading is independent of all that was before, and has along each
+/// axis the variance σ²/dt, where σ is the density.
 pub fn next_covariance(
     covariance: Matrix6<f64>,
     reading: Reading,
@@ -36,16 +43,17 @@ pub fn next_covariance(
         + from_reading * of_reading * from_reading.transpose()
 }
 
-/// The 6×6 covariance of (φ, ν) after all the readings, in their order. Before the first of them
-/// nothing is uncertain.
+/// The 6×6 covariance of (φ, ν) after all the readings, in their order, each of which holds
+/// for `dt` seconds. Before the first of them nothing is uncertain.
 pub fn covariance_of(readings: Vec<Reading>, dt: f64, densities: Densities) -> Matrix6<f64> {
     readings.into_iter().fold(Matrix6::zeros(), |covariance, reading| {
         next_covariance(covariance, reading, dt, densities)
     })
 }
 
-/// The exponents of the standard deviations of attitude, velocity and position over the time,
-/// for a body at rest. `None` where no single power holds or nothing varies.
+/// The exponents of the standard deviations of attitude, velocity and position over the time
+/// t of an interval, for a body **at rest** whose sensor has noise in the source given and
+/// reads gravity. For times of many steps.
 pub fn predicted_exponents(source: Source) -> Exponents {
     let (attitude, velocity, position) = match source {
         Source::Accelerometer => (None, Some(0.5), Some(1.5)),
@@ -55,8 +63,9 @@ pub fn predicted_exponents(source: Source) -> Exponents {
     Exponents { attitude, velocity, position }
 }
 
-/// The exponent q of the law σ = c tᵠ that fits best: the slope of the least-squares line through
-/// the points (log t, log σ).
+/// The exponent q of the law σ = c tᵠ that fits best: the slope of the straight line through
+/// the points (log t, log σ) that has the least sum of squared vertical distances. There are
+/// at least two different times, all positive, as are the standard deviations.
 pub fn fitted_exponent(durations: Vec<f64>, sigmas: Vec<f64>) -> f64 {
     let centred = |list: Vec<f64>| {
         let logs: Vec<f64> = list.into_iter().map(f64::ln).collect();

@@ -2,14 +2,21 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// The cosine c and the sine s that turn the column (a, b) to (√(a² + b²), 0).
+/// The cosine c and the sine s that turn the column (a, b) to (√(a² + b²), 0):
+/// c a + s b is the length and c b − s a is zero. (1, 0) where a and b are both zero.
 pub fn givens(a: f64, b: f64) -> (f64, f64) {
     let length = a.hypot(b);
     if length == 0.0 { (1.0, 0.0) } else { (a / length, b / length) }
 }
 
-/// Nᵀ H_x and Nᵀ r of the equations r = H_x δx + H_f δf + ν, without the landmark. `None` when it
-/// is not fixed.
+/// A landmark was seen in M pictures. Linearized and whitened, its 2M residuals (measured
+/// less predicted) are r = H_x δx + H_f δf + ν, where δx moves the states, δf the landmark
+/// (3 numbers), and ν is noise of variance one. `by_states` is H_x, of 2M rows and any number
+/// of columns; `by_landmark` is H_f, 2M×3; `residual` is r.
+///
+/// Gives Nᵀ H_x and Nᵀ r, of 2M − 3 rows, where the columns of N are orthonormal and
+/// Nᵀ H_f = 0. Every such N is right. `None` when the rank of H_f is less than three: when M
+/// is one, or the third singular value of H_f is less than 1e-9 of the first.
 pub fn project_out(
     by_states: DMatrix<f64>,
     by_landmark: DMatrix<f64>,
@@ -44,8 +51,9 @@ fn rotate(table: &mut DMatrix<f64>, column: usize, lower: usize) {
     }
 }
 
-/// The δx that the track proposes, with a prior on it and none on the landmark. `None` when the
-/// landmark is not fixed.
+/// The δx that the track proposes when nothing is known about its landmark in advance, and δx
+/// is normal with mean zero and the inverse of `prior_information` (positive definite) for a
+/// covariance. `None` as in `project_out`.
 pub fn correction(
     prior_information: DMatrix<f64>,
     by_states: DMatrix<f64>,

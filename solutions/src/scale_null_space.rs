@@ -3,8 +3,8 @@
 use exercise_spec::scale_null_space::Scene;
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
-/// The scene with all distances `factor` times as long, and camera 0 exactly where it was. No
-/// pixel changes. The factor is positive.
+/// The scene with all distances `factor` times as long, and camera 0 exactly where it was.
+/// No pixel changes. The factor is positive.
 pub fn grown(scene: Scene, factor: f64) -> Scene {
     let pinned = centre(&scene.cameras[0]);
     let place = |before: Vector3<f64>| pinned + factor * (before - pinned);
@@ -18,10 +18,10 @@ pub fn grown(scene: Scene, factor: f64) -> Scene {
     }
 }
 
-/// The velocity of all unknowns while the scene grows so, at a factor of one: the derivative by
-/// the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each with the
-/// twist ξ = (ρ, φ) of T exp(ξ), where T is its camera_from_world; then the points, each with its
-/// three coordinates. The six numbers of camera 0 are zero.
+/// The velocity of all unknowns while the scene grows so, at a factor of one: the derivative
+/// by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
+/// with the twist ξ = (ρ, φ) of T exp(ξ), where T is its camera_from_world; then the
+/// points, each with its three coordinates. The six numbers of camera 0 are zero.
 pub fn growth_direction(scene: Scene) -> DVector<f64> {
     let pinned = centre(&scene.cameras[0]);
     let twists = scene.cameras.iter().flat_map(|pose| {
@@ -32,16 +32,16 @@ pub fn growth_direction(scene: Scene) -> DVector<f64> {
     DVector::from_vec(twists.chain(velocities).collect())
 }
 
-/// How far a direction is from being a null vector: the length of `hessian * direction` over the
-/// product of the lengths of the two. The length of a matrix is the root of the sum of its squared
-/// entries. Neither is zero.
+/// How far a direction is from being a null vector: the length of `hessian * direction` over
+/// the product of the lengths of the two. The length of a matrix is the root of the sum of
+/// its squared entries. Neither is zero.
 pub fn annihilation(hessian: DMatrix<f64>, direction: DVector<f64>) -> f64 {
     (&hessian * &direction).norm() / (hessian.norm() * direction.norm())
 }
 
 /// A step of all unknowns, laid out as above, that moves every pixel as the step given does, to
-/// first order, and leaves the **distance** between the centres of cameras 0 and 1 as it is, to
-/// first order. The step given does not move camera 0, and neither does the one returned.
+/// first order, and leaves the **distance** between the centres of cameras 0 and 1 as it is,
+/// to first order. The step given does not move camera 0, and neither does the one returned.
 pub fn with_distance_held(scene: Scene, step: DVector<f64>) -> DVector<f64> {
     let (pinned, moving) = (centre(&scene.cameras[0]), centre(&scene.cameras[1]));
     let (rho, phi) = (step.fixed_rows::<3>(6), step.fixed_rows::<3>(9));

@@ -10,9 +10,9 @@ pub fn right_from_world(left_from_world: Isometry3<f64>, baseline: f64) -> Isome
     Isometry3::translation(-baseline, 0.0, 0.0) * left_from_world
 }
 
-/// The derivatives of the pixel in the **right** camera. First by a twist ξ = (ρ, φ) on the left
-/// of the pose of the **left** camera, exp(ξ) T, at ξ = 0; the right camera is bolted to it. Then
-/// by the point in the world. In pixels per metre and per radian.
+/// The derivatives of the pixel in the **right** camera. First by a twist ξ = (ρ, φ) on the
+/// left of the pose of the **left** camera, exp(ξ) T, at ξ = 0; the right camera is bolted to
+/// it. Then by the point in the world. In pixels per metre and per radian.
 pub fn right_blocks(
     camera: Camera,
     left_from_world: Isometry3<f64>,
@@ -31,10 +31,10 @@ pub fn right_blocks(
 }
 
 /// The reduced camera system S: the Hessian of half the sum of squared whitened residuals, where
-/// all residuals are zero, with the points eliminated. It has six rows for each rig, for the twist
-/// on the left of its left pose, rig after rig. With `hold_first` rig 0 does not move and has no
-/// rows. With a baseline each rig sees each point twice, both coordinates of both pixels measured;
-/// without one, in its left camera alone.
+/// all residuals are zero, with the points eliminated. It has six rows for each rig, for the
+/// twist on the left of its left pose, rig after rig. With `hold_first` rig 0 does not move and
+/// has no rows. With a baseline each rig sees each point twice, both coordinates of both pixels
+/// measured; without one, in its left camera alone.
 pub fn reduced_system(scene: Scene, baseline: Option<f64>, hold_first: bool) -> DMatrix<f64> {
     let held = usize::from(hold_first);
     let size = 6 * (scene.left_from_world.len() - held);
@@ -63,8 +63,8 @@ pub fn reduced_system(scene: Scene, baseline: Option<f64>, hold_first: bool) -> 
     reduced / (scene.sigma * scene.sigma)
 }
 
-/// The eigenvalues, ascending, of S when every unknown is measured in the unit in which its entry
-/// on the diagonal of S is one. S is symmetric with a positive diagonal.
+/// The eigenvalues, ascending, of S when every unknown is measured in the unit in which its
+/// entry on the diagonal of S is one. S is symmetric with a positive diagonal.
 pub fn stiffnesses(reduced: DMatrix<f64>) -> Vec<f64> {
     let unit = reduced.diagonal().map(|stiffness| stiffness.sqrt().recip());
     let scaled = reduced.component_mul(&(&unit * unit.transpose()));
@@ -73,9 +73,9 @@ pub fn stiffnesses(reduced: DMatrix<f64>) -> Vec<f64> {
     stiffnesses
 }
 
-/// What the rigs do while the world is moved and all their pictures stay the same, as velocities:
-/// six rows for each rig, as above, and six columns. In column i all points go from P to
-/// exp(s e) P, where e is the i-th unit twist, and the entries are derivatives by s at zero.
+/// What the rigs do while the world is moved and all their pictures stay the same, as
+/// velocities: six rows for each rig, as above, and six columns. In column i all points go from
+/// P to exp(s e) P, where e is the i-th unit twist, and the entries are derivatives by s at zero.
 pub fn rigid_motions(left_from_world: Vec<Isometry3<f64>>) -> DMatrix<f64> {
     let mut motions = DMatrix::zeros(6 * left_from_world.len(), 6);
     for (rig, pose) in left_from_world.iter().enumerate() {

@@ -9,13 +9,25 @@ type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64
 const EXPECTED: RGBColor = RGBColor(0, 90, 160);
 const OBTAINED: RGBColor = RGBColor(200, 80, 0);
 
+const WIDTH: u32 = 640;
+const HEIGHT: u32 = 480;
+/// Where the axes begin, in pixels.
+const LEFT: i32 = 72;
+
 /// The drawing: rings where points should be, crosses where they are, and a line between.
 ///
 /// # Errors
 ///
 /// When there is nothing finite to draw.
 pub fn svg(picture: &Picture) -> Result<String, String> {
-    let [across, mut up] = [0, 1].map(|axis| range(picture, axis));
+    let [mut across, mut up] = [0, 1].map(|axis| range(picture, axis));
+    let unit = |axis: usize| picture.axes[axis].rsplit_once(", ").map(|(_, unit)| unit);
+    if unit(0) == unit(1) {
+        // One scale for both, in a plot that is about half as wide again as it is high.
+        let per_height = ((across.end - across.start) / 1.5).max(up.end - up.start);
+        across = widened(across, 1.5 * per_height);
+        up = widened(up, per_height);
+    }
     if picture.downward {
         up = up.end..up.start;
     }
@@ -24,7 +36,7 @@ pub fn svg(picture: &Picture) -> Result<String, String> {
     }
     let mut text = String::new();
     {
-        let area = SVGBackend::with_string(&mut text, (640, 480)).into_drawing_area();
+        let area = SVGBackend::with_string(&mut text, (WIDTH, HEIGHT)).into_drawing_area();
         draw(picture, &area, across, up).map_err(|error| error.to_string())?;
     }
     Ok(text)
@@ -37,7 +49,14 @@ fn draw(
     up: std::ops::Range<f64>,
 ) -> Result<(), Box<dyn std::error::Error>> {
     area.fill(&WHITE)?;
-    let mut chart: Chart<'_, '_> = ChartBuilder::on(area)
+    // The legend has a strip of its own, where no points are.
+    let (above, strip) = area.split_vertically(HEIGHT - 30);
+    let words = |name: &str, x: i32| Text::new(name.to_owned(), (x, 6), ("sans-serif", 14));
+    strip.draw(&Circle::new((LEFT + 10, 12), 6, EXPECTED))?;
+    strip.draw(&words(&picture.expected.name, LEFT + 24))?;
+    strip.draw(&Cross::new((LEFT + 170, 12), 5, OBTAINED))?;
+    strip.draw(&words(&picture.obtained.name, LEFT + 184))?;
+    let mut chart: Chart<'_, '_> = ChartBuilder::on(&above)
         .caption(&picture.title, ("sans-serif", 16))
         .margin(12)
         .x_label_area_size(40)
@@ -50,16 +69,16 @@ fn draw(
         pairs().map(|(a, b)| PathElement::new(vec![(a[0], a[1]), (b[0], b[1])], BLACK.mix(0.4))),
     )?;
     chart
-        .draw_series(picture.expected.at.iter().map(|p| Circle::new((p[0], p[1]), 6, EXPECTED)))?
-        .label(&picture.expected.name)
-        .legend(|(x, y)| Circle::new((x + 8, y), 6, EXPECTED));
-    chart
-        .draw_series(picture.obtained.at.iter().map(|p| Cross::new((p[0], p[1]), 5, OBTAINED)))?
-        .label(&picture.obtained.name)
-        .legend(|(x, y)| Cross::new((x + 8, y), 5, OBTAINED));
-    chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
+        .draw_series(picture.expected.at.iter().map(|p| Circle::new((p[0], p[1]), 6, EXPECTED)))?;
+    chart.draw_series(picture.obtained.at.iter().map(|p| Cross::new((p[0], p[1]), 5, OBTAINED)))?;
     area.present()?;
     Ok(())
+}
+
+/// A range of this length about the same middle.
+fn widened(range: std::ops::Range<f64>, length: f64) -> std::ops::Range<f64> {
+    let middle = 0.5 * (range.start + range.end);
+    middle - 0.5 * length..middle + 0.5 * length
 }
 
 /// What an axis has to hold, with a margin.

@@ -110,6 +110,9 @@ crate::misconceptions! {
     ALONG_X, "along_x":
         "This drag is along the camera's x axis. Take its product with the direction of the ray: \
          for which points would it be zero?";
+    PRODUCT_NOT_UNIT, "product_not_unit":
+        "The direction is right and the length is not. How long is the product of two vectors that \
+         are not square to each other, even when both have length one?";
     TO_THE_LEFT, "to_the_left":
         "The drag has the right line and length, and the camera sees the point go to the left. In \
          which order do y axis and ray stand in your product?";
@@ -319,10 +322,13 @@ pub fn across(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     for (index, view) in case.views.iter().enumerate().rev() {
         let obtained = Answer(answer).drag_across(&case.views, &index, point, &distance)?;
         let expected = square(view);
+        let sine = view.axis(&Vector3::y()).cross(&view.unseen(point)).norm();
         compare("the drag across the ray", &obtained, &expected)
             .within(1e-7)
             .labelled(&AXES, &METRES)
             .or(&TO_THE_LEFT, &-expected)
+            .or(&PRODUCT_NOT_UNIT, &(sine * expected))
+            .or(&PRODUCT_NOT_UNIT, &(view.in_camera(point).norm() * sine * expected))
             .or(&ALONG_X, &(distance * view.axis(&Vector3::x())))
             .or(&CAMERA_COORDINATES, &(view.camera_from_world.rotation * expected))
             .or(&OTHER_CAMERA, &square(&case.views[0]))
@@ -343,6 +349,9 @@ impl Case {
     ) -> Failure {
         let (view, point) = (&self.views[index], &self.point_in_world);
         let length = obtained.norm();
+        if !length.is_normal() {
+            return failure;
+        }
         let degrees =
             (obtained.dot(&view.unseen(point)) / length).clamp(-1.0, 1.0).acos().to_degrees();
         let numbers = format!(
@@ -352,28 +361,21 @@ impl Case {
             readable(expected.norm()),
             readable(length)
         );
-        failure.with_numbers(numbers).with_picture(above(view, point, expected, obtained))
+        failure.with_numbers(numbers).with_picture(beside(expected, obtained))
     }
 }
 
-/// Where a drag ends, seen from above the camera.
-fn above(
-    view: &View,
-    point: &Vector3<f64>,
-    expected: &Vector3<f64>,
-    obtained: &Vector3<f64>,
-) -> Picture {
-    let from_above = |drag: &Vector3<f64>| {
-        let [start, end] = [*point, point + drag].map(|point| view.in_camera(&point));
-        [[start.x, start.z], [end.x, end.z]]
-    };
-    let dots = |name: &str, drag: &Vector3<f64>| Dots {
-        name: name.to_owned(),
-        at: from_above(drag).into(),
+/// A drag beside the one expected. Whatever is wrong with it is in one of its two parts.
+fn beside(expected: &Vector3<f64>, obtained: &Vector3<f64>) -> Picture {
+    let direction = expected.normalize();
+    let dots = |name: &str, drag: &Vector3<f64>| {
+        let along = drag.dot(&direction);
+        let off = (drag - along * direction).norm();
+        Dots { name: name.to_owned(), at: vec![[0.0, 0.0], [along, off]] }
     };
     Picture {
-        title: "The point before and after the drag, from above, in the camera's axes".to_owned(),
-        axes: ["x, m".to_owned(), "z, m".to_owned()],
+        title: "The drag from (0, 0), by its parts along and square to the one expected".to_owned(),
+        axes: ["along it, m".to_owned(), "square to it, m".to_owned()],
         expected: dots("expected", expected),
         obtained: dots("obtained", obtained),
         downward: false,
@@ -499,6 +501,9 @@ pub fn least_noticed(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
         .or(&MOST_NOTICED, &most)
         .judge()
         .map_err(|failure| {
+            if obtained.iter().any(|part| !part.is_finite()) {
+                return failure;
+            }
             let noticed = |drag: &Vector3<f64>| {
                 let squares = views.iter().map(|view| view.slope_in_world(point, drag).norm_squared());
                 let root = squares.sum::<f64>().sqrt();
@@ -512,7 +517,7 @@ pub fn least_noticed(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
                 noticed(&expected),
                 noticed(&obtained)
             );
-            failure.with_numbers(numbers).with_picture(above(&views[0], point, &expected, &obtained))
+            failure.with_numbers(numbers).with_picture(beside(&expected, &obtained))
         })
 }
 

@@ -94,9 +94,21 @@ impl Failure {
         Self { numbers: numbers.into(), ..self }
     }
 
-    /// The same with a picture.
+    /// The same with a picture, if expected and obtained can be told apart in it.
     pub fn with_picture(self, picture: Picture) -> Self {
-        Self { picture: Some(Box::new(picture)), ..self }
+        let picture = picture.shows_a_difference().then(|| Box::new(picture));
+        Self { picture, ..self }
+    }
+
+    /// The same, with the advice to see to an earlier function first when that fails as well and
+    /// nothing better is known.
+    pub fn unless(self, function: &str, earlier: impl FnOnce() -> Result<(), Self>) -> Self {
+        if self.misconception.is_some() || earlier().is_ok() {
+            return self;
+        }
+        let sentence =
+            format!("{} And `{function}` is not right yet: see to it first.", self.sentence);
+        Self { sentence, ..self }
     }
 }
 
@@ -244,15 +256,22 @@ impl<'a> Comparison<'a> {
             count if count <= MOST => (0..count).collect(),
             count => (0..count).filter(wrong).collect(),
         };
-        for (title, matrix) in [("expected", &self.expected), ("obtained", &self.obtained)] {
+        for (title, is_obtained) in [("expected", false), ("obtained", true)] {
             let _ = writeln!(text, "{title}:");
             self.heading(&mut text);
             for &row in all.iter().take(MOST) {
                 let _ = write!(text, "{:>10}", self.label(self.rows, row));
-                for column in 0..matrix.ncols() {
-                    let marked = title == "obtained" && !self.near(row, column);
-                    let mark = if marked { '*' } else { ' ' };
-                    let _ = write!(text, "{:>12}{mark}", readable(matrix[(row, column)]));
+                for column in 0..self.expected.ncols() {
+                    let at = (row, column);
+                    let marked = !self.near(row, column);
+                    let [expected, obtained] = if marked {
+                        told_apart(self.expected[at], self.obtained[at])
+                    } else {
+                        [self.expected[at], self.obtained[at]].map(readable)
+                    };
+                    let number = if is_obtained { obtained } else { expected };
+                    let mark = if is_obtained && marked { '*' } else { ' ' };
+                    let _ = write!(text, "{number:>12}{mark}");
                 }
                 text.push('\n');
             }
@@ -288,15 +307,26 @@ fn agree(a: &DMatrix<f64>, b: &DMatrix<f64>, tolerance: f64) -> bool {
 
 /// A number in a form that can be read: five digits, with an exponent where it is needed.
 pub fn readable(number: f64) -> String {
+    with_digits(number, 5)
+}
+
+/// Two numbers that differ, with as many digits as it takes to see it, and five at least.
+pub fn told_apart(a: f64, b: f64) -> [String; 2] {
+    let written = (5..=16).map(|digits| [a, b].map(|number| with_digits(number, digits)));
+    let differs = |pair: &[String; 2]| pair[0] != pair[1];
+    written.clone().find(differs).unwrap_or_else(|| [a, b].map(readable))
+}
+
+fn with_digits(number: f64, digits: i32) -> String {
     let size = number.abs();
     match size {
         _ if !number.is_finite() => number.to_string(),
         0.0 => "0".to_owned(),
         _ if (1e-3..1e5).contains(&size) => {
-            let decimals = (4 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            let decimals = (digits - 1 - size.log10().floor() as i32).clamp(0, digits + 1) as usize;
             format!("{number:.decimals$}")
         }
-        _ => format!("{number:.3e}"),
+        _ => format!("{number:.*e}", (digits - 2) as usize),
     }
 }
 

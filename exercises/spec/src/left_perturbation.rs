@@ -80,9 +80,15 @@ crate::misconceptions! {
     ROTATION_KEPT, "rotation_kept":
         "The skew is of the right point, but a rotation R_cw is left over in the columns. On the \
          left, ξ acts on coordinates that are already the camera's: what is left for R_cw to turn?";
+    TRANSLATION_TURNED, "translation_turned":
+        "The rotation's columns are right, and in those of ρ a rotation R_cw is left over. On the \
+         left, ρ shifts coordinates that are already the camera's: in which axes does it stand?";
     SKEW_SIGN, "skew_sign":
         "The rotation's columns have the wrong sign. φ × P is linear in φ: which matrix times φ \
          is it, that of P or its negative?";
+    ALL_NEGATED, "all_negated":
+        "Every column has the wrong sign. This is the derivative of a residual, measured less \
+         predicted: which way does the predicted pixel itself go?";
     ROTATION_FIRST, "rotation_first":
         "The columns are right and in another order: the twist is (ρ, φ), translation first.";
     TRANSPOSED_ADJOINT, "transposed_adjoint":
@@ -93,6 +99,8 @@ crate::misconceptions! {
          is the adjoint times the other?";
     ONE_SIDED, "one_sided":
         "The error shrinks like the step and not like its square: this is a one-sided difference.";
+    TWICE_TOO_LARGE, "twice_too_large":
+        "These are twice too large. How far apart are the two poses whose pixels were subtracted?";
     SIDES_EXCHANGED, "sides_exchanged":
         "Left and right are exchanged: exp(ξ) T moves the pose on the left.";
     POINT_MOVES, "point_moves":
@@ -207,14 +215,21 @@ pub fn left_jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
         (Rotation3::identity(), case.camera_from_world.rotation.to_rotation_matrix());
     let mut negated = left;
     negated.fixed_columns_mut::<3>(3).neg_mut();
+    let kept = case.slope_with_lever(&case.point_in_camera(), &turned);
+    let mixed = |first: &Matrix2x6<f64>, last: &Matrix2x6<f64>| {
+        Matrix2x6::from_fn(|row, column| if column < 3 { first } else { last }[(row, column)])
+    };
     let swapped = Matrix2x6::from_fn(|row, column| left[(row, (column + 3) % 6)]);
     compare("the left Jacobian", &obtained, &left)
         .within(1e-7)
         .labelled(&ROWS, &COLUMNS)
         .or(&RIGHT_PERTURBATION, &case.slope(Side::Right))
         .or(&POINT_IN_WORLD, &case.slope_with_lever(&case.point_in_world, &still))
-        .or(&ROTATION_KEPT, &case.slope_with_lever(&case.point_in_camera(), &turned))
+        .or(&ROTATION_KEPT, &kept)
+        .or(&ROTATION_KEPT, &mixed(&left, &kept))
+        .or(&TRANSLATION_TURNED, &mixed(&kept, &left))
         .or(&SKEW_SIGN, &negated)
+        .or(&ALL_NEGATED, &-left)
         .or(&ROTATION_FIRST, &swapped)
         .judge()
         .map_err(|failure| failure.with_picture(picture(&left, &obtained)))
@@ -248,6 +263,12 @@ pub fn third_column(answer: &dyn Transport, case: &Case) -> Result<(), Failure> 
     )?;
     let scale = case.slope(Side::Left).amax();
     let (u, v) = (jacobian[(0, 2)], jacobian[(1, 2)]);
+    if let Some(bad) = jacobian.iter().find(|entry| !entry.is_finite()) {
+        return Err(Failure::new(format!(
+            "The left Jacobian of a point on the optical axis: an entry is {bad}; every entry must \
+             be finite."
+        )));
+    }
     if u.abs() <= 1e-9 * scale && v.abs() <= 1e-9 * scale && jacobian.amax() > 0.0 {
         return Ok(());
     }
@@ -294,9 +315,10 @@ pub fn differences(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             Side::Right => (case.slope(Side::Right), case.slope(Side::Left)),
         };
         let (half, whole) = (ask(side, 0.5 * STEP)?, ask(side, STEP)?);
-        compare("the differences with a small step", &ask(side, 1e-5)?, &slope)
+        compare("the table of differences with a small step", &ask(side, 1e-5)?, &slope)
             .within(1e-3)
             .labelled(&ROWS, &COLUMNS)
+            .or(&TWICE_TOO_LARGE, &(2.0 * slope))
             .or(&SIDES_EXCHANGED, &other)
             .judge()?;
         let ratio = (whole - slope).norm() / (half - slope).norm();

@@ -8,7 +8,7 @@ use vislam::least_squares::{Evaluation, Kernel, Options, Problem, Residual, Unde
 use vislam::manifold::se3;
 
 use crate::Exercise;
-use crate::answer::Transport;
+use crate::answer::{Fault, Transport};
 pub use crate::camera::Camera;
 use crate::camera::point_in_view;
 use crate::check::{
@@ -99,6 +99,9 @@ crate::misconceptions! {
     AXES_IGNORED, "axes_ignored":
         "Each coordinate was divided by the root of its own variance. The ellipse of the noise lies \
          askew here: what do the entries beside the diagonal say?";
+    DEVIATIONS_MULTIPLIED, "deviations_multiplied":
+        "The residuals were multiplied by their standard deviations. The less a pixel is trusted, the \
+         longer its residual becomes: which way round should it be?";
     HARD_REJECTION, "hard_rejection":
         "Every weight is one or zero: what lies beyond the threshold is thrown away. Huber's cost \
          goes on rising there; can its weight be zero?";
@@ -110,7 +113,10 @@ crate::misconceptions! {
          multiplied by something, what happens to their product in the normal equations?";
     RESIDUAL_ALONE, "residual_alone":
         "The gradient is weighted and the matrix is not. The weight stands before the whole \
-         square of r + J ξ: which of its terms can do without?";
+         square of r − J ξ: which of its terms can do without?";
+    MATRIX_ALONE, "matrix_alone":
+        "The matrix is weighted and the gradient is not. With how much force does a wrong match pull \
+         at this pose?";
     ROWS_IN_PIXELS, "rows_in_pixels":
         "The weights are right, and what they multiply are squares of pixels. Two matches of \
          weight one with different covariances: should they count alike?";
@@ -266,6 +272,15 @@ impl Case {
             ),
             (&SQUARED_NORM, self.weights(|s| huber.weight(s * s))),
             (&SQUARED_NORM, self.weights(|s| beyond(s, k / (s * s)))),
+            (&SQUARED_NORM, self.weights(|s| beyond(s, (k / s).powi(2)))),
+            (
+                &DEVIATIONS_MULTIPLIED,
+                self.weights_of(|covariance, e| huber.weight((lower(covariance) * e).norm())),
+            ),
+            (
+                &DEVIATIONS_MULTIPLIED,
+                self.weights_of(|covariance, e| huber.weight(e.dot(&(covariance * e)).sqrt())),
+            ),
             (&INFLUENCE, self.weights(|s| huber.influence(s))),
             (&HARD_REJECTION, self.weights(|s| beyond(s, 0.0))),
             (&ROOT_OF_WEIGHT, self.weights(|s| huber.weight(s).sqrt())),
@@ -361,6 +376,11 @@ fn whitener(covariance: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::from_diagonal(&unit) * axes.eigenvectors.transpose()
 }
 
+/// The lower triangular L of Σ = L Lᵀ.
+fn lower(covariance: &Matrix2<f64>) -> Matrix2<f64> {
+    covariance.cholesky().map_or_else(Matrix2::zeros, |factor| factor.l())
+}
+
 /// A match as a residual of the library, its derivative found by differences.
 struct Sighting {
     camera: Camera,
@@ -453,13 +473,21 @@ pub fn weights(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let kernel = Kernel::Huber(case.threshold);
     let expected = case.weights(|s| kernel.weight(s));
     let wrong = case.wrong_weights();
-    let comparison = compare_list("the list of weights", &obtained, &expected);
+    let lengths = case.weights(|s| s);
+    let labels: Vec<String> = lengths.iter().map(|s| format!("s = {s:.2}")).collect();
+    let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
+    let comparison =
+        compare_list("the list of weights", &obtained, &expected).labelled(&labels, &["weight"]);
     let judge = |comparison: Comparison| comparison.within(1e-7).judge();
     judge(wrong.iter().fold(comparison, |comparison, (misconception, weights)| {
         comparison.or_list(misconception, weights)
     }))?;
     let ones = vec![1.0; obtained.len()];
-    judge(compare_list("the weights with an infinite threshold", &ask(f64::INFINITY)?, &ones))?;
+    judge(compare_list(
+        "the list of weights with an infinite threshold",
+        &ask(f64::INFINITY)?,
+        &ones,
+    ))?;
     let covariance = Matrix2::identity();
     let still = Answer(answer).huber_weight(&Vector2::zeros(), &covariance, &case.threshold)?;
     judge(compare_number("the weight of a residual of zero", still, 1.0))
@@ -480,23 +508,55 @@ pub fn step(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let changed = |change: fn(f64) -> f64| -> Vec<f64> {
         weights.iter().map(|weight| change(*weight)).collect()
     };
-    let (plain, _) = case.weighted(&changed(|_| 1.0));
+    let (plain, unweighted) = case.weighted(&changed(|_| 1.0));
     let (_, rooted) = case.weighted(&changed(f64::sqrt));
     let in_pixels = weights.iter().map(|weight| weight.sqrt() * Matrix2::identity());
     let in_pixels = case.system(&case.problem(in_pixels, Kernel::Squared));
+    let multiplied = |by: fn(&Matrix2<f64>) -> Matrix2<f64>| {
+        let factors = matches.iter().map(|seen| by(&seen.covariance));
+        solution(case.system(&case.problem(factors, kernel)))
+    };
     let mut comparison = compare("the step", &obtained, &expected)
         .within(1e-6)
         .labelled(&TWIST, &[])
         .or(&WEIGHT_TWICE, &solution(case.weighted(&changed(|weight| weight * weight))))
         .or(&RESIDUAL_ALONE, &solution((plain, system.1)))
         .or(&RESIDUAL_ALONE, &solution((plain, rooted)))
+        .or(&MATRIX_ALONE, &solution((system.0, unweighted)))
+        .or(&DEVIATIONS_MULTIPLIED, &multiplied(lower))
+        .or(&DEVIATIONS_MULTIPLIED, &multiplied(|covariance| lower(covariance).transpose()))
         .or(&ROWS_IN_PIXELS, &solution(in_pixels))
         .or(&UPHILL, &-expected)
         .or(&LEFT_TWIST, &(se3::adjoint(start) * expected));
     for (misconception, weights) in case.wrong_weights() {
         comparison = comparison.or(misconception, &solution(case.weighted(&weights)));
     }
-    comparison.judge()
+    comparison
+        .judge()
+        .map_err(|failure| failure.unless("huber_weight", || self::weights(answer, case)))
+}
+
+/// The pose that the search finds. Steps that lead astray end where points lie behind the camera,
+/// and there many an answer panics.
+fn search(answer: &dyn Transport, case: &Case, threshold: f64) -> Result<Isometry3<f64>, Failure> {
+    let Case { camera, start, matches, .. } = case;
+    Answer(answer).robust_pose(camera, start, matches, &threshold).map_err(|fault| {
+        let said = fault.to_string();
+        match fault {
+            Fault::Panicked { .. } if step(answer, case).is_ok() => Failure::new(
+                "The search panicked, and one step from the start is right. Steps that are applied \
+                 wrongly lead to where points lie behind the camera: on which side of the pose, and \
+                 with which sign, does your search apply them?",
+            )
+            .with_numbers(said),
+            Fault::Panicked { .. } => Failure::new(
+                "The search panicked, and one step from the start is wrong already: see to \
+                 `robust_step` first.",
+            )
+            .with_numbers(said),
+            fault => fault.into(),
+        }
+    })
 }
 
 /// Where the search ends, with the threshold and without one.
@@ -505,7 +565,7 @@ pub fn step(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// A failure, which names where it ended instead where that is known.
 pub fn pose(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let Case { camera, start, matches, threshold, .. } = case;
+    let Case { start, threshold, .. } = case;
     let rows = |pose: &Isometry3<f64>| pose.to_homogeneous().fixed_rows::<3>(0).into_owned();
     let kernel = Kernel::Huber(*threshold);
     let first = solution(case.system(&case.problem(case.whiteners(), kernel)));
@@ -513,15 +573,17 @@ pub fn pose(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let frozen = case.whiteners().zip(&weights).map(|(whitener, w)| w.sqrt() * whitener);
     let frozen = case.solved(&case.problem(frozen, Kernel::Squared));
     let expected = case.best(*threshold);
-    let obtained = Answer(answer).robust_pose(camera, start, matches, threshold)?;
+    let obtained = search(answer, case, *threshold)?;
     compare("the pose", &rows(&obtained), &rows(&expected))
         .within(1e-7)
         .labelled(&["x", "y", "z"], &["R", "", "", "t"])
         .or(&ONE_STEP, &rows(&se3::retract(start, &first)))
         .or(&FROZEN_WEIGHTS, &rows(&frozen))
         .judge()
-        .map_err(|failure| case.told(failure, &obtained))?;
-    let plain = Answer(answer).robust_pose(camera, start, matches, &f64::INFINITY)?;
+        .map_err(|failure| {
+            case.told(failure, &obtained).unless("robust_step", || step(answer, case))
+        })?;
+    let plain = search(answer, case, f64::INFINITY)?;
     compare("the pose of least squares", &rows(&plain), &rows(&case.best(f64::INFINITY)))
         .within(1e-7)
         .labelled(&["x", "y", "z"], &["R", "", "", "t"])
@@ -621,9 +683,9 @@ pub fn rmse(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// A failure when one of them is not what it should be.
 pub fn rescue(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let Case { camera, start, matches, right, threshold, .. } = case;
+    let Case { camera, matches, right, threshold, .. } = case;
     let ask = |threshold: f64| -> Result<f64, Failure> {
-        let pose = Answer(answer).robust_pose(camera, start, matches, &threshold)?;
+        let pose = search(answer, case, threshold)?;
         Ok(Answer(answer).rmse_of_right(camera, &pose, matches, right)?)
     };
     let obtained = [ask(f64::INFINITY)?, ask(*threshold)?];
@@ -631,7 +693,11 @@ pub fn rescue(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     compare_list("the RMSE of right matches", &obtained, &expected)
         .within(1e-7)
         .labelled(&["squares", "Huber"], &["px"])
-        .judge()?;
+        .judge()
+        .map_err(|failure| {
+            let failure = failure.unless("rmse_of_right", || rmse(answer, case));
+            failure.unless("robust_pose", || pose(answer, case))
+        })?;
     if obtained[1] < obtained[0] {
         return Ok(());
     }

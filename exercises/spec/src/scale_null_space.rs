@@ -86,6 +86,8 @@ crate::misconceptions! {
          stays on its ray: and camera 1?";
     TRANSLATION_FOR_CENTRE, "translation_for_centre":
         "Here the translations of camera_from_world grow apart. Are they places in the world?";
+    CENTRE_AS_TRANSLATION, "centre_as_translation":
+        "The new centres stand in the translations. Is the translation of camera_from_world a place?";
     ROTATIONS_SCALED, "rotations_scaled":
         "The rotations have grown too. Is an angle a length?";
     OTHER_SIGN, "other_sign":
@@ -113,7 +115,7 @@ crate::misconceptions! {
         "The distance stays because camera 1 was moved alone. Do its pixels agree with those of the \
          step given?";
     TURN_FORGOTTEN, "turn_forgotten":
-        "The change of the distance was reckoned from ρ alone. exp(ξ) turns about the origin of the \
+        "φ has no share in this change of the distance. exp(ξ) turns about the origin of the \
          world, and camera 1 does not stand there: what does φ do to its centre?";
     SHARE_ADDED, "share_added":
         "The distance changes by twice as much as it did before. With which sign does growth have to \
@@ -313,6 +315,9 @@ impl Scene {
         let first = self.cameras[0].translation.vector;
         let translations =
             cameras(&|pose| at(first + factor * (pose.translation.vector - first), pose));
+        let pinned = self.centre(0);
+        let centre = |pose: &Isometry3<f64>| pose.inverse().translation.vector;
+        let centres = cameras(&|pose| at(pinned + factor * (centre(pose) - pinned), pose));
         let turn = |pose: &Isometry3<f64>| {
             so3::exp_quaternion(&(factor * so3::log_quaternion(&pose.rotation)))
                 .to_rotation_matrix()
@@ -328,6 +333,7 @@ impl Scene {
             () if same(&about_origin, obtained) => Some(&ABOUT_THE_ORIGIN),
             () if cameras_stay => Some(&CAMERAS_OMITTED),
             () if same(&translations, obtained) => Some(&TRANSLATION_FOR_CENTRE),
+            () if same(&centres, obtained) => Some(&CENTRE_AS_TRANSLATION),
             () if turned => Some(&ROTATIONS_SCALED),
             () if points_stay => Some(&POINTS_OMITTED),
             () => None,
@@ -545,7 +551,7 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     if along.abs() <= 1e-8 && (1e-4..=1.0).contains(&other) {
         return Ok(());
     }
-    Err(Failure::new(
+    let failure = Failure::new(
         "Your measure was asked about your direction of growth, where it should be zero, and about \
          a step drawn at random, where it should not.",
     )
@@ -553,7 +559,9 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         "growth:        {} (expected at most 1e-8)\na random step: {} (expected between 1e-4 and 1)",
         readable(along),
         readable(other)
-    )))
+    ));
+    let failure = failure.unless("growth_direction", || direction(answer, case));
+    Err(failure.unless("annihilation", || measured(answer, case)))
 }
 
 /// A step with the distance held, against one found from the null vector and differences.
@@ -589,7 +597,7 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     )
     .map_err(|failure| {
         if obtained.len() != step.len() || obtained.iter().any(|part| !part.is_finite()) {
-            return failure;
+            return failure.unless("growth_direction", || direction(answer, case));
         }
         let numbers = format!(
             "{}\nthe distance changes by {} m for the step given, by {} m for the one returned; \
@@ -599,6 +607,6 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             readable(rate(&obtained)),
             readable((case.jacobian() * (&obtained - step)).amax())
         );
-        failure.with_numbers(numbers)
+        failure.with_numbers(numbers).unless("growth_direction", || direction(answer, case))
     })
 }

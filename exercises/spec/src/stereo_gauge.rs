@@ -10,7 +10,7 @@ use vislam::two_views::StereoPinhole;
 use crate::Exercise;
 use crate::answer::Transport;
 pub use crate::camera::Camera;
-use crate::check::{Check, Failure, Misconception, compare, compare_list, readable};
+use crate::check::{Check, Failure, Misconception, compare, compare_list, readable, told_apart};
 use crate::draw::Draw;
 use crate::picture::{Dots, Picture};
 
@@ -112,6 +112,12 @@ crate::misconceptions! {
          what is left when every point gives way as well as it can?";
     POINTS_LEFT_IN, "points_left_in":
         "S has rows for the points. It is the whole Hessian: what did eliminating them mean?";
+    COUPLING_ADDED, "coupling_added":
+        "What the points take off has been added. Does a rig become stiffer or softer when the points \
+         that it sees may give way?";
+    HELD_IS_BLIND, "held_is_blind":
+        "Rig 0 was held and its pixels were dropped. Something that cannot move still measures: which \
+         of its blocks remain?";
     STILL_FREE, "still_free":
         "Rig 0 was to be held, and S has six rows for it. What does a column mean for something \
          that cannot move?";
@@ -261,9 +267,14 @@ impl Case {
     /// part at right angles to everything that the points can do.
     fn remaining(&self, rig: Rig<'_>, rows: &[usize], hold_first: bool) -> DMatrix<f64> {
         let [by_rigs, by_points] = self.jacobian(rig, rows, hold_first);
-        let reachable = by_points.qr().q();
-        &by_rigs - &reachable * reachable.tr_mul(&by_rigs)
+        unexplained(by_rigs, by_points)
     }
+}
+
+/// The part of a Jacobian by the rigs at right angles to everything that the points can do.
+fn unexplained(by_rigs: DMatrix<f64>, by_points: DMatrix<f64>) -> DMatrix<f64> {
+    let reachable = by_points.qr().q();
+    &by_rigs - &reachable * reachable.tr_mul(&by_rigs)
 }
 
 /// The rows of both pixels that are used.
@@ -404,9 +415,18 @@ pub fn reduced(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             .within(1e-7)
             .labelled(&labels, &[])
             .or(&POINTS_NAILED, &nailed)
+            .or(&COUPLING_ADDED, &(2.0 * &nailed - &expected))
             .or(&TWIST_ON_THE_RIGHT, &of(&right_twist, rows))
             .or(&UNWHITENED, &(scene.sigma * scene.sigma * &expected))
             .or(&UNWHITENED, &(scene.sigma * &expected));
+        if hold_first {
+            // The rows of rig 0 come first.
+            let seen = scene.left_from_world.len() * scene.points.len();
+            let [by_rigs, by_points] = case.jacobian(&bolted, rows, hold_first);
+            let first = by_rigs.nrows() / seen * scene.points.len();
+            let [by_rigs, by_points] = [by_rigs, by_points].map(|all| all.remove_rows(0, first));
+            comparison = comparison.or(&HELD_IS_BLIND, &square(unexplained(by_rigs, by_points)));
+        }
         if lenses == 2 {
             comparison = comparison
                 .or(&BASELINE_SIGN, &of(&mirrored, rows))
@@ -468,16 +488,19 @@ fn shortened(obtained: &DMatrix<f64>, expected: &DMatrix<f64>, labels: &[&str]) 
         });
         rows.collect::<String>()
     };
-    let (row, column) = (expected - obtained).iamax_full();
+    let nowhere = obtained.iter().position(|entry| !entry.is_finite());
+    let (row, column) = match nowhere {
+        Some(index) => obtained.vector_to_matrix_index(index),
+        None => (expected - obtained).iamax_full(),
+    };
+    let [from, to] = told_apart(expected[(row, column)], obtained[(row, column)]);
     format!(
-        "first block expected:\n{}first block obtained:\n{}greatest difference, at ({}; {}): {} expected, \
-         {} obtained",
+        "first block expected:\n{}first block obtained:\n{}greatest difference, at ({}; {}): {from} expected, \
+         {to} obtained",
         block(expected),
         block(obtained),
         labels[row],
-        labels[column],
-        readable(expected[(row, column)]),
-        readable(obtained[(row, column)])
+        labels[column]
     )
 }
 

@@ -84,6 +84,17 @@ pub fn wrong() -> Vec<Wrong> {
             },
         ),
         Wrong::new(
+            &PRODUCT_NOT_UNIT,
+            Functions {
+                drag_across: |views, seen_from, point, distance| {
+                    let pose = views[seen_from].camera_from_world;
+                    let ray = pose.transform_point(&point.into()).coords.normalize();
+                    pose.inverse_transform_vector(&(distance * Vector3::y().cross(&ray)))
+                },
+                ..REFERENCE
+            },
+        ),
+        Wrong::new(
             &TO_THE_LEFT,
             Functions {
                 drag_across: |views, seen_from, point, distance| {

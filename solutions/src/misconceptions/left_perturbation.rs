@@ -38,10 +38,18 @@ pub fn wrong() -> Vec<Wrong> {
             let turned = projection(&camera, &pose, &point) * pose.rotation.to_rotation_matrix();
             blocks(&turned, &(-turned * so3::hat(&(pose * Point3::from(point)).coords)))
         }),
+        jacobian(&TRANSLATION_TURNED, |camera, pose, point| {
+            let turned = projection(&camera, &pose, &point) * pose.rotation.to_rotation_matrix();
+            let jacobian = right::left_pose_jacobian(camera, pose, point);
+            blocks(&turned, &jacobian.fixed_columns::<3>(3).into())
+        }),
         jacobian(&SKEW_SIGN, |camera, pose, point| {
             let mut jacobian = right::left_pose_jacobian(camera, pose, point);
             jacobian.fixed_columns_mut::<3>(3).neg_mut();
             jacobian
+        }),
+        jacobian(&ALL_NEGATED, |camera, pose, point| {
+            -right::left_pose_jacobian(camera, pose, point)
         }),
         jacobian(&ROTATION_FIRST, |camera, pose, point| {
             let jacobian = right::left_pose_jacobian(camera, pose, point);
@@ -60,6 +68,9 @@ pub fn wrong() -> Vec<Wrong> {
             };
             let columns = [0, 1, 2, 3, 4, 5].map(|axis| (pixel(Some(axis)) - pixel(None)) / step);
             Matrix2x6::from_columns(&columns)
+        }),
+        differences(&TWICE_TOO_LARGE, |camera, pose, point, side, step| {
+            2.0 * right::central_differences(camera, pose, point, side, step)
         }),
         differences(&SIDES_EXCHANGED, |camera, pose, point, side, step| {
             let other = match side {

@@ -61,6 +61,10 @@ pub fn wrong() -> Vec<Wrong> {
             let diagonal = Matrix2::from_diagonal(&covariance.diagonal());
             right::huber_weight(residual, diagonal, threshold)
         }),
+        weighted!(DEVIATIONS_MULTIPLIED, |residual, covariance, threshold| {
+            let lower = covariance.cholesky().map_or_else(Matrix2::zeros, |factor| factor.l());
+            right::huber_weight(lower * residual, Matrix2::identity(), threshold)
+        }),
         weighted!(HARD_REJECTION, |residual, covariance, threshold| {
             if deviations(residual, covariance) > threshold { 0.0 } else { 1.0 }
         }),
@@ -77,6 +81,12 @@ pub fn wrong() -> Vec<Wrong> {
             step(camera, pose, &matches, |residual, covariance| {
                 let weight = right::huber_weight(residual, covariance, threshold);
                 [inverse(covariance), weight.sqrt() * inverse(covariance)]
+            })
+        }),
+        step_is(&MATRIX_ALONE, |camera, pose, matches, threshold| {
+            step(camera, pose, &matches, |residual, covariance| {
+                let weight = right::huber_weight(residual, covariance, threshold);
+                [weight * inverse(covariance), inverse(covariance)]
             })
         }),
         step_is(&ROWS_IN_PIXELS, |camera, pose, matches, threshold| {

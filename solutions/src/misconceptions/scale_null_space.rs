@@ -87,6 +87,12 @@ pub fn wrong() -> Vec<Wrong> {
             });
             Scene { cameras, ..right::grown(scene, factor) }
         }),
+        grown(&CENTRE_AS_TRANSLATION, |scene, factor| {
+            let pinned = centre(&scene.cameras[0]);
+            let cameras =
+                with_translations(&scene, |pose| pinned + factor * (centre(pose) - pinned));
+            Scene { cameras, ..right::grown(scene, factor) }
+        }),
         grown(&ROTATIONS_SCALED, |scene, factor| {
             let mut grown = right::grown(scene, factor);
             for pose in &mut grown.cameras {

@@ -114,6 +114,15 @@ pub fn wrong() -> Vec<Wrong> {
             let all = DMatrix::from_columns(&columns);
             all.tr_mul(&all)
         }),
+        system(&COUPLING_ADDED, |scene, baseline, hold_first| {
+            let held = usize::from(hold_first);
+            let [by_rigs, _] = jacobian(&scene, baseline, held, right::right_blocks);
+            2.0 * by_rigs.tr_mul(&by_rigs) - right::reduced_system(scene, baseline, hold_first)
+        }),
+        system(&HELD_IS_BLIND, |mut scene, baseline, hold_first| {
+            scene.left_from_world.drain(..usize::from(hold_first));
+            right::reduced_system(scene, baseline, false)
+        }),
         system(&STILL_FREE, |scene, baseline, _| right::reduced_system(scene, baseline, false)),
         system(&UNWHITENED, |scene, baseline, hold_first| {
             right::reduced_system(Scene { sigma: 1.0, ..scene }, baseline, hold_first)
