@@ -88,7 +88,8 @@ export async function launch() {
                 reducedMotion: "reduce",
                 ...options,
             });
-            context.setDefaultTimeout(10_000);
+            // The page with the whole book takes ten seconds and more on a busy machine.
+            context.setDefaultTimeout(60_000);
             const page = await context.newPage();
             page.complaints = [];
             page.scripted = options.javaScriptEnabled !== false;
