@@ -108,30 +108,28 @@ pub fn to_judge(folder: &Folder) -> Vec<&'static Exercise> {
 /// The list of all exercises and how far they are.
 pub fn list(folder: &Folder) -> String {
     let mut text = String::new();
-    let mut solved = 0;
+    let (mut solved, mut next) = (0, None);
     let widest = EXERCISES.iter().map(|exercise| exercise.title.len()).max().unwrap_or(0);
     for exercise in EXERCISES {
-        let (mark, words) = match state(folder, exercise) {
+        let state = state(folder, exercise);
+        if matches!(state, State::Judged { passed, of } if passed == of) {
+            solved += 1;
+        } else {
+            next = next.or(Some(exercise.slug));
+        }
+        let (mark, words) = match state {
             State::Untouched => (' ', "not begun".to_owned()),
             State::Unknown => ('?', "does not compile".to_owned()),
-            State::Judged { passed, of } if passed == of => {
-                solved += 1;
-                ('x', "solved".to_owned())
-            }
+            State::Judged { passed, of } if passed == of => ('x', "solved".to_owned()),
             State::Judged { passed, of } => ('-', format!("{passed} of {of} checks pass")),
             State::Missing(error) => ('!', error),
         };
         let _ = writeln!(text, "[{mark}] {:20} {:widest$}  {words}", exercise.slug, exercise.title);
     }
     let _ = writeln!(text, "\n{solved} of {} solved", EXERCISES.len());
-    if let Some(next) = EXERCISES.iter().find(
-        |exercise| !matches!(state(folder, exercise), State::Judged { passed, of } if passed == of),
-    ) {
-        let _ = writeln!(
-            text,
-            "Next: exercises/src/{}.rs, then cargo test -p exercises {0}",
-            next.slug
-        );
+    if let Some(slug) = next {
+        let _ =
+            writeln!(text, "Next: exercises/src/{slug}.rs, then cargo test -p exercises {slug}");
     }
     text
 }

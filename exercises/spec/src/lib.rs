@@ -23,8 +23,7 @@ pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
-use answer::Transport;
-use check::{Check, Failure, Misconception};
+use check::{Check, Misconception};
 
 /// An exercise.
 pub struct Exercise {
@@ -82,9 +81,4 @@ impl Exercise {
         }
         hints
     }
-}
-
-/// Runs checks on an answer, each with its outcome.
-pub fn run(checks: &[Check], answer: &dyn Transport) -> Vec<(&'static str, Result<(), Failure>)> {
-    checks.iter().map(|check| (check.name, check.run(answer))).collect()
 }
