@@ -33,15 +33,15 @@ fn checks(exercise: &Exercise) -> Vec<Check> {
     (exercise.checks)().into_iter().chain(SEEDS.iter().flat_map(hidden)).collect()
 }
 
-fn failures(exercise: &Exercise, answer: &dyn Transport) -> Vec<(&'static str, Failure)> {
+fn failures(checks: &[Check], answer: &dyn Transport) -> Vec<(&'static str, Failure)> {
     let run = |check: &Check| Some((check.name, check.run(answer).err()?));
-    checks(exercise).iter().filter_map(run).collect()
+    checks.iter().filter_map(run).collect()
 }
 
 #[test]
 fn the_reference_passes_every_check() {
     for exercise in EXERCISES {
-        let failed = failures(exercise, &*answers_of(exercise).reference);
+        let failed = failures(&checks(exercise), &*answers_of(exercise).reference);
         assert!(failed.is_empty(), "{}: {failed:?}", exercise.slug);
     }
 }
@@ -49,15 +49,16 @@ fn the_reference_passes_every_check() {
 #[test]
 fn every_wrong_answer_is_rejected_by_its_own_name_and_by_no_other() {
     for exercise in EXERCISES {
+        let checks = checks(exercise);
+        let public: Vec<&str> = (exercise.checks)().iter().map(|check| check.name).collect();
         for wrong in answers_of(exercise).wrong {
-            let failed = failures(exercise, &*wrong.answer);
+            let failed = failures(&checks, &*wrong.answer);
             let named: BTreeSet<&str> = failed
                 .iter()
                 .filter_map(|(_, failure)| Some(failure.misconception?.name))
                 .collect();
             let (slug, name) = (exercise.slug, wrong.misconception.name);
             assert_eq!(named, BTreeSet::from([name]), "{slug}: {name}: {failed:?}");
-            let public: Vec<&str> = (exercise.checks)().iter().map(|check| check.name).collect();
             assert!(
                 failed.iter().any(|(check, failure)| {
                     public.contains(check) && failure.misconception.is_some()
@@ -82,8 +83,9 @@ fn every_misconception_has_an_answer_that_shows_it_and_there_are_at_least_four()
 #[test]
 fn numbers_that_are_none_earn_nothing_and_no_function_can_be_left_out() {
     for exercise in EXERCISES {
+        let checks = checks(exercise);
         for (index, spoiled) in answers_of(exercise).spoiled.iter().enumerate() {
-            for check in checks(exercise) {
+            for check in &checks {
                 let name = format!("{}::{} of spoiled answer {index}", exercise.slug, check.name);
                 let failure = check.run(&**spoiled).expect_err(&name);
                 assert_eq!(failure.misconception, None, "{name}: {failure}");
