@@ -248,9 +248,8 @@ pub fn left_jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
 
 /// How far each axis of the twist moves the pixel for a hundredth of its unit.
 fn picture(expected: &Matrix2x6<f64>, obtained: &Matrix2x6<f64>) -> Picture {
-    let ends = |name: &str, jacobian: &Matrix2x6<f64>| Dots {
-        name: name.to_owned(),
-        at: jacobian.column_iter().map(|column| [0.01 * column[0], 0.01 * column[1]]).collect(),
+    let ends = |name: &str, jacobian: &Matrix2x6<f64>| {
+        Dots::new(name, jacobian.column_iter().map(|column| [0.01 * column[0], 0.01 * column[1]]))
     };
     Picture {
         title: "Moves of the pixel for a hundredth of each axis of the twist".to_owned(),
@@ -364,10 +363,10 @@ pub fn forward(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .within(1e-7)
         .labelled(&ROWS, &["px per m"])
         .or(&POINT_MOVES, &point_moves)
+        .judge()
         .map_err(|failure| {
             failure.given(&[("camera", camera), ("point_in_camera", &point.as_slice())])
         })
-        .judge()
 }
 
 impl Case {

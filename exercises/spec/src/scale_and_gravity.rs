@@ -201,10 +201,14 @@ impl Window {
         all.into_iter().find(|&(k, j)| (self.ray(k, j) - other.ray(k, j)).norm() > 1e-9)
     }
 
-    /// What it looks like from above.
+    /// What it looks like from above. Lines lead to where half a second takes the states; landmarks
+    /// have none.
     fn plan(&self, name: &str) -> Dots {
-        let points = self.states.iter().map(|state| state.position).chain(self.landmarks.clone());
-        Dots { name: name.to_owned(), at: points.map(|p| [p.x, p.y]).collect() }
+        let seen = |p: Vector3<f64>| [p.x, p.y];
+        let states = self.states.iter();
+        let points = states.clone().map(|state| state.position).chain(self.landmarks.clone());
+        let later = states.map(|state| state.position + 0.5 * state.velocity);
+        Dots::new(name, points.map(seen)).with_ways(later.map(seen))
     }
 }
 
@@ -269,7 +273,8 @@ pub fn larger(answer: &dyn Transport, window: &Window, scale: f64) -> Result<(),
         .map_err(|failure| seen(failure, window, &obtained))
         .map_err(|failure| {
             failure.with_picture(Picture {
-                title: "The window from above".to_owned(),
+                title: "From above: landmarks, and states with their way of half a second"
+                    .to_owned(),
                 axes: ["x, m".to_owned(), "y, m".to_owned()],
                 expected: expected.plan("expected"),
                 obtained: obtained.plan("obtained"),
