@@ -18,7 +18,8 @@ pub fn givens(a: f64, b: f64) -> (f64, f64) {
 ///
 /// Gives Nᵀ H_x and Nᵀ r, of 2M − 3 rows, where the columns of N are orthonormal and
 /// Nᵀ H_f = 0. Every such N is right. `None` when the rank of H_f is less than three: when M
-/// is one, or the third singular value of H_f is less than 1e-9 of the first.
+/// is one, or the third singular value of H_f is not at least 1e-9 of the first, or the first
+/// is zero.
 pub fn project_out(
     by_states: DMatrix<f64>,
     by_landmark: DMatrix<f64>,

@@ -5,8 +5,9 @@
 use exercise_spec::residual_jacobian::{Deltas, Matrix9, State, Vector9};
 use nalgebra::Vector3;
 
-/// What two states say about the interval between them less what its readings say, seen from
-/// the first body frame, in the order (φ, v, p): in radians, m/s and metres.
+/// What two states say about the interval between them less what its readings say, in the
+/// order (φ, v, p), in radians, m/s and metres: φ in the axes of the last body, v and p seen
+/// from the first.
 ///
 /// Of the rotation it is the rotation vector φ for which ΔR exp(φ) is the rotation from the
 /// last body frame to the first, as the states have it. Of velocity and position it is the

@@ -53,7 +53,8 @@ pub fn covariance_of(readings: Vec<Reading>, dt: f64, densities: Densities) -> M
 
 /// The exponents of the standard deviations of attitude, velocity and position over the time
 /// t of an interval, for a body **at rest** whose sensor has noise in the source given and
-/// reads gravity. For times of many steps.
+/// reads gravity; velocity and position are those across the vertical. For times of many
+/// steps.
 pub fn predicted_exponents(source: Source) -> Exponents {
     let (attitude, velocity, position) = match source {
         Source::Accelerometer => (None, Some(0.5), Some(1.5)),

@@ -50,9 +50,9 @@ pub fn split_residual(
 /// Whether the readings leave the scale free, for states that agree with them. The biases
 /// are known and taken off.
 ///
-/// An interval leaves it free when its residual, for states that agree with its readings,
-/// changes by no more per unit of log s than a constant acceleration of `tolerance` m/s²
-/// would make it change: by `tolerance` t in velocity **and** by ½ `tolerance` t² in
+/// An interval leaves it free when the derivative of its residual by log s, at s = 1 and for
+/// states that agree with its readings, is no longer than what a constant acceleration of
+/// `tolerance` m/s² would add: `tolerance` t in velocity **and** ½ `tolerance` t² in
 /// position, as lengths of the vectors, where t is its duration. All intervals have their
 /// say about one and the same scale. There is at least one interval.
 pub fn scale_is_free(intervals: Vec<Interval>, gravity: Vector3<f64>, tolerance: f64) -> bool {

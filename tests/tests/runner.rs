@@ -138,10 +138,8 @@ fn long_sentences_are_broken_between_words() {
 
 #[test]
 fn a_picture_has_both_kinds_of_points_and_one_without_finite_points_is_refused() {
-    let dots = |name: &str, at: f64| exercise_spec::picture::Dots {
-        name: name.to_owned(),
-        at: vec![[at, 1.0], [2.0, 3.0]],
-    };
+    let dots =
+        |name: &str, at: f64| exercise_spec::picture::Dots::new(name, [[at, 1.0], [2.0, 3.0]]);
     let mut drawn = exercise_spec::picture::Picture {
         title: "Moves <of> a pixel".to_owned(),
         axes: ["u, px".to_owned(), "v, px".to_owned()],
@@ -154,4 +152,33 @@ fn a_picture_has_both_kinds_of_points_and_one_without_finite_points_is_refused()
     drawn.expected.at = vec![[f64::NAN; 2]];
     drawn.obtained.at = vec![[f64::INFINITY; 2]];
     assert!(picture::svg(&drawn).is_err());
+}
+
+#[test]
+fn a_way_that_leads_elsewhere_is_a_difference_and_is_drawn() {
+    let going = |name: &str, to: f64| {
+        exercise_spec::picture::Dots::new(name, [[0.0, 0.0], [9.0, 9.0]]).with_ways([[to, 0.0]])
+    };
+    let drawn = |to: f64| exercise_spec::picture::Picture {
+        title: "A velocity".to_owned(),
+        axes: ["x, m".to_owned(), "y, m".to_owned()],
+        expected: going("expected", 2.0),
+        obtained: going("obtained", to),
+        downward: false,
+    };
+    assert!(!drawn(2.0).shows_a_difference());
+    assert!(drawn(4.0).shows_a_difference());
+    let [right, wrong] = [2.0, 4.0].map(|to| picture::svg(&drawn(to)).expect("drawn"));
+    assert_ne!(right, wrong);
+}
+
+#[test]
+fn a_failure_says_of_one_number_how_far_it_is_off_and_what_went_in() {
+    use exercise_spec::check::{compare_list, compare_number};
+    let one = compare_number("the slope", 1.0, 2.0).judge().expect_err("wrong");
+    let one = one.given(&[("dt", &0.1), ("gyro", &[0.1 + 0.2, 1.0])]).numbers;
+    assert!(one.contains("differs by more than 1e-9 of it"), "{one}");
+    assert!(one.ends_with("given:\n  dt: 0.1\n  gyro: [0.30000000000000004, 1.0]\n"), "{one}");
+    let two = compare_list("the slopes", &[1.0, 1.0], &[1.0, 2.0]).judge().expect_err("wrong");
+    assert!(two.numbers.contains("of the greatest entry"), "{}", two.numbers);
 }

@@ -14,7 +14,8 @@ const HEIGHT: u32 = 480;
 /// Where the axes begin, in pixels.
 const LEFT: i32 = 72;
 
-/// The drawing: rings where points should be, crosses where they are, and a line between.
+/// The drawing: rings where points should be, crosses where they are, and a line between; broad
+/// and narrow lines where ways should lead and where they do.
 ///
 /// # Errors
 ///
@@ -68,6 +69,16 @@ fn draw(
     chart.draw_series(
         pairs().map(|(a, b)| PathElement::new(vec![(a[0], a[1]), (b[0], b[1])], BLACK.mix(0.4))),
     )?;
+    // A way that came back lies on the one expected where both lead in the same direction.
+    for (dots, colour, width) in
+        [(&picture.expected, EXPECTED.mix(0.35), 6), (&picture.obtained, OBTAINED.mix(1.0), 2)]
+    {
+        let ways = dots.at.iter().zip(&dots.ways);
+        let style = colour.stroke_width(width);
+        chart.draw_series(
+            ways.map(|(a, b)| PathElement::new(vec![(a[0], a[1]), (b[0], b[1])], style)),
+        )?;
+    }
     chart
         .draw_series(picture.expected.at.iter().map(|p| Circle::new((p[0], p[1]), 6, EXPECTED)))?;
     chart.draw_series(picture.obtained.at.iter().map(|p| Cross::new((p[0], p[1]), 5, OBTAINED)))?;
@@ -83,7 +94,7 @@ fn widened(range: std::ops::Range<f64>, length: f64) -> std::ops::Range<f64> {
 
 /// What an axis has to hold, with a margin.
 fn range(picture: &Picture, axis: usize) -> std::ops::Range<f64> {
-    let points = picture.expected.at.iter().chain(&picture.obtained.at);
+    let points = picture.expected.ends().chain(picture.obtained.ends());
     let finite = points.map(|point| point[axis]).filter(|number| number.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
         (low.min(number), high.max(number))

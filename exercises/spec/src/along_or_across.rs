@@ -371,7 +371,7 @@ fn beside(expected: &Vector3<f64>, obtained: &Vector3<f64>) -> Picture {
     let dots = |name: &str, drag: &Vector3<f64>| {
         let along = drag.dot(&direction);
         let off = (drag - along * direction).norm();
-        Dots { name: name.to_owned(), at: vec![[0.0, 0.0], [along, off]] }
+        Dots::new(name, [[0.0, 0.0], [along, off]]).with_ways([[along, off]])
     };
     Picture {
         title: "The drag from (0, 0), by its parts along and square to the one expected".to_owned(),
@@ -449,17 +449,16 @@ fn rows(moves: &[Vector2<f64>]) -> DMatrix<f64> {
 
 /// The ends of moves that all begin at zero.
 fn in_pixels(expected: &DMatrix<f64>, obtained: &[Vector2<f64>]) -> Picture {
+    // Lines lead back to where all begin.
+    let ends = |name: &str, ends: Vec<[f64; 2]>| {
+        let begin = vec![[0.0, 0.0]; ends.len()];
+        Dots::new(name, ends).with_ways(begin)
+    };
     Picture {
         title: "Where the pixels go, from (0, 0)".to_owned(),
         axes: ["u, px".to_owned(), "v, px".to_owned()],
-        expected: Dots {
-            name: "expected".to_owned(),
-            at: expected.row_iter().map(|row| [row[0], row[1]]).collect(),
-        },
-        obtained: Dots {
-            name: "obtained".to_owned(),
-            at: obtained.iter().map(|ends| [ends.x, ends.y]).collect(),
-        },
+        expected: ends("expected", expected.row_iter().map(|row| [row[0], row[1]]).collect()),
+        obtained: ends("obtained", obtained.iter().map(|end| [end.x, end.y]).collect()),
         downward: true,
     }
 }

@@ -1,6 +1,6 @@
 //! Checks, and what they say when an answer is wrong.
 
-use std::fmt::{self, Display, Formatter, Write as _};
+use std::fmt::{self, Debug, Display, Formatter, Write as _};
 
 use nalgebra::{DMatrix, Dim, Matrix, RawStorage};
 
@@ -92,6 +92,17 @@ impl Failure {
     /// The same with lines of numbers.
     pub fn with_numbers(self, numbers: impl Into<String>) -> Self {
         Self { numbers: numbers.into(), ..self }
+    }
+
+    /// The same with what went in, digit for digit, so that a small case can be worked through
+    /// by hand.
+    pub fn given(self, inputs: &[(&str, &dyn Debug)]) -> Self {
+        let mut numbers = self.numbers.trim_end().to_owned();
+        numbers += "\n\ngiven:\n";
+        for (name, value) in inputs {
+            let _ = writeln!(numbers, "  {name}: {value:?}");
+        }
+        self.with_numbers(numbers.trim_start())
     }
 
     /// The same with a picture, if expected and obtained can be told apart in it.
@@ -279,8 +290,8 @@ impl<'a> Comparison<'a> {
         if all.len() > MOST {
             let _ = writeln!(text, "and {} more rows that differ", all.len() - MOST);
         }
-        let _ =
-            writeln!(text, "* differs by more than {:.0e} of the greatest entry", self.tolerance);
+        let whole = if self.expected.len() == 1 { "it" } else { "the greatest entry" };
+        let _ = writeln!(text, "* differs by more than {:.0e} of {whole}", self.tolerance);
         text
     }
 

@@ -102,7 +102,8 @@ crate::misconceptions! {
         "This is the difference of two entropies, half the logarithm of the determinants' ratio. \
          The exponents of the two densities differ as well: is the mean of their difference zero?";
     ONE_BLOCK, "one_block":
-        "One block of the link is zero and its transpose is not. Is that matrix one of a Gaussian?";
+        "Only one of the two blocks of the link was set to zero. Is the matrix that is left one of \
+         a Gaussian? A Cholesky factorization does not ask: it reads one triangle only.";
     SINGLE_ENTRY, "single_entry":
         "One number was set to zero in each triangle. A keyframe has several rows: where does its \
          block begin, and how large is it?";
@@ -356,13 +357,19 @@ impl Window {
             // Keyframes differ in how well they are known, as if in other units.
             let units: Vec<f64> =
                 (0..keyframes).map(|_| 10.0_f64.powf(draw.uniform(-0.6..0.6))).collect();
-            let window = Self {
+            let mut window = Self {
                 information: DMatrix::from_fn(total, total, |row, column| {
                     information[(row, column)] * units[row / size] * units[column / size]
                 }),
                 size,
             };
-            if window.is_telling() {
+            // A block that begins with a zero is a link all the same, and here it is the answer.
+            let cheapest = window.cheapest();
+            if let (Some((a, b)), true) = (cheapest, size > 1) {
+                window.information[(a * size, b * size)] = 0.0;
+                window.information[(b * size, a * size)] = 0.0;
+            }
+            if window.is_telling() && window.cheapest() == cheapest {
                 return window;
             }
         }
@@ -396,6 +403,10 @@ impl Window {
     fn norm(&self, (a, b): Pair) -> f64 {
         let size = self.size;
         self.information.view((a * size, b * size), (size, size)).norm()
+    }
+
+    fn begins_with_zero(&self, (a, b): Pair) -> bool {
+        self.information[(a * self.size, b * self.size)] == 0.0
     }
 
     fn links(&self) -> Vec<Pair> {
@@ -481,6 +492,7 @@ fn loss(answer: &dyn Transport, window: &Window, link: Pair) -> Result<(), Failu
     let cut = window.cut(link);
     let obtained = Answer(answer).information_lost(information, size, &link)?;
     let what = format!("the divergence for the link {}-{}", link.0, link.1);
+    let near = |one: f64, other: f64| (one - other).abs() <= 1e-6 * other.abs();
     match (cut.lost(), obtained) {
         (None, None) => {}
         (Some(_), None) => {
@@ -489,6 +501,9 @@ fn loss(answer: &dyn Transport, window: &Window, link: Pair) -> Result<(), Failu
                      smallest eigenvalue in units of the whole is {}.",
                 readable(cut.0.min())
             )));
+        }
+        (None, Some(number)) if window.one_block(link).iter().any(|&half| near(number, half)) => {
+            return Err(Failure::known(&ONE_BLOCK));
         }
         (None, Some(number)) if number.is_finite() && number != 0.0 => {
             return Err(Failure::known(&INDEFINITE));
@@ -507,9 +522,11 @@ fn loss(answer: &dyn Transport, window: &Window, link: Pair) -> Result<(), Failu
             let others = [
                 (&EXCHANGED, cut.sum(backward)),
                 (&DETERMINANTS_ALONE, cut.sum(|value| -0.5 * value.ln())),
-                (&ONE_BLOCK, window.one_block(link)),
                 (&SINGLE_ENTRY, window.single_entry(link)),
             ];
+            for candidate in window.one_block(link) {
+                comparison = comparison.or_number(&ONE_BLOCK, candidate);
+            }
             for (misconception, candidate) in others {
                 if let Some(candidate) = candidate {
                     comparison = comparison.or_number(misconception, candidate);
@@ -522,14 +539,20 @@ fn loss(answer: &dyn Transport, window: &Window, link: Pair) -> Result<(), Failu
 }
 
 impl Window {
-    /// What the formula gives when one of the two blocks is kept.
-    fn one_block(&self, (a, b): Pair) -> Option<f64> {
+    /// What the formula gives when one of the two blocks is kept: with the determinant of the
+    /// lopsided matrix, with that of the whole one, which a factorization reads when the other
+    /// triangle was cut, and with that of the matrix that is cut rightly.
+    fn one_block(&self, (a, b): Pair) -> Vec<f64> {
         let size = self.size;
         let matrix = self.without(|row, column| (row / size, column / size) == (a, b));
-        let relative = self.information.clone().try_inverse()? * matrix;
-        let determinant = relative.determinant();
+        let Some(inverse) = self.information.clone().try_inverse() else { return Vec::new() };
+        let relative = inverse * matrix;
         let excess = relative.trace() - relative.nrows() as f64;
-        (determinant > 0.0).then(|| 0.5 * (excess - determinant.ln()))
+        let determinant = relative.determinant();
+        let mut logarithms = vec![0.0];
+        logarithms.extend((determinant > 0.0).then(|| determinant.ln()));
+        logarithms.extend(self.cut((a, b)).sum(f64::ln));
+        logarithms.into_iter().map(|logarithm| 0.5 * (excess - logarithm)).collect()
     }
 
     /// What is lost with the one number that has the indices of the keyframes.
@@ -587,6 +610,10 @@ fn chosen(
     let failure = match idea {
         _ if !window.links().contains(&chosen) => Failure::known(&NO_LINK),
         Some(idea) => Failure::known(idea),
+        None if expected.is_some_and(|link| window.begins_with_zero(link)) => Failure::new(
+            "This is not the link whose loss costs least. The block of the one that is begins with \
+             a zero, and has other numbers.",
+        ),
         None => Failure::new("This is not the link whose loss costs least."),
     };
     let mut numbers = String::from("      link        norm   divergence\n");

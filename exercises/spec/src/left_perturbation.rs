@@ -128,6 +128,17 @@ impl Case {
         Self { camera: Camera::drawn(draw), camera_from_world, point_in_world }
     }
 
+    /// A failure with the case; the rotation by its logarithm.
+    fn shown(&self, failure: Failure) -> Failure {
+        let Isometry3 { rotation, translation } = &self.camera_from_world;
+        failure.given(&[
+            ("camera", &self.camera),
+            ("log of camera_from_world.rotation", &rotation.scaled_axis().as_slice()),
+            ("camera_from_world.translation", &translation.vector.as_slice()),
+            ("point_in_world", &self.point_in_world.as_slice()),
+        ])
+    }
+
     fn point_in_camera(&self) -> Vector3<f64> {
         (self.camera_from_world * Point3::from(self.point_in_world)).coords
     }
@@ -232,14 +243,13 @@ pub fn left_jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
         .or(&ALL_NEGATED, &-left)
         .or(&ROTATION_FIRST, &swapped)
         .judge()
-        .map_err(|failure| failure.with_picture(picture(&left, &obtained)))
+        .map_err(|failure| case.shown(failure).with_picture(picture(&left, &obtained)))
 }
 
 /// How far each axis of the twist moves the pixel for a hundredth of its unit.
 fn picture(expected: &Matrix2x6<f64>, obtained: &Matrix2x6<f64>) -> Picture {
-    let ends = |name: &str, jacobian: &Matrix2x6<f64>| Dots {
-        name: name.to_owned(),
-        at: jacobian.column_iter().map(|column| [0.01 * column[0], 0.01 * column[1]]).collect(),
+    let ends = |name: &str, jacobian: &Matrix2x6<f64>| {
+        Dots::new(name, jacobian.column_iter().map(|column| [0.01 * column[0], 0.01 * column[1]]))
     };
     Picture {
         title: "Moves of the pixel for a hundredth of each axis of the twist".to_owned(),
@@ -345,7 +355,8 @@ pub fn differences(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// A failure when it does not move so.
 pub fn forward(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let obtained = Answer(answer).forward_motion(&case.camera, &case.point_in_camera())?;
+    let (camera, point) = (&case.camera, case.point_in_camera());
+    let obtained = Answer(answer).forward_motion(camera, &point)?;
     let slope = case.slope(Side::Left);
     let point_moves = slope.column(2).into_owned();
     compare("the motion of the pixel", &obtained, &-point_moves)
@@ -353,6 +364,9 @@ pub fn forward(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .labelled(&ROWS, &["px per m"])
         .or(&POINT_MOVES, &point_moves)
         .judge()
+        .map_err(|failure| {
+            failure.given(&[("camera", camera), ("point_in_camera", &point.as_slice())])
+        })
 }
 
 impl Case {

@@ -3,8 +3,10 @@
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use vislam::inertial::{ImuBias, NavState};
+use vislam::manifold::so3;
 use vislam::preintegration::{self, Matrix9, Matrix9x6, Preintegrated};
 
+use crate::check::Failure;
 use crate::draw::Draw;
 
 // ANCHOR: state
@@ -87,4 +89,29 @@ impl Deltas {
         let sums = self.preintegrated();
         State::of(&sums.predict(&first.nav(), gravity, &ImuBias::default()))
     }
+}
+
+/// A failure with readings and the two states that they join; rotations by their logarithms.
+pub(crate) fn given(
+    failure: Failure,
+    deltas: &Deltas,
+    states: [&State; 2],
+    gravity: &Vector3<f64>,
+) -> Failure {
+    let [first, second] = states;
+    let rotations = [deltas.rotation, first.world_from_body, second.world_from_body];
+    let [delta, before, after] = rotations.map(|rotation| so3::log(&rotation));
+    failure.given(&[
+        ("deltas.duration", &deltas.duration),
+        ("log of deltas.rotation", &delta.as_slice()),
+        ("deltas.velocity", &deltas.velocity.as_slice()),
+        ("deltas.position", &deltas.position.as_slice()),
+        ("log of first.world_from_body", &before.as_slice()),
+        ("first.velocity", &first.velocity.as_slice()),
+        ("first.position", &first.position.as_slice()),
+        ("log of second.world_from_body", &after.as_slice()),
+        ("second.velocity", &second.velocity.as_slice()),
+        ("second.position", &second.position.as_slice()),
+        ("gravity", &gravity.as_slice()),
+    ])
 }

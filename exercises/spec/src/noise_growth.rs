@@ -1,5 +1,7 @@
 //! Where uncertainty comes from: how noise enters the sums over readings, and how it grows.
 
+use std::f64::consts::LN_10;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
@@ -88,7 +90,8 @@ crate::signatures! {
     // ANCHOR: growth
     /// The exponents of the standard deviations of attitude, velocity and position over the time
     /// t of an interval, for a body **at rest** whose sensor has noise in the source given and
-    /// reads gravity. For times of many steps.
+    /// reads gravity; velocity and position are those across the vertical. For times of many
+    /// steps.
     fn predicted_exponents(source: Source) -> Exponents;
 
     /// The exponent q of the law σ = c tᵠ that fits best: the slope of the straight line through
@@ -128,6 +131,10 @@ crate::misconceptions! {
         "The gyroscope's noise enters the attitude as if the step did not turn. It is added to ω \
          inside of exp, and ω dt is not small here: by which matrix does such a sum become a \
          product of two rotations, with the small one on the right?";
+    LEFT_JACOBIAN, "left_jacobian":
+        "The gyroscope's noise enters by the left Jacobian, which puts the small rotation on the \
+         left of the step. On which side is it in ΔR exp(φ)? The tests of the covariance cannot \
+         see this: J Jᵀ is the same for both.";
     SQUARED_STEP, "squared_step":
         "The leak from attitude into velocity grows with the square of dt. A force that is turned \
          wrongly acts for dt seconds: how much velocity is that?";
@@ -141,6 +148,9 @@ crate::misconceptions! {
     TRANSPOSED_PROPAGATION, "transposed_propagation":
         "The covariance before the step stands between the transpose of F and F. If x becomes F x, \
          what becomes of the mean of x xᵀ?";
+    REVERSED_READINGS, "reversed_readings":
+        "This is the covariance of the same readings from the last to the first. From which body \
+         frame are the errors seen at the end, and which reading leads to it?";
     NOISE_AS_BIAS, "noise_as_bias":
         "These are the exponents of an error that is the same in every reading, a bias. Noise is \
          drawn anew for every reading: how does the sum of n independent errors grow with n?";
@@ -148,12 +158,15 @@ crate::misconceptions! {
         "These are the exponents of the variances. Which power of a variance is a standard \
          deviation?";
     ONE_EXPONENT_FOR_BOTH, "one_exponent_for_both":
-        "One exponent is given where both sensors are noisy. Two variances add that grow with \
-         different powers: what does the slope on logarithmic axes do from short times to long \
-         ones?";
+        "Velocity and position are each given one exponent, although both sensors are noisy. Two \
+         variances add that grow with different powers: what does the slope on logarithmic axes do \
+         from short times to long ones?";
     PLAIN_AXES, "plain_axes":
         "This is the slope of σ over t on plain axes, in units of σ per second. On which axes is a \
          power of t a straight line, with the exponent for its slope?";
+    MIXED_LOGARITHMS, "mixed_logarithms":
+        "One axis has logarithms to the base ten and the other natural ones. What becomes of a \
+         slope when only one of its axes is drawn in another unit?";
     ENDS_ONLY, "ends_only":
         "This is the slope between the first point and the last one. What do the points between \
          them say?";
@@ -266,6 +279,16 @@ impl Step {
         Self { rotation: draw.rotation(0.5..3.0), velocity: draw.vector(1.0..5.0), reading, dt }
     }
 
+    /// A failure with the step.
+    fn shown(&self, failure: Failure) -> Failure {
+        let Reading { gyro, force } = &self.reading;
+        failure.given(&[
+            ("reading.gyro", &gyro.as_slice()),
+            ("reading.force", &force.as_slice()),
+            ("dt", &self.dt),
+        ])
+    }
+
     fn start(&self) -> NavState {
         let origin = NavState::origin();
         NavState { world_from_body: self.rotation, velocity: self.velocity, ..origin }
@@ -351,13 +374,15 @@ pub fn carries(answer: &dyn Transport, step: &Step) -> Result<(), Failure> {
         .or(&LEAK_SIGN, &leak(-1.0))
         .or(&ROTATION_TOO_EARLY, &early[0])
         .or(&SQUARED_STEP, &leak(step.dt))
-        .judge()?;
+        .judge()
+        .map_err(|failure| step.shown(failure))?;
     let unturned = |jacobian: &Matrix3<f64>| {
         let mut matrix = g;
         matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(jacobian);
         matrix
     };
     let plain = Matrix3::from_diagonal_element(step.dt);
+    let left = step.dt * so3::right_jacobian(&(-step.dt * step.reading.gyro));
     compare("the matrix G", &obtained.1, &g)
         .within(1e-7)
         .labelled(&ERRORS, &NOISES)
@@ -366,7 +391,9 @@ pub fn carries(answer: &dyn Transport, step: &Step) -> Result<(), Failure> {
         .or(&ROTATION_TOO_EARLY, &early[1])
         .or(&RIGHT_JACOBIAN_FORGOTTEN, &unturned(&plain))
         .or(&RIGHT_JACOBIAN_FORGOTTEN, &unturned(&(once.transpose() * plain)))
+        .or(&LEFT_JACOBIAN, &unturned(&left))
         .judge()
+        .map_err(|failure| step.shown(failure))
 }
 
 /// What is known before a step, and how noisy its reading is.
@@ -443,6 +470,10 @@ impl Interval {
         Self { readings, dt, densities: Densities::drawn(draw) }
     }
 
+    fn reversed(&self) -> Self {
+        Self { readings: self.readings.iter().rev().copied().collect(), ..self.clone() }
+    }
+
     /// The covariance of the sums: each number of each reading is moved by itself.
     fn covariance(&self, turned: Turned, deviation: f64) -> Matrix6<f64> {
         let origin = NavState::origin();
@@ -475,6 +506,7 @@ pub fn whole(answer: &dyn Transport, interval: &Interval) -> Result<(), Failure>
         .or(&DENSITY_PER_SAMPLE, &interval.covariance(Turned::Before, 1.0))
         .or(&DENSITY_TIMES_STEP, &interval.covariance(Turned::Before, root))
         .or(&ROTATION_TOO_EARLY, &interval.covariance(Turned::After, 1.0 / root))
+        .or(&REVERSED_READINGS, &interval.reversed().covariance(Turned::Before, 1.0 / root))
         .judge()
 }
 
@@ -597,7 +629,9 @@ pub fn exponents(answer: &dyn Transport, rest: &Rest) -> Result<(), Failure> {
         };
         let one_for_both = source == Source::Both
             && obtained.attitude == expected.attitude
-            && [obtained.velocity, obtained.position].iter().flatten().all(|q| q.is_finite());
+            && [obtained.velocity, obtained.position]
+                .iter()
+                .all(|exponent| exponent.is_some_and(f64::is_finite));
         let failure = if obtained.are(&of_bias) {
             Failure::known(&NOISE_AS_BIAS)
         } else if obtained.are(&expected.doubled()) {
@@ -677,7 +711,12 @@ pub fn fit(answer: &dyn Transport, points: &Points) -> Result<(), Failure> {
         .within(1e-8)
         .labelled(&["exponent"], &[])
         .or_number(&PLAIN_AXES, points.on_plain_axes())
+        .or_number(&MIXED_LOGARITHMS, points.exponent / LN_10)
+        .or_number(&MIXED_LOGARITHMS, points.exponent * LN_10)
         .or_number(&ENDS_ONLY, points.between_ends())
         .or_number(&VARIANCE_FOR_SIGMA, 2.0 * points.exponent)
         .judge()
+        .map_err(|failure| {
+            failure.given(&[("durations", &points.durations), ("sigmas", &points.sigmas)])
+        })
 }

@@ -24,7 +24,8 @@ crate::signatures! {
     ///
     /// Gives Nᵀ H_x and Nᵀ r, of 2M − 3 rows, where the columns of N are orthonormal and
     /// Nᵀ H_f = 0. Every such N is right. `None` when the rank of H_f is less than three: when M
-    /// is one, or the third singular value of H_f is less than 1e-9 of the first.
+    /// is one, or the third singular value of H_f is not at least 1e-9 of the first, or the first
+    /// is zero.
     fn project_out(
         by_states: DMatrix<f64>,
         by_landmark: DMatrix<f64>,
@@ -488,6 +489,11 @@ pub fn refusal(answer: &dyn Transport, seen: &Case, unseen: &Case) -> Result<(),
     }
     if refused(&seen.in_units_of(1e-12))? || !refused(&unseen.in_units_of(1e9))? {
         return Err(Failure::known(&ABSOLUTE_RANK));
+    }
+    if !refused(&seen.in_units_of(0.0))? {
+        return Err(Failure::new(
+            "H_f is zero here, no pixel depends on the landmark, and the track was not refused.",
+        ));
     }
     let corrected = |case: &Case| {
         let Case { by_states, by_landmark, residual, prior_information } = case;

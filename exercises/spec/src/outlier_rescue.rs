@@ -615,16 +615,11 @@ impl Case {
 
     /// Where two poses predict the right matches.
     fn picture(&self, expected: &Isometry3<f64>, obtained: &Isometry3<f64>) -> Picture {
-        let seen = |name: &str, pose: &Isometry3<f64>| Dots {
-            name: name.to_owned(),
-            at: self
-                .residuals(pose)
-                .iter()
-                .zip(&self.matches)
-                .zip(&self.right)
-                .filter(|(_, right)| **right)
-                .map(|((residual, seen), _)| (residual + seen.pixel).into())
-                .collect(),
+        let seen = |name: &str, pose: &Isometry3<f64>| {
+            let residuals = self.residuals(pose);
+            let pairs = residuals.iter().zip(&self.matches).zip(&self.right);
+            let right = pairs.filter(|(_, right)| **right);
+            Dots::new(name, right.map(|((residual, seen), _)| (residual + seen.pixel).into()))
         };
         Picture {
             title: "Where the pose predicts the right matches".to_owned(),

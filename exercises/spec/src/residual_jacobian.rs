@@ -9,12 +9,14 @@ use crate::Exercise;
 use crate::answer::Transport;
 use crate::check::{Check, Failure, compare};
 use crate::draw::Draw;
+use crate::navigation::given;
 pub use crate::navigation::{Deltas, State};
 
 crate::signatures! {
     // ANCHOR: residual
-    /// What two states say about the interval between them less what its readings say, seen from
-    /// the first body frame, in the order (φ, v, p): in radians, m/s and metres.
+    /// What two states say about the interval between them less what its readings say, in the
+    /// order (φ, v, p), in radians, m/s and metres: φ in the axes of the last body, v and p seen
+    /// from the first.
     ///
     /// Of the rotation it is the rotation vector φ for which ΔR exp(φ) is the rotation from the
     /// last body frame to the first, as the states have it. Of velocity and position it is the
@@ -57,7 +59,8 @@ crate::misconceptions! {
          gap?";
     GRAVITY_SIGN, "gravity_sign":
         "Gravity has the wrong sign. A body that falls freely feels nothing, so its deltas are \
-         zero: what has to be taken off its change of velocity for the residual to vanish?";
+         zero: what has to be taken off its change of velocity, and of position, for the \
+         residual to vanish?";
     CARRY_FORGOTTEN, "carry_forgotten":
         "The velocity at the beginning carries the body on for the whole interval, and here it \
          carries nothing. In how many of the three residuals does the first velocity stand?";
@@ -73,6 +76,10 @@ crate::misconceptions! {
     OTHER_SIDE, "other_side":
         "The rotation's residual stands in the wrong frame, that of the other side of ΔR. Which \
          of ΔR exp(φ) and exp(φ) ΔR does the specification say?";
+    ROTATION_REVERSED, "rotation_reversed":
+        "The rotation's residual has the opposite sign, and the other two have not. It leads from \
+         what the states say to what the readings say: which of the two stands before exp(φ) in \
+         the specification?";
     WORLD_STEPS, "world_steps":
         "This is the derivative for v + δv and p + δp, steps in the world, as the book takes them. \
          Put v + R δv into the residual: what meets R there?";
@@ -80,10 +87,14 @@ crate::misconceptions! {
         "The rotation's block is right only where the residual is zero. A small rotation stands on \
          the right of one that is not small, inside of the logarithm: which matrix takes it to \
          what is added to the logarithm?";
+    LEFT_INVERSE_JACOBIAN, "left_inverse_jacobian":
+        "The inverse of the left Jacobian stands in the rotation's block. It belongs to a small \
+         rotation on the left of one that is not small: on which side of exp(φ) does the step of \
+         the first body come out?";
     SKEW_SIGN, "skew_sign":
-        "The blocks by which a rotation of the first body changes velocity and position have the \
-         wrong sign. Transposing R exp(φ) puts which of exp(φ) and exp(−φ) before the difference \
-         of the states?";
+        "A block by which a rotation of the first body changes velocity or position has the wrong \
+         sign. Transposing R exp(φ) puts which of exp(φ) and exp(−φ) before the difference of the \
+         states?";
     MEASURED_FOR_STATED, "measured_for_stated":
         "The skews are of the deltas that were measured. They agree with the right ones where the \
          residual is zero, and there alone. Which of the two terms of the residual does a turn of \
@@ -122,6 +133,11 @@ impl Case {
             position: position + draw.vector(1.0..4.0),
         };
         Self { deltas, first, second, gravity }
+    }
+
+    /// A failure with the case.
+    fn shown(&self, failure: Failure) -> Failure {
+        given(failure, &self.deltas, [&self.first, &self.second], &self.gravity)
     }
 
     /// The residual by way of the state to which the deltas lead, from where the second state is
@@ -253,19 +269,28 @@ pub fn way(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let world_from_body = first.world_from_body.matrix();
     let in_world = rows_turned(&expected, world_from_body, &PARTS[1..]);
     let back = case.turned_back().residual();
+    let rising = Case { gravity: -gravity, ..*case }.residual();
+    // Gravity wrong in one of the two lines that contain it, the rotation reversed alone.
+    let in_rows = |at: usize, other: &Vector9| {
+        Vector9::from_fn(|row, _| if row / 3 * 3 == at { other[row] } else { expected[row] })
+    };
     let half_back = Vector9::from_fn(|row, _| if row < 3 { expected[row] } else { back[row] });
     compare("the residual", &obtained, &expected)
         .within(1e-8)
         .labelled(&ROWS, &[])
         .or(&GRAVITY_FORGOTTEN, &Case { gravity: Vector3::zeros(), ..*case }.residual())
-        .or(&GRAVITY_SIGN, &Case { gravity: -gravity, ..*case }.residual())
+        .or(&GRAVITY_SIGN, &rising)
+        .or(&GRAVITY_SIGN, &in_rows(3, &rising))
+        .or(&GRAVITY_SIGN, &in_rows(6, &rising))
         .or(&CARRY_FORGOTTEN, &case.carried_by_nothing().residual())
         .or(&LEFT_IN_THE_WORLD, &in_world)
         .or(&UNTRANSPOSED_BLOCK, &back)
         .or(&UNTRANSPOSED_BLOCK, &half_back)
         .or(&REVERSED, &-expected)
+        .or(&ROTATION_REVERSED, &in_rows(0, &-expected))
         .or(&OTHER_SIDE, &rows_turned(&expected, deltas.rotation.matrix(), &PARTS[..1]))
         .judge()
+        .map_err(|failure| case.shown(failure))
 }
 
 /// The Jacobian against differences.
@@ -286,9 +311,12 @@ pub fn jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let phi = case.residual().fixed_rows::<3>(0).into();
     let straight = so3::right_jacobian(&phi);
     let stated = (first.world_from_body.inverse() * second.world_from_body).into_inner();
-    let left = {
+    let left_inverse = so3::right_jacobian_inverse(&-phi);
+    let negated = |parts: &[usize]| {
         let mut matrix = slope;
-        matrix.fixed_view_mut::<6, 3>(3, 0).neg_mut();
+        for at in parts {
+            matrix.fixed_view_mut::<3, 3>(*at, 0).neg_mut();
+        }
         matrix
     };
     let measured = {
@@ -297,7 +325,8 @@ pub fn jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         matrix
     };
     let weightless = Case { gravity: Vector3::zeros(), ..*case };
-    let rising = Case { gravity: -gravity, ..*case };
+    let rising = Case { gravity: -gravity, ..*case }.slope(Steps::Body);
+    let turned_in_rising = |row: usize| with(row, 0, &rising.fixed_view::<3, 3>(row, 0).into());
     compare("the Jacobian", &obtained, &slope)
         .within(1e-7)
         .labelled(&ROWS, &COLUMNS)
@@ -305,15 +334,20 @@ pub fn jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .or(&INVERSE_JACOBIAN_FORGOTTEN, &with(0, 0, &(straight * corner)))
         .or(&INVERSE_JACOBIAN_FORGOTTEN, &with(0, 0, &(straight * straight * corner)))
         .or(&UNTRANSPOSED_BLOCK, &with(0, 0, &(corner * stated * stated)))
-        .or(&SKEW_SIGN, &left)
+        .or(&LEFT_INVERSE_JACOBIAN, &with(0, 0, &(left_inverse * straight * corner)))
+        .or(&SKEW_SIGN, &negated(&PARTS[1..]))
+        .or(&SKEW_SIGN, &negated(&PARTS[1..2]))
+        .or(&SKEW_SIGN, &negated(&PARTS[2..]))
         .or(&CARRY_FORGOTTEN, &with(6, 3, &Matrix3::zeros()))
         .or(&CARRY_FORGOTTEN, &with(6, 0, &case.carried_by_nothing().leak()))
         .or(&MEASURED_FOR_STATED, &measured)
         .or(&GRAVITY_FORGOTTEN, &weightless.slope(Steps::Body))
-        .or(&GRAVITY_SIGN, &rising.slope(Steps::Body))
+        .or(&GRAVITY_SIGN, &rising)
+        .or(&GRAVITY_SIGN, &turned_in_rising(3))
+        .or(&GRAVITY_SIGN, &turned_in_rising(6))
         .or(&REVERSED, &-slope)
         .judge()
-        .map_err(|failure| by_blocks(failure, &obtained, &slope))
+        .map_err(|failure| case.shown(by_blocks(failure, &obtained, &slope)))
 }
 
 /// A failure that shows the blocks that are wrong, three at most: nine columns are wider than a
@@ -381,7 +415,7 @@ pub fn moved(
         .labelled(&ROWS, &COLUMNS)
         .or(&WORLD_STEPS, &elsewhere.slope(Steps::World))
         .judge()
-        .map_err(|failure| by_blocks(failure, &obtained, &slope))
+        .map_err(|failure| elsewhere.shown(by_blocks(failure, &obtained, &slope)))
 }
 
 /// The dictionary between the two kinds of steps, on a derivative found by differences.

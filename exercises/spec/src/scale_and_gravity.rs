@@ -15,6 +15,7 @@ use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
 use crate::check::{Check, Failure, Misconception, compare};
 use crate::draw::Draw;
+use crate::navigation::given;
 pub use crate::navigation::{Deltas, State};
 use crate::picture::{Dots, Picture};
 
@@ -69,9 +70,9 @@ crate::signatures! {
     /// Whether the readings leave the scale free, for states that agree with them. The biases
     /// are known and taken off.
     ///
-    /// An interval leaves it free when its residual, for states that agree with its readings,
-    /// changes by no more per unit of log s than a constant acceleration of `tolerance` m/s²
-    /// would make it change: by `tolerance` t in velocity **and** by ½ `tolerance` t² in
+    /// An interval leaves it free when the derivative of its residual by log s, at s = 1 and for
+    /// states that agree with its readings, is no longer than what a constant acceleration of
+    /// `tolerance` m/s² would add: `tolerance` t in velocity **and** ½ `tolerance` t² in
     /// position, as lengths of the vectors, where t is its duration. All intervals have their
     /// say about one and the same scale. There is at least one interval.
     fn scale_is_free(intervals: Vec<Interval>, gravity: Vector3<f64>, tolerance: f64) -> bool;
@@ -105,11 +106,19 @@ crate::misconceptions! {
         "Gravity grows with the window here. A unit of length is ours to choose, but does a \
          stone fall faster because we draw the map larger?";
     DELTAS_SCALED, "deltas_scaled":
-        "The measured deltas grow with the window, and gravity alone is left to resist. When \
-         an optimizer tries another scale, what happens to the numbers that the sensor has \
-         written down?";
+        "A measured delta grows with the window. When an optimizer tries another scale, what \
+         happens to the numbers that the sensor has written down?";
     ROTATION_SCALED, "rotation_scaled":
         "The rotation's residual stands among what grows. Which lengths are there in an angle?";
+    HALF_FORGOTTEN, "half_forgotten":
+        "In the position a half is missing. How fast is a body on average that begins at rest and \
+         gains a t in t seconds, and how far does it get?";
+    TIME_FORGOTTEN, "time_forgotten":
+        "A bound lacks the time. The tolerance is in m/s²: what makes m/s of it, and what metres?";
+    REST_FIXED, "rest_fixed":
+        "Wherever there is gravity the scale is called fixed, for a body at rest too. What does its \
+         accelerometer read, and what is left of that, in velocity and in position, when gravity \
+         is taken into account?";
     GRAVITY_ALONE, "gravity_alone":
         "Scale is called free exactly where nothing weighs. A body at constant velocity weighs \
          something: add what gravity does in the interval to what the accelerometer adds up to. \
@@ -123,6 +132,9 @@ crate::misconceptions! {
     VELOCITY_ALONE, "velocity_alone":
         "Only the velocity was asked. A body that is as fast at the end as at the beginning may \
          have sped up and slowed down between: which other number of the interval knows of it?";
+    EITHER_SUFFICES, "either_suffices":
+        "An interval is said to leave the scale free when its velocity or its position says so. \
+         Who decides when the other one objects?";
     ONE_INTERVAL_SUFFICES, "one_interval_suffices":
         "One interval that leaves the scale free was taken for enough. The window has one scale \
          for all its intervals: who decides when one of them objects?";
@@ -201,10 +213,14 @@ impl Window {
         all.into_iter().find(|&(k, j)| (self.ray(k, j) - other.ray(k, j)).norm() > 1e-9)
     }
 
-    /// What it looks like from above.
+    /// What it looks like from above. Lines lead to where half a second takes the states; landmarks
+    /// have none.
     fn plan(&self, name: &str) -> Dots {
-        let points = self.states.iter().map(|state| state.position).chain(self.landmarks.clone());
-        Dots { name: name.to_owned(), at: points.map(|p| [p.x, p.y]).collect() }
+        let seen = |p: Vector3<f64>| [p.x, p.y];
+        let states = self.states.iter();
+        let points = states.clone().map(|state| state.position).chain(self.landmarks.clone());
+        let later = states.map(|state| state.position + 0.5 * state.velocity);
+        Dots::new(name, points.map(seen)).with_ways(later.map(seen))
     }
 }
 
@@ -269,7 +285,8 @@ pub fn larger(answer: &dyn Transport, window: &Window, scale: f64) -> Result<(),
         .map_err(|failure| seen(failure, window, &obtained))
         .map_err(|failure| {
             failure.with_picture(Picture {
-                title: "The window from above".to_owned(),
+                title: "From above: landmarks, and states with their way of half a second"
+                    .to_owned(),
                 axes: ["x, m".to_owned(), "y, m".to_owned()],
                 expected: expected.plan("expected"),
                 obtained: obtained.plan("obtained"),
@@ -346,16 +363,29 @@ pub fn split(answer: &dyn Transport, pair: &Pair) -> Result<(), Failure> {
     let none = Deltas { velocity: Vector3::zeros(), position: Vector3::zeros(), ..*deltas };
     let right = pair.residual(0.0, 0.0);
     let without_rotation = Vector9::from_fn(|row, _| if row < 3 { 0.0 } else { right[row] });
-    let weightless = Pair { gravity: Vector3::zeros(), ..*pair };
+    let no_deltas = Pair { deltas: none, ..*pair }.residual(0.0, 0.0);
+    let weightless = Pair { gravity: Vector3::zeros(), ..*pair }.residual(0.0, 0.0);
+    let heavy = Pair { gravity: 2.0 * gravity, ..*pair }.residual(0.0, 0.0);
+    // Wrong in one of the two lines, of the velocity and of the position.
+    let in_rows = |at: usize, other: &Vector9| {
+        Vector9::from_fn(|row, _| if row / 3 * 3 == at { other[row] } else { right[row] })
+    };
+    let half_forgotten = SMatrix::<f64, 9, 2>::from_columns(&[whole - right, in_rows(6, &heavy)]);
     let obtained = SMatrix::<f64, 9, 2>::from_columns(&[grows, stays]);
     compare("the residual in two parts", &obtained, &parts(&right))
         .within(1e-9)
         .labelled(&ROWS, &["times s", "stays"])
-        .or(&DELTAS_SCALED, &parts(&Pair { deltas: none, ..*pair }.residual(0.0, 0.0)))
-        .or(&GRAVITY_SCALED, &parts(&weightless.residual(0.0, 0.0)))
+        .or(&DELTAS_SCALED, &parts(&no_deltas))
+        .or(&DELTAS_SCALED, &parts(&in_rows(3, &no_deltas)))
+        .or(&DELTAS_SCALED, &parts(&in_rows(6, &no_deltas)))
+        .or(&GRAVITY_SCALED, &parts(&weightless))
+        .or(&GRAVITY_SCALED, &parts(&in_rows(3, &weightless)))
+        .or(&GRAVITY_SCALED, &parts(&in_rows(6, &weightless)))
+        .or(&HALF_FORGOTTEN, &half_forgotten)
         .or(&ROTATION_SCALED, &parts(&without_rotation))
         .or(&VELOCITIES_OMITTED, &parts(&pair.residual(0.0, 1.0)))
         .judge()
+        .map_err(|failure| given(failure, deltas, [first, second], gravity))
 }
 
 const ROWS: [&str; 9] =
@@ -411,11 +441,15 @@ impl Flight {
 
     /// Whether each interval leaves the scale free.
     fn free(&self, gravity: &Vector3<f64>, tolerance: f64) -> Vec<bool> {
-        let free = |(change, interval): (&[f64; 2], &Interval)| {
-            let t = interval.deltas.duration;
+        self.judged(gravity, |change, t| {
             change[0] <= tolerance * t && change[1] <= 0.5 * tolerance * t * t
-        };
-        self.changes(gravity).iter().zip(&self.intervals).map(free).collect()
+        })
+    }
+
+    /// What is said of each interval by its changes and its duration.
+    fn judged(&self, gravity: &Vector3<f64>, judge: impl Fn([f64; 2], f64) -> bool) -> Vec<bool> {
+        let changes = self.changes(gravity).into_iter().zip(&self.intervals);
+        changes.map(|(change, interval)| judge(change, interval.deltas.duration)).collect()
     }
 }
 
@@ -487,7 +521,7 @@ fn to_and_fro(t: f64) -> Vec<Flight> {
 }
 
 /// Motions whose changes come near to what is tolerated: of both kinds, of position alone, and of
-/// velocity alone.
+/// velocity alone, and in an interval of more than a second.
 fn near(tolerance: f64, t: f64) -> Vec<Flight> {
     // An oscillation that lasts as long as the interval changes the position alone, and what an
     // acceleration adds to the position can be taken off by one.
@@ -495,10 +529,11 @@ fn near(tolerance: f64, t: f64) -> Vec<Flight> {
         acceleration,
         ..Course::wave(-displaced * t * t / (2.0 * TAU), TAU / t, 0.0)
     };
-    let flight = |name, course| {
+    let lasting = |name, course, t| {
         let position = [Course::linear(1.0), course, Course::default()];
         Flight::new(name, &Motion { position, angles: tilted() }, &GRAVITY, &[0.0, t])
     };
+    let flight = |name, course| lasting(name, course, t);
     let (less, more) = (0.8 * tolerance, 1.25 * tolerance);
     vec![
         flight("four fifths of the tolerance", course(less, 0.0)),
@@ -507,6 +542,7 @@ fn near(tolerance: f64, t: f64) -> Vec<Flight> {
         flight("five quarters, in position alone", course(0.0, more)),
         flight("four fifths, in velocity alone", course(less, -less)),
         flight("five quarters, in velocity alone", course(more, -more)),
+        lasting("four fifths of the tolerance, for longer", course(less, 0.0), 5.0 * t),
     ]
 }
 
@@ -544,10 +580,12 @@ impl Flights {
         let turned = |flight: &Flight| {
             flight.intervals.iter().any(|one| so3::log(&one.deltas.rotation).norm() > 1e-6)
         };
-        let by_velocity = |flight: &Flight| {
-            let changes = flight.changes(&flight.gravity);
-            let mut pairs = changes.iter().zip(&flight.intervals);
-            pairs.all(|(change, one)| change[0] <= tolerance * one.deltas.duration)
+        // A way of judging intervals by what velocity and position change, and by the duration.
+        let by = |judge: fn([f64; 2], f64, f64) -> bool| {
+            self.judged(|flight| {
+                let free = flight.judged(&flight.gravity, |change, t| judge(change, t, tolerance));
+                free.iter().all(|free| *free)
+            })
         };
         let untransposed = |flight: &Flight| {
             let mut other = flight.clone();
@@ -557,6 +595,13 @@ impl Flights {
             right(&other)
         };
         vec![
+            (&HALF_FORGOTTEN, by(|[v, p], t, most| v <= most * t && p <= most * t * t)),
+            (&TIME_FORGOTTEN, by(|[v, p], t, most| v <= most && p <= 0.5 * most * t * t)),
+            (&TIME_FORGOTTEN, by(|[v, p], t, most| v <= most * t && p <= 0.5 * most * t)),
+            (&TIME_FORGOTTEN, by(|[v, p], t, most| v <= most * t && p <= 0.5 * most)),
+            (&TIME_FORGOTTEN, by(|[v, p], t, most| v <= most && p <= 0.5 * most * t)),
+            (&TIME_FORGOTTEN, by(|[v, p], _, most| v <= most && p <= 0.5 * most)),
+            (&REST_FIXED, self.judged(|flight| flight.gravity.norm() == 0.0 && right(flight))),
             (&GRAVITY_ALONE, self.judged(|flight| flight.gravity.norm() < tolerance)),
             (
                 &SILENT_ACCELEROMETER,
@@ -565,7 +610,8 @@ impl Flights {
                 }),
             ),
             (&ROTATION_FIXES_SCALE, self.judged(|flight| right(flight) && !turned(flight))),
-            (&VELOCITY_ALONE, self.judged(by_velocity)),
+            (&VELOCITY_ALONE, by(|[v, _], t, most| v <= most * t)),
+            (&EITHER_SUFFICES, by(|[v, p], t, most| v <= most * t || p <= 0.5 * most * t * t)),
             (
                 &ONE_INTERVAL_SUFFICES,
                 self.judged(|flight| {
@@ -593,8 +639,16 @@ pub fn verdicts(answer: &dyn Transport, flights: &Flights) -> Result<(), Failure
         return Ok(());
     }
     let known = flights.known();
+    let rest_is_fixed = flights
+        .all
+        .iter()
+        .zip(&obtained)
+        .any(|(flight, free)| flight.name.starts_with("at rest") && !free);
     let failure = match known.iter().find(|(_, judged)| *judged == obtained) {
         Some((misconception, _)) => Failure::known(misconception),
+        None if rest_is_fixed => Failure::new(
+            "A body at rest is judged fixed: what does its accelerometer read, and in which frame?",
+        ),
         None => Failure::new(
             "Some motions are judged wrongly. Write down for one of them what the velocity and \
              the position do in an interval beyond coasting, \

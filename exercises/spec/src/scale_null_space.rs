@@ -256,7 +256,7 @@ impl Case {
             };
             let centres = (0..moved.cameras.len()).map(|index| moved.centre(index));
             let at = centres.chain(moved.points.iter().copied()).map(|place| [place.x, place.y]);
-            Dots { name: name.to_owned(), at: at.collect() }
+            Dots::new(name, at)
         };
         Picture {
             title: "Cameras and points after a tenth of the step, from above".to_owned(),
@@ -429,9 +429,8 @@ pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     );
     let count = scene.points.len();
     let last = before.len() - count;
-    let dots = |name: &str, pixels: &[Vector2<f64>]| Dots {
-        name: name.to_owned(),
-        at: pixels[last..].iter().map(|pixel| [pixel.x, pixel.y]).collect(),
+    let dots = |name: &str, pixels: &[Vector2<f64>]| {
+        Dots::new(name, pixels[last..].iter().map(|pixel| [pixel.x, pixel.y]))
     };
     Err(failure.with_numbers(numbers).with_picture(Picture {
         title: "The last camera's picture before and after".to_owned(),

@@ -335,7 +335,7 @@ pub fn second_camera(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
                 // The left camera, and where the right one was put.
                 let seen = |name: &str, right: &Isometry3<f64>| {
                     let centre = (left * right.inverse()).translation.vector;
-                    Dots { name: name.to_owned(), at: vec![[0.0, 0.0], [centre.x, centre.z]] }
+                    Dots::new(name, [[0.0, 0.0], [centre.x, centre.z]])
                 };
                 failure.with_picture(Picture {
                     title: "Both cameras of the rig from above, in the left one's axes".to_owned(),

@@ -1,5 +1,7 @@
 //! Wrong answers to [`noise_growth`](crate::noise_growth).
 
+use std::f64::consts::LN_10;
+
 use exercise_spec::noise_growth::*;
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use vislam::manifold::so3;
@@ -59,6 +61,12 @@ pub fn wrong() -> Vec<Wrong> {
             g.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(dt));
             (f, g)
         }),
+        step(&LEFT_JACOBIAN, |reading, dt| {
+            let (f, mut g) = right::error_step(reading, dt);
+            let left = dt * so3::right_jacobian(&(-dt * reading.gyro));
+            g.fixed_view_mut::<3, 3>(0, 0).copy_from(&left);
+            (f, g)
+        }),
         step(&SQUARED_STEP, |reading, dt| {
             let (mut f, g) = right::error_step(reading, dt);
             f.fixed_view_mut::<3, 3>(3, 0).scale_mut(dt);
@@ -86,6 +94,16 @@ pub fn wrong() -> Vec<Wrong> {
             f.transpose() * before * f
                 + right::next_covariance(Matrix6::zeros(), reading, dt, densities)
         }),
+        Wrong::new(
+            &REVERSED_READINGS,
+            Functions {
+                covariance_of: |readings, dt, densities| {
+                    let reversed = readings.into_iter().rev().collect();
+                    right::covariance_of(reversed, dt, densities)
+                },
+                ..REFERENCE
+            },
+        ),
         exponents(&NOISE_AS_BIAS, |source| {
             let (attitude, velocity, position) = match source {
                 Source::Accelerometer => (None, Some(1.0), Some(2.0)),
@@ -107,6 +125,9 @@ pub fn wrong() -> Vec<Wrong> {
         fit(&PLAIN_AXES, |durations, sigmas| {
             let exponentials = |list: Vec<f64>| list.into_iter().map(f64::exp).collect();
             right::fitted_exponent(exponentials(durations), exponentials(sigmas))
+        }),
+        fit(&MIXED_LOGARITHMS, |durations, sigmas| {
+            right::fitted_exponent(durations, sigmas) / LN_10
         }),
         fit(&ENDS_ONLY, |durations, sigmas| {
             let ratio = |list: &[f64]| (list[list.len() - 1] / list[0]).ln();

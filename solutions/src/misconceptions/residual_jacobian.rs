@@ -39,6 +39,18 @@ pub fn wrong() -> Vec<Wrong> {
         residual(&GRAVITY_SIGN, |deltas, first, second, gravity| {
             right::residual(deltas, first, second, -gravity)
         }),
+        residual(&GRAVITY_SIGN, |deltas, first, second, gravity| {
+            let mut residual = right::residual(deltas, first, second, gravity);
+            let rising = right::residual(deltas, first, second, -gravity);
+            residual.fixed_rows_mut::<3>(3).copy_from(&rising.fixed_rows::<3>(3));
+            residual
+        }),
+        jacobian(&GRAVITY_SIGN, |deltas, first, second, gravity| {
+            let mut jacobian = right::by_first(deltas, first, second, gravity);
+            let rising = right::by_first(deltas, first, second, -gravity);
+            jacobian.fixed_rows_mut::<3>(3).copy_from(&rising.fixed_rows::<3>(3));
+            jacobian
+        }),
         Wrong::new(
             &CARRY_FORGOTTEN,
             Functions {
@@ -91,6 +103,11 @@ pub fn wrong() -> Vec<Wrong> {
             residual.fixed_rows_mut::<3>(0).copy_from(&phi);
             residual
         }),
+        residual(&ROTATION_REVERSED, |deltas, first, second, gravity| {
+            let mut residual = right::residual(deltas, first, second, gravity);
+            residual.fixed_rows_mut::<3>(0).neg_mut();
+            residual
+        }),
         jacobian(&WORLD_STEPS, |deltas, first, second, gravity| {
             right::by_world_steps(first, right::by_first(deltas, first, second, gravity))
         }),
@@ -98,9 +115,20 @@ pub fn wrong() -> Vec<Wrong> {
             let back = second.world_from_body.inverse() * first.world_from_body;
             with_corner(right::by_first(deltas, first, second, gravity), &-back.matrix())
         }),
+        jacobian(&LEFT_INVERSE_JACOBIAN, |deltas, first, second, gravity| {
+            let stated = first.world_from_body.inverse() * second.world_from_body;
+            let phi = so3::local(&deltas.rotation, &stated);
+            let block = -so3::right_jacobian_inverse(&-phi) * stated.inverse().matrix();
+            with_corner(right::by_first(deltas, first, second, gravity), &block)
+        }),
         jacobian(&SKEW_SIGN, |deltas, first, second, gravity| {
             let mut jacobian = right::by_first(deltas, first, second, gravity);
             jacobian.fixed_view_mut::<6, 3>(3, 0).neg_mut();
+            jacobian
+        }),
+        jacobian(&SKEW_SIGN, |deltas, first, second, gravity| {
+            let mut jacobian = right::by_first(deltas, first, second, gravity);
+            jacobian.fixed_view_mut::<3, 3>(6, 0).neg_mut();
             jacobian
         }),
         jacobian(&MEASURED_FOR_STATED, |deltas, first, second, gravity| {

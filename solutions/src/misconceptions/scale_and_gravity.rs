@@ -1,7 +1,7 @@
 //! Wrong answers to [`scale_and_gravity`](crate::scale_and_gravity).
 
 use exercise_spec::scale_and_gravity::*;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use vislam::manifold::so3;
 
 use super::Wrong;
@@ -74,11 +74,41 @@ pub fn wrong() -> Vec<Wrong> {
             let whole = parts.0 + parts.1;
             moved(parts, whole - right::split_residual(none, first, second, gravity).1)
         }),
+        parts(&DELTAS_SCALED, |deltas, first, second, gravity| {
+            let parts = right::split_residual(deltas, first, second, gravity);
+            let still = Deltas { velocity: Vector3::zeros(), ..deltas };
+            let whole = parts.0 + parts.1;
+            moved(parts, whole - right::split_residual(still, first, second, gravity).1)
+        }),
         parts(&ROTATION_SCALED, |deltas, first, second, gravity| {
             let (grows, stays) = right::split_residual(deltas, first, second, gravity);
             let with_rotation =
                 Vector9::from_fn(|row, _| if row < 3 { stays[row] } else { grows[row] });
             moved((grows, stays), with_rotation)
+        }),
+        verdict(&HALF_FORGOTTEN, |intervals, gravity, tolerance| {
+            judged(&intervals, &gravity, |[velocity, position], t| {
+                velocity <= tolerance * t && position <= tolerance * t * t
+            })
+        }),
+        parts(&HALF_FORGOTTEN, |deltas, first, second, gravity| {
+            let (grows, mut stays) = right::split_residual(deltas, first, second, gravity);
+            let heavier = right::split_residual(deltas, first, second, 2.0 * gravity).1;
+            stays.fixed_rows_mut::<3>(6).copy_from(&heavier.fixed_rows::<3>(6));
+            (grows, stays)
+        }),
+        verdict(&TIME_FORGOTTEN, |intervals, gravity, tolerance| {
+            judged(&intervals, &gravity, |[velocity, position], t| {
+                velocity <= tolerance && position <= 0.5 * tolerance * t * t
+            })
+        }),
+        verdict(&TIME_FORGOTTEN, |intervals, gravity, tolerance| {
+            judged(&intervals, &gravity, |[velocity, position], t| {
+                velocity <= tolerance * t && position <= 0.5 * tolerance * t
+            })
+        }),
+        verdict(&REST_FIXED, |intervals, gravity, tolerance| {
+            right::scale_is_free(intervals, -gravity, tolerance)
         }),
         verdict(&GRAVITY_ALONE, |_, gravity, _| gravity.norm() == 0.0),
         verdict(&SILENT_ACCELEROMETER, |intervals, _, tolerance| {
@@ -89,9 +119,11 @@ pub fn wrong() -> Vec<Wrong> {
                 && right::scale_is_free(intervals, gravity, tolerance)
         }),
         verdict(&VELOCITY_ALONE, |intervals, gravity, tolerance| {
-            intervals.iter().all(|Interval { world_from_first, deltas }| {
-                let fallen = world_from_first.inverse() * (deltas.duration * gravity);
-                (deltas.velocity + fallen).norm() <= tolerance * deltas.duration
+            judged(&intervals, &gravity, |[velocity, _], t| velocity <= tolerance * t)
+        }),
+        verdict(&EITHER_SUFFICES, |intervals, gravity, tolerance| {
+            judged(&intervals, &gravity, |[velocity, position], t| {
+                velocity <= tolerance * t || position <= 0.5 * tolerance * t * t
             })
         }),
         verdict(&ONE_INTERVAL_SUFFICES, |intervals, gravity, tolerance| {
@@ -104,7 +136,26 @@ pub fn wrong() -> Vec<Wrong> {
             };
             right::scale_is_free(intervals.into_iter().map(turned).collect(), gravity, tolerance)
         }),
+        verdict(&GRAVITY_IN_BODY, |intervals, gravity, tolerance| {
+            let unturned =
+                |one: Interval| Interval { world_from_first: Rotation3::identity(), ..one };
+            right::scale_is_free(intervals.into_iter().map(unturned).collect(), gravity, tolerance)
+        }),
     ]
+}
+
+/// Whether every interval is judged so: by what velocity and position change, and how long it is.
+fn judged(
+    intervals: &[Interval],
+    gravity: &Vector3<f64>,
+    judge: impl Fn([f64; 2], f64) -> bool,
+) -> bool {
+    intervals.iter().all(|Interval { world_from_first, deltas }| {
+        let (t, gravity) = (deltas.duration, world_from_first.inverse() * gravity);
+        let velocity = deltas.velocity + t * gravity;
+        let position = deltas.position + 0.5 * t * t * gravity;
+        judge([velocity.norm(), position.norm()], t)
+    })
 }
 
 /// The same residual with another part of it said to grow.
