@@ -1,0 +1,143 @@
+//! What a grade is: the contents of `grade.json`, from which every other report is made.
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the form of `grade.json`. It grows when a field changes its meaning.
+pub const VERSION: u32 = 1;
+
+/// A batch of graded submissions: `grade.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Batch {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The seed of the hidden instances. The same seed gives the same grades.
+    pub seed: u64,
+    /// What stood around the compiler, in a sentence for the instructor.
+    pub sandbox: String,
+    /// One grade for each submission, in the order of their names.
+    pub grades: Vec<Grade>,
+}
+
+/// The grade of one submission.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Grade {
+    /// Name of the submission's folder, made harmless: no control characters, no separators.
+    pub submission: String,
+    /// Who handed it in, from the roster.
+    pub student: Option<String>,
+    /// Digest of the answers, the seed, the points and the checks: the same key, the same grade.
+    pub key: String,
+    /// What the instructor and the student should know and costs nothing: files that were left out.
+    pub notices: Vec<String>,
+    /// In the order of the book.
+    pub exercises: Vec<ExerciseGrade>,
+}
+
+/// The grade of one exercise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExerciseGrade {
+    /// Slug of the exercise.
+    pub exercise: String,
+    /// What its page is called.
+    pub title: String,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// What can be earned.
+    pub points: f64,
+    /// One for each check, public ones first. Empty when the answer never ran.
+    pub checks: Vec<CheckGrade>,
+}
+
+/// What became of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "is", content = "why")]
+pub enum Outcome {
+    /// It ran, and its checks say the rest.
+    Ran,
+    /// There is no such file; it earns nothing.
+    Missing,
+    /// The source screen or what the compiler read says no; it earns nothing.
+    Refused(String),
+    /// It does not compile, or not within the limits; it earns nothing.
+    DoesNotCompile(String),
+    /// The grader failed and not the student. This is never a zero: a person must look.
+    CouldNotGrade(String),
+}
+
+/// The outcome of one check.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CheckGrade {
+    /// What it states.
+    pub name: String,
+    /// Whether students do not have its instances.
+    pub hidden: bool,
+    /// Its share of the points, beside the weights of the others.
+    pub weight: f64,
+    /// Passed, failed, or could not be graded.
+    pub verdict: Verdict,
+    /// What is wrong, in words of the subject; empty when it passed.
+    pub sentence: String,
+    /// Numbers expected and obtained; may be empty.
+    pub numbers: String,
+    /// Name of the misconception that was recognized.
+    pub misconception: Option<String>,
+}
+
+/// Three outcomes, never two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The answer does what the check states.
+    Passed,
+    /// It does not.
+    Failed,
+    /// Nobody knows, because the grader failed.
+    CouldNotGrade,
+}
+
+impl ExerciseGrade {
+    /// What it earns: its points by the weights of the checks that passed. Nothing at all, and not
+    /// zero, when it could not be graded.
+    pub fn earned(&self) -> Option<f64> {
+        match self.outcome {
+            Outcome::CouldNotGrade(_) => return None,
+            Outcome::Missing | Outcome::Refused(_) | Outcome::DoesNotCompile(_) => return Some(0.0),
+            Outcome::Ran => {}
+        }
+        if self.checks.iter().any(|check| check.verdict == Verdict::CouldNotGrade) {
+            return None;
+        }
+        let weight = |passed: bool| {
+            let counted = self.checks.iter().filter(|c| !passed || c.verdict == Verdict::Passed);
+            counted.map(|check| check.weight).sum::<f64>()
+        };
+        let all = weight(false);
+        Some(if all > 0.0 { self.points * weight(true) / all } else { 0.0 })
+    }
+
+    /// Names of the misconceptions that its checks recognized, each once.
+    pub fn misconceptions(&self) -> Vec<&str> {
+        let mut names: Vec<&str> =
+            self.checks.iter().filter_map(|check| check.misconception.as_deref()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+}
+
+impl Grade {
+    /// What it earns in all, or nothing when one of its exercises could not be graded.
+    pub fn earned(&self) -> Option<f64> {
+        self.exercises.iter().map(ExerciseGrade::earned).sum()
+    }
+
+    /// What can be earned in all.
+    pub fn points(&self) -> f64 {
+        self.exercises.iter().map(|exercise| exercise.points).sum()
+    }
+
+    /// What could not be graded: exercises and why.
+    pub fn ungraded(&self) -> impl Iterator<Item = &ExerciseGrade> {
+        self.exercises.iter().filter(|exercise| exercise.earned().is_none())
+    }
+}

@@ -1,0 +1,32 @@
+//! Grades submissions that nobody has a reason to trust.
+//!
+//! What a student hands in is text until the moment it runs: [`submission`] takes answer files and
+//! nothing else, [`screen`] refuses what could reach outside, [`compile`] puts them onto a clean
+//! tree and makes a WebAssembly module that imports nothing, [`machine`] runs it within limits, and
+//! [`judge`] asks it the questions of the checks, whose answers stay here. [`batch`] does that for
+//! hundreds and [`report`] tells what came out.
+
+pub mod batch;
+pub mod changes;
+pub mod compile;
+pub mod export;
+pub mod grade;
+pub mod items;
+pub mod judge;
+pub mod machine;
+pub mod points;
+pub mod report;
+pub mod roster;
+pub mod screen;
+pub mod similarity;
+pub mod submission;
+pub mod text;
+pub mod workshop;
+
+use std::path::{Path, PathBuf};
+
+/// The repository of the book, from which the grader was compiled.
+pub fn repository() -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    root.canonicalize().unwrap_or(root)
+}

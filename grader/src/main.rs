@@ -1,0 +1,139 @@
+//! `cargo grade`: exports the students' repository, grades submissions, and helps to write exercises.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use grader::batch::{self, Order};
+use grader::report::Detail;
+use grader::{export, workshop};
+
+/// Grades the exercises of the book.
+#[derive(Parser)]
+#[command(name = "grade", bin_name = "cargo grade")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Writes the repository that students get
+    Export {
+        /// A folder that is not there yet, or an empty one
+        dir: PathBuf,
+        /// Leave the sources of the dependencies out: students then need a network once
+        #[arg(long)]
+        no_vendor: bool,
+    },
+    /// Grades submissions
+    Run(Run),
+    /// Makes the files of a new exercise
+    New {
+        /// Its name: small letters and underscores
+        name: String,
+        /// What its page is called
+        #[arg(long)]
+        title: String,
+        /// The chapter it belongs to
+        #[arg(long)]
+        chapter: String,
+    },
+    /// Lists what an exercise lacks
+    Check {
+        /// Name of the exercise; without it, all
+        name: Option<String>,
+    },
+}
+
+#[derive(clap::Args)]
+struct Run {
+    /// Submissions, or folders of submissions
+    #[arg(required = true)]
+    submissions: Vec<PathBuf>,
+    /// Grade this exercise alone; may be given more than once
+    #[arg(long = "exercise", value_name = "NAME")]
+    exercises: Vec<String>,
+    /// Seed of the hidden instances; without it, a random one that the report names
+    #[arg(long)]
+    seed: Option<u64>,
+    /// What students are told about hidden checks
+    #[arg(long, value_enum, default_value_t = DetailName::Hint)]
+    detail: DetailName,
+    /// Where reports go, and from where a batch that was stopped goes on
+    #[arg(long, default_value = "grades")]
+    out: PathBuf,
+    /// A CSV file of folder,name
+    #[arg(long)]
+    roster: Option<PathBuf>,
+    /// Points and weights, as in grader/points.toml
+    #[arg(long)]
+    points: Option<PathBuf>,
+    /// How many submissions at a time; without it, one for each core
+    #[arg(long)]
+    jobs: Option<usize>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum DetailName {
+    /// Sentences and numbers
+    Full,
+    /// Sentences alone
+    Hint,
+    /// Whether it passed
+    None,
+}
+
+/// Everything was graded, or done.
+const DONE: u8 = 0;
+/// Something could not be graded, or done.
+const COULD_NOT: u8 = 1;
+/// The command was not understood.
+const USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
+        Command::Run(run) => return grade(run),
+        Command::New { name, title, chapter } => workshop::new(&name, &title, &chapter).map(|()| true),
+        Command::Check { name } => workshop::check(name.as_deref()),
+    };
+    match done {
+        Ok(true) => ExitCode::from(DONE),
+        Ok(false) => ExitCode::from(COULD_NOT),
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(COULD_NOT)
+        }
+    }
+}
+
+fn grade(run: Run) -> ExitCode {
+    let detail = match run.detail {
+        DetailName::Full => Detail::Full,
+        DetailName::Hint => Detail::Hint,
+        DetailName::None => Detail::None,
+    };
+    let order = Order {
+        submissions: run.submissions,
+        exercises: run.exercises,
+        seed: run.seed,
+        detail,
+        out: run.out,
+        roster: run.roster,
+        points: run.points,
+        jobs: run.jobs,
+    };
+    match batch::run(&order) {
+        Ok(batch) if batch.grades.iter().all(|grade| grade.earned().is_some()) => ExitCode::from(DONE),
+        Ok(_) => ExitCode::from(COULD_NOT),
+        Err(batch::Trouble::Usage(sentence)) => {
+            eprintln!("{sentence}");
+            ExitCode::from(USAGE)
+        }
+        Err(batch::Trouble::CouldNotGrade(sentence)) => {
+            eprintln!("{sentence}");
+            ExitCode::from(COULD_NOT)
+        }
+    }
+}
