@@ -109,7 +109,7 @@ impl ExerciseGrade {
         }
         let weight = |passed: bool| {
             let counted = self.checks.iter().filter(|c| !passed || c.verdict == Verdict::Passed);
-            counted.map(|check| check.weight).sum::<f64>()
+            counted.fold(0.0, |sum, check| sum + check.weight)
         };
         let all = weight(false);
         Some(if all > 0.0 { self.points * weight(true) / all } else { 0.0 })
@@ -128,12 +128,12 @@ impl ExerciseGrade {
 impl Grade {
     /// What it earns in all, or nothing when one of its exercises could not be graded.
     pub fn earned(&self) -> Option<f64> {
-        self.exercises.iter().map(ExerciseGrade::earned).sum()
+        self.exercises.iter().try_fold(0.0, |sum, exercise| Some(sum + exercise.earned()?))
     }
 
     /// What can be earned in all.
     pub fn points(&self) -> f64 {
-        self.exercises.iter().map(|exercise| exercise.points).sum()
+        self.exercises.iter().fold(0.0, |sum, exercise| sum + exercise.points)
     }
 
     /// What could not be graded: exercises and why.

@@ -95,7 +95,9 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
         Command::Run(run) => return grade(run),
-        Command::New { name, title, chapter } => workshop::new(&name, &title, &chapter).map(|()| true),
+        Command::New { name, title, chapter } => {
+            workshop::new(&name, &title, &chapter).map(|()| true)
+        }
         Command::Check { name } => workshop::check(name.as_deref()),
     };
     match done {
@@ -125,7 +127,9 @@ fn grade(run: Run) -> ExitCode {
         jobs: run.jobs,
     };
     match batch::run(&order) {
-        Ok(batch) if batch.grades.iter().all(|grade| grade.earned().is_some()) => ExitCode::from(DONE),
+        Ok(batch) if batch.grades.iter().all(|grade| grade.earned().is_some()) => {
+            ExitCode::from(DONE)
+        }
         Ok(_) => ExitCode::from(COULD_NOT),
         Err(batch::Trouble::Usage(sentence)) => {
             eprintln!("{sentence}");

@@ -1,0 +1,196 @@
+//! From answers to a WebAssembly module, on a clean tree of the grader's own.
+//!
+//! Of a submission, only the text of its answers is here: no manifest, no build script, no macro
+//! crate and no setting of a tool takes part. rustc is called directly and not through cargo.
+
+mod confine;
+mod kit;
+mod toolchain;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Component, Path};
+use std::process::Command;
+use std::time::Duration;
+
+use exercise_spec::{EXERCISES, Exercise};
+
+use crate::text::harmless;
+use confine::{Ended, Sandbox};
+use kit::Kit;
+use toolchain::Toolchain;
+
+/// Processor time that a compilation may take; the reference answers take three seconds.
+const PROCESSOR_SECONDS: u64 = 60;
+/// How long it may take by the clock, on a machine that is busy. Who is stopped by this is not
+/// graded, because it says more about the machine than about the answer.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// Address space of the compiler, in kilobytes.
+const MEMORY_KB: u64 = 6_000_000;
+/// The largest module that is accepted; that of the reference answers has 0.4 MB.
+const LARGEST_MODULE: u64 = 8_000_000;
+/// How much of what the compiler says is passed on.
+const LONGEST_MESSAGE: usize = 3_000;
+
+/// Turns answers into modules.
+pub struct Compiler {
+    toolchain: Toolchain,
+    sandbox: Sandbox,
+    kit: Kit,
+}
+
+/// What became of the answers.
+pub enum Compiled {
+    /// A module that imports nothing.
+    Module(Vec<u8>),
+    /// The compiler read what is not the student's.
+    Refused(String),
+    /// The compiler says no, or it took too much.
+    DoesNotCompile(String),
+    /// The compiler could not be run.
+    CouldNotCompile(String),
+}
+
+impl Compiler {
+    /// Finds a compiler and builds what answers are linked with. The first time takes minutes.
+    ///
+    /// # Errors
+    ///
+    /// When there is no compiler for WebAssembly, or the book's own crates do not compile.
+    pub fn prepare() -> Result<Self, String> {
+        let toolchain = Toolchain::find()?;
+        let kit = Kit::build(&toolchain)?;
+        Ok(Self { toolchain, sandbox: Sandbox::find(), kit })
+    }
+
+    /// What stands around the compiler, in a sentence.
+    pub fn sandbox(&self) -> String {
+        self.sandbox.sentence()
+    }
+
+    /// Compiles answers, by the names of their exercises, to one module.
+    pub fn compile(&self, answers: &BTreeMap<&'static str, String>) -> Compiled {
+        let compiled = self.kit.folder().and_then(|folder| {
+            write_tree(folder.path(), answers)
+                .map_err(|error| format!("the answers cannot be written: {error}"))?;
+            let ended = confine::run(self.rustc(folder.path()), PATIENCE)?;
+            judged(&ended, folder.path(), answers)
+        });
+        compiled.unwrap_or_else(Compiled::CouldNotCompile)
+    }
+
+    /// The call of the compiler, which sees the folder, its own files and the kit.
+    fn rustc(&self, folder: &Path) -> Command {
+        let mut rustc = vec![self.toolchain.rustc.clone().into_os_string()];
+        let options = "--edition 2024 --crate-type cdylib --crate-name answers --color never \
+            --target wasm32-unknown-unknown -C panic=abort -C opt-level=1 -C debuginfo=0 \
+            -C strip=symbols -C debug-assertions=on --emit link=answers.wasm,dep-info=answers.d lib.rs";
+        rustc.extend(options.split_whitespace().map(Into::into));
+        rustc.extend(self.kit.options());
+        let readable = [self.toolchain.root.as_path(), self.kit.path()];
+        let limits = confine::Limits {
+            processor_seconds: PROCESSOR_SECONDS,
+            memory_kb: MEMORY_KB,
+            file_kb: 2 * LARGEST_MODULE / 1000,
+        };
+        let mut command = self.sandbox.command(&rustc, folder, &readable, &limits);
+        command.envs(self.toolchain.variables());
+        command
+    }
+}
+
+/// The clean tree: the answers, and what calls them.
+fn write_tree(folder: &Path, answers: &BTreeMap<&'static str, String>) -> std::io::Result<()> {
+    fs::create_dir(folder.join("answers"))?;
+    for (slug, text) in answers {
+        fs::write(folder.join(format!("answers/{slug}.rs")), text)?;
+    }
+    fs::write(folder.join("lib.rs"), shim(answers.keys().copied()))
+}
+
+/// The crate around the answers. It takes bytes and gives bytes.
+fn shim(slugs: impl Iterator<Item = &'static str>) -> String {
+    let (mut modules, mut arms) = (String::new(), String::new());
+    for slug in slugs {
+        let Some(number) = number_of(slug) else { continue };
+        let functions: String = EXERCISES[number]
+            .functions
+            .iter()
+            .map(|name| format!("{name}: answers::{slug}::{name}, "))
+            .collect();
+        let _ = writeln!(modules, "    #[path = \"{slug}.rs\"] pub mod {slug};");
+        let _ = writeln!(
+            arms,
+            "        {number} => exercise_spec::{slug}::Functions {{ {functions}}}.dispatch(function, input),"
+        );
+    }
+    include_str!("compile/shim.rs.in").replace("@MODULES@", &modules).replace("@ARMS@", &arms)
+}
+
+/// The number by which a module knows an exercise: its place in the book.
+pub fn number_of(slug: &str) -> Option<usize> {
+    EXERCISES.iter().position(|exercise: &&Exercise| exercise.slug == slug)
+}
+
+/// What the compiler's end means.
+fn judged(
+    ended: &Ended,
+    folder: &Path,
+    answers: &BTreeMap<&'static str, String>,
+) -> Result<Compiled, String> {
+    if ended.out_of_patience {
+        return Err(format!("the compiler was stopped after {} s", PATIENCE.as_secs()));
+    }
+    if let Some(stranger) = stranger(folder, answers) {
+        return Ok(Compiled::Refused(stranger));
+    }
+    if !ended.success {
+        return Ok(Compiled::DoesNotCompile(told(ended)));
+    }
+    let module = folder.join("answers.wasm");
+    let size = fs::metadata(&module).map_err(|error| format!("there is no module: {error}"))?.len();
+    if size > LARGEST_MODULE {
+        return Ok(Compiled::DoesNotCompile(format!(
+            "The compiled answers have {size} bytes and may have {LARGEST_MODULE}: is there a table or an array that \
+             is better computed?"
+        )));
+    }
+    fs::read(&module).map(Compiled::Module).map_err(|error| format!("the module cannot be read: {error}"))
+}
+
+fn told(ended: &Ended) -> String {
+    let said = harmless(ended.said.trim(), LONGEST_MESSAGE);
+    if ended.by_signal || said.is_empty() {
+        return format!(
+            "The compiler was stopped: it took more than {PROCESSOR_SECONDS} s of processor time, or more memory than \
+             it may have. Is there a constant, a macro or a type that has no end? {said}"
+        );
+    }
+    said
+}
+
+/// The first file or variable that the compiler read and that is not part of the tree.
+fn stranger(folder: &Path, answers: &BTreeMap<&'static str, String>) -> Option<String> {
+    let text = fs::read_to_string(folder.join("answers.d")).ok()?;
+    let expected = |path: &str| {
+        path == "lib.rs"
+            || answers.keys().any(|slug| {
+                let parts: Vec<_> = Path::new(path).components().collect();
+                parts == [Component::Normal("answers".as_ref()), Component::Normal(format!("{slug}.rs").as_ref())]
+            })
+    };
+    for line in text.lines() {
+        if let Some(variable) = line.strip_prefix("# env-dep:") {
+            let name = harmless(variable.split('=').next().unwrap_or_default(), 80);
+            return Some(format!("The answer reads the variable {name} of the compiler's environment."));
+        }
+        // The first rule names all; the others, one for each file, say the same.
+        let Some((_, read)) = line.split_once(": ") else { continue };
+        if let Some(path) = read.replace("\\ ", "\0").split_whitespace().find(|path| !expected(path)) {
+            let path = harmless(&path.replace('\0', " "), 200);
+            return Some(format!("The answer reads the file {path}. It may read none."));
+        }
+    }
+    None
+}

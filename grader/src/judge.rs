@@ -1,0 +1,234 @@
+//! Asks an answer the questions of the checks, and keeps the expected values to itself.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+
+use book_tests::hidden_checks;
+use exercise_spec::Exercise;
+use exercise_spec::check::{Check, Failure};
+use sha2::{Digest, Sha256};
+
+use crate::compile::{Compiled, Compiler, number_of};
+use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
+use crate::machine::{Machine, Program};
+use crate::points::Points;
+use crate::screen::screen;
+use crate::submission::{self, Collected, Submission};
+use crate::text::{harmless, harmless_line};
+use crate::repository;
+
+/// Longest sentence and longest table that a check may put into a report.
+const LONGEST: [usize; 2] = [1_000, 4_000];
+
+/// Grades submissions, any number of them and several at a time.
+pub struct Judge {
+    compiler: Compiler,
+    machine: Machine,
+    points: Points,
+    seed: u64,
+    exercises: Vec<Asked>,
+    /// Of the grader itself: another grader may grade otherwise.
+    edition: Vec<u8>,
+}
+
+/// An exercise with its checks on instances that are drawn.
+struct Asked {
+    exercise: &'static Exercise,
+    number: usize,
+    checks: Vec<(bool, Check)>,
+}
+
+/// What there is of an answer before its checks run.
+enum Ready {
+    /// It can be asked.
+    Runs(std::sync::Arc<Program>),
+    /// It cannot, and this is what became of it.
+    Not(Outcome),
+}
+
+impl Judge {
+    /// A judge with compiler, machine and hidden instances of a seed.
+    ///
+    /// # Errors
+    ///
+    /// When there is no compiler or no machine.
+    pub fn prepare(points: Points, seed: u64, exercises: &[&'static Exercise]) -> Result<Self, String> {
+        let asked = |exercise: &&'static Exercise| {
+            let hidden = hidden_checks(exercise.slug, seed)
+                .ok_or_else(|| format!("{} has no hidden checks", exercise.slug))?;
+            let public = (exercise.checks)().into_iter().map(|check| (false, check));
+            let number = number_of(exercise.slug).ok_or_else(|| format!("{} is not in the list", exercise.slug))?;
+            let checks = public.chain(hidden.into_iter().map(|check| (true, check))).collect();
+            Ok::<Asked, String>(Asked { exercise, number, checks })
+        };
+        let program = std::env::current_exe().and_then(fs::read).unwrap_or_default();
+        Ok(Self {
+            exercises: exercises.iter().map(asked).collect::<Result<_, _>>()?,
+            compiler: Compiler::prepare()?,
+            machine: Machine::new()?,
+            points,
+            seed,
+            edition: Sha256::digest(program).to_vec(),
+        })
+    }
+
+    /// What stands around the compiler, in a sentence for the instructor.
+    pub fn sandbox(&self) -> String {
+        self.compiler.sandbox()
+    }
+
+    /// The digest of everything that decides a grade.
+    pub fn key(&self, collected: &Collected) -> String {
+        let points = serde_json::to_string(&self.points).unwrap_or_default();
+        let slugs: Vec<&str> = self.exercises.iter().map(|asked| asked.exercise.slug).collect();
+        let parts = format!("{:?} {points} {} {slugs:?}", (&collected.answers, &collected.refused), self.seed);
+        let digest = Sha256::new().chain_update(&self.edition).chain_update(parts).finalize();
+        digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// Grades a submission. Whatever it is, there is a grade; what could not be graded says so.
+    pub fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
+        let collected = submission::collect(submission);
+        let (key, notices) = match &collected {
+            Ok(collected) => (self.key(collected), collected.notices.clone()),
+            Err(_) => Default::default(),
+        };
+        let ready = match collected {
+            Ok(collected) => self.ready(&collected),
+            Err(why) => self.exercises.iter().map(|_| Ready::Not(Outcome::CouldNotGrade(why.clone()))).collect(),
+        };
+        let exercises = self.exercises.iter().zip(ready).map(|(asked, ready)| self.graded(asked, ready)).collect();
+        Grade { submission: submission.name.clone(), student, key, notices, exercises }
+    }
+
+    /// Screens and compiles the answers: all at once, and one by one where that fails, so that an
+    /// error in one of them costs that one alone.
+    fn ready(&self, collected: &Collected) -> Vec<Ready> {
+        let mut outcomes = BTreeMap::new();
+        let mut answers = BTreeMap::new();
+        for asked in &self.exercises {
+            let slug = asked.exercise.slug;
+            let screened = match (collected.answers.get(slug), collected.refused.get(slug)) {
+                (_, Some(why)) => Err(Outcome::Refused(why.clone())),
+                (None, None) => Err(Outcome::Missing),
+                (Some(text), None) => screen(slug, text).map(|()| text).map_err(Outcome::Refused),
+            };
+            match screened {
+                Ok(text) => drop(answers.insert(slug, text.clone())),
+                Err(outcome) => drop(outcomes.insert(slug, Ready::Not(outcome))),
+            }
+        }
+        if answers.len() > 1
+            && let Ready::Runs(program) = self.program(&answers)
+        {
+            outcomes.extend(answers.keys().map(|slug| (*slug, Ready::Runs(program.clone()))));
+        } else {
+            for (slug, text) in answers {
+                outcomes.insert(slug, self.program(&BTreeMap::from([(slug, text)])));
+            }
+        }
+        let missing = || Ready::Not(Outcome::Missing);
+        self.exercises.iter().map(|asked| outcomes.remove(asked.exercise.slug).unwrap_or_else(missing)).collect()
+    }
+
+    fn program(&self, answers: &BTreeMap<&'static str, String>) -> Ready {
+        let not = match self.compiler.compile(answers) {
+            Compiled::Module(module) => match self.machine.load(&module) {
+                Ok(program) => return Ready::Runs(program.into()),
+                Err(why) => Outcome::Refused(why),
+            },
+            Compiled::Refused(why) => Outcome::Refused(why),
+            Compiled::DoesNotCompile(why) => Outcome::DoesNotCompile(why),
+            Compiled::CouldNotCompile(why) => Outcome::CouldNotGrade(why),
+        };
+        Ready::Not(not)
+    }
+
+    fn graded(&self, asked: &Asked, ready: Ready) -> ExerciseGrade {
+        let (outcome, checks) = match ready {
+            Ready::Not(outcome) => (outcome, Vec::new()),
+            Ready::Runs(program) => {
+                let ask = |(hidden, check): &(bool, Check)| self.ask(asked, &program, *hidden, check);
+                (Outcome::Ran, asked.checks.iter().map(ask).collect())
+            }
+        };
+        let exercise = asked.exercise;
+        ExerciseGrade {
+            exercise: exercise.slug.to_owned(),
+            title: exercise.title.to_owned(),
+            outcome,
+            points: self.points.of(exercise.slug),
+            checks,
+        }
+    }
+
+    /// Runs one check on a fresh instance.
+    fn ask(&self, asked: &Asked, program: &Program, hidden: bool, check: &Check) -> CheckGrade {
+        let answer = program.answer(asked.number);
+        let outcome = panic::catch_unwind(AssertUnwindSafe(|| check.run(&answer)));
+        let (verdict, failure) = match (answer.unjust(), outcome) {
+            (Some(why), _) => (Verdict::CouldNotGrade, Some(Failure::new(why))),
+            (None, Err(_)) => {
+                let sentence = "the check itself failed on this output; a person must look at it";
+                (Verdict::CouldNotGrade, Some(Failure::new(sentence)))
+            }
+            (None, Ok(Ok(()))) => (Verdict::Passed, None),
+            (None, Ok(Err(failure))) => (Verdict::Failed, Some(failure)),
+        };
+        let told = |of: fn(&Failure) -> &str, most| failure.as_ref().map_or(String::new(), |f| harmless(of(f), most));
+        CheckGrade {
+            name: check.name.to_owned(),
+            hidden,
+            weight: self.points.weight(asked.exercise.slug, check.name, hidden),
+            verdict,
+            sentence: harmless_line(&told(|failure| &failure.sentence, LONGEST[0]), LONGEST[0]),
+            numbers: told(|failure| &failure.numbers, LONGEST[1]),
+            misconception: failure.as_ref().and_then(|f| f.misconception).map(|known| known.name.to_owned()),
+        }
+    }
+
+    /// Grades answers that are known: the reference earns everything, and the skeletons nothing.
+    ///
+    /// # Errors
+    ///
+    /// When one of them comes out otherwise. Then no grade can be trusted.
+    pub fn canaries(&self) -> Result<(), String> {
+        let root = repository();
+        let known = |folder: &str| {
+            let path = root.join(folder);
+            self.grade(&Submission { name: folder.to_owned(), path }, None)
+        };
+        let right = known("solutions/src");
+        for exercise in &right.exercises {
+            if exercise.earned() != Some(exercise.points) {
+                return Err(format!("the reference answer earns {:?}: {}", exercise.earned(), said(exercise)));
+            }
+        }
+        let skeletons = newest(&root.join("exercises/skeletons"))?;
+        let empty = self.grade(&Submission { name: "skeletons".to_owned(), path: skeletons }, None);
+        for exercise in &empty.exercises {
+            if exercise.earned() != Some(0.0) || exercise.outcome != Outcome::Ran {
+                return Err(format!("the skeleton earns {:?}: {}", exercise.earned(), said(exercise)));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The first thing that an exercise's grade says.
+fn said(exercise: &ExerciseGrade) -> String {
+    let check = exercise.checks.iter().find(|check| check.verdict != Verdict::Passed);
+    format!("{}: {:?} {}", exercise.exercise, exercise.outcome, check.map_or("", |check| &check.sentence))
+}
+
+/// The folder of the newest edition.
+fn newest(folder: &Path) -> Result<std::path::PathBuf, String> {
+    let editions = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let numbered = editions.flatten().filter_map(|edition| {
+        let number: u32 = edition.file_name().to_str()?.parse().ok()?;
+        Some((number, edition.path()))
+    });
+    numbered.max().map(|(_, path)| path).ok_or_else(|| format!("{} has no editions", folder.display()))
+}

@@ -1,0 +1,232 @@
+//! Runs a module that nobody trusts: it imports nothing, and its steps, memory and stack are counted.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+use std::sync::Arc;
+
+use exercise_spec::answer::{Fault, Transport};
+use wasmtime::{
+    Config, Engine, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, Trap, TypedFunc,
+};
+
+use crate::text::harmless;
+
+/// Steps that an answer may take in one check. The reference answers take a tenth of it at most.
+const STEPS: u64 = 20_000_000_000;
+/// Memory that an answer may have, in bytes.
+const MEMORY: usize = 256 << 20;
+/// Stack that an answer may use, in bytes.
+const STACK: usize = 1 << 20;
+/// The longest output, in bytes.
+const LONGEST: usize = 16 << 20;
+/// Time that a check may take by the clock. The steps are counted, so this says that the machine
+/// is too slow or too busy, and not that the answer is wrong.
+const PATIENCE: u64 = 120;
+
+/// A machine for modules.
+pub struct Machine {
+    engine: Engine,
+    /// Whether the clock goes on.
+    running: Arc<AtomicBool>,
+}
+
+impl Machine {
+    /// A machine whose clock runs.
+    ///
+    /// # Errors
+    ///
+    /// When this computer has no such machine.
+    pub fn new() -> Result<Self, String> {
+        let mut config = Config::new();
+        config.consume_fuel(true).epoch_interruption(true).max_wasm_stack(STACK);
+        config.cranelift_opt_level(wasmtime::OptLevel::None).cranelift_nan_canonicalization(true);
+        config.wasm_memory64(false).memory_reservation(MEMORY as u64);
+        let engine = Engine::new(&config).map_err(|error| format!("WebAssembly cannot be run here: {error}"))?;
+        let running = Arc::new(AtomicBool::new(true));
+        let (clock, goes_on) = (engine.clone(), Arc::clone(&running));
+        thread::spawn(move || {
+            while goes_on.load(Ordering::Relaxed) {
+                thread::sleep(Duration::from_secs(1));
+                clock.increment_epoch();
+            }
+        });
+        Ok(Self { engine, running })
+    }
+
+    /// Takes a module in.
+    ///
+    /// # Errors
+    ///
+    /// When it is none, or imports something.
+    pub fn load(&self, module: &[u8]) -> Result<Program, String> {
+        let module = Module::new(&self.engine, module)
+            .map_err(|error| format!("The module cannot be loaded: {}", harmless(&error.to_string(), 300)))?;
+        if let Some(import) = module.imports().next() {
+            return Err(format!(
+                "The compiled answer wants {} from outside. It gets nothing from there: leave out what calls the \
+                 system or foreign code.",
+                harmless(import.name(), 80)
+            ));
+        }
+        Ok(Program { module })
+    }
+}
+
+impl Drop for Machine {
+    fn drop(&mut self) {
+        self.running.store(false, Ordering::Relaxed);
+    }
+}
+
+/// A module that can be run.
+pub struct Program {
+    module: Module,
+}
+
+impl Program {
+    /// A fresh instance, for one check: what an answer keeps does not reach the next one.
+    /// `exercise` is the number of the exercise in the module.
+    pub fn answer(&self, exercise: usize) -> Answer {
+        Answer { exercise, state: Mutex::new(Running::start(&self.module)), unjust: Mutex::new(None) }
+    }
+}
+
+/// One instance, which checks can call.
+pub struct Answer {
+    exercise: usize,
+    state: Mutex<Result<Running, Fault>>,
+    unjust: Mutex<Option<String>>,
+}
+
+impl Answer {
+    /// Why what was observed says nothing about the answer, if it does not.
+    pub fn unjust(&self) -> Option<String> {
+        self.unjust.lock().map_or(None, |unjust| unjust.clone())
+    }
+}
+
+impl Transport for Answer {
+    fn call(&self, function: usize, input: &[u8]) -> Result<Vec<u8>, Fault> {
+        let Ok(mut state) = self.state.lock() else { return Err(stopped("the instance is gone")) };
+        let running = state.as_mut().map_err(|fault| fault.clone())?;
+        let outcome = running.call(self.exercise, function, input);
+        if let Err(Stop::Unjust(why)) = &outcome
+            && let Ok(mut unjust) = self.unjust.lock()
+        {
+            *unjust = Some(why.clone());
+        }
+        outcome.map_err(|stop| {
+            let fault = stop.fault();
+            // Whatever stopped it, its memory may be in disorder.
+            *state = Err(fault.clone());
+            fault
+        })
+    }
+}
+
+/// Why a call has no output.
+enum Stop {
+    /// The answer is to blame.
+    Fault(Fault),
+    /// The answer is not to blame.
+    Unjust(String),
+}
+
+impl Stop {
+    fn fault(self) -> Fault {
+        match self {
+            Self::Fault(fault) => fault,
+            Self::Unjust(why) => Fault::Stopped(why),
+        }
+    }
+}
+
+fn stopped(sentence: impl Into<String>) -> Fault {
+    Fault::Stopped(sentence.into())
+}
+
+/// An instance and what of it is called.
+struct Running {
+    store: Store<StoreLimits>,
+    memory: Memory,
+    /// Where in memory the words of the latest panic are.
+    said: usize,
+    allocate: TypedFunc<u32, u32>,
+    call: TypedFunc<(u32, u32, u32, u32), u64>,
+}
+
+impl Running {
+    fn start(module: &Module) -> Result<Self, Fault> {
+        let limits = StoreLimitsBuilder::new().memory_size(MEMORY).instances(1).memories(1).tables(1).table_elements(100_000);
+        let mut store = Store::new(module.engine(), limits.build());
+        store.limiter(|limits| limits);
+        store.set_epoch_deadline(PATIENCE);
+        let begun = |error: wasmtime::Error| {
+            stopped(format!("the answer cannot be started: {}", harmless(&error.to_string(), 300)))
+        };
+        store.set_fuel(STEPS).map_err(begun)?;
+        let instance = Instance::new(&mut store, module, &[]).map_err(begun)?;
+        let memory = instance.get_memory(&mut store, "memory").ok_or_else(|| stopped("the module has no memory"))?;
+        let said = instance.get_global(&mut store, "SAID").and_then(|at| at.get(&mut store).i32()).unwrap_or(0);
+        let allocate = instance.get_typed_func(&mut store, "allocate").map_err(begun)?;
+        let call = instance.get_typed_func(&mut store, "call").map_err(begun)?;
+        Ok(Self { store, memory, said: said as u32 as usize, allocate, call })
+    }
+
+    fn call(&mut self, exercise: usize, function: usize, input: &[u8]) -> Result<Vec<u8>, Stop> {
+        let length = input.len() as u32;
+        let at = match self.allocate.call(&mut self.store, length) {
+            Ok(at) => at,
+            Err(error) => return Err(self.stop(&error)),
+        };
+        let no_room = |_| Stop::Fault(stopped("there was no room for the input"));
+        self.memory.write(&mut self.store, at as usize, input).map_err(no_room)?;
+        let arguments = (exercise as u32, function as u32, at, length);
+        let output = match self.call.call(&mut self.store, arguments) {
+            Ok(output) => output,
+            Err(error) => return Err(self.stop(&error)),
+        };
+        let (at, length) = ((output >> 32) as usize, (output & 0xffff_ffff) as usize);
+        if length > LONGEST {
+            let sentence = format!("the output has {length} bytes, and {LONGEST} are the most that is read");
+            return Err(Stop::Fault(stopped(sentence)));
+        }
+        let output = self.memory.data(&self.store).get(at..at + length);
+        output.map(<[u8]>::to_vec).ok_or_else(|| Stop::Fault(stopped("the output is not in the answer's memory")))
+    }
+
+    /// What a trap means.
+    fn stop(&self, error: &wasmtime::Error) -> Stop {
+        let fault = match error.downcast_ref::<Trap>() {
+            Some(Trap::OutOfFuel) => stopped(format!(
+                "it took more than {} thousand million steps. Is there a loop that does not end?",
+                STEPS / 1_000_000_000
+            )),
+            Some(Trap::Interrupt) => {
+                return Stop::Unjust(format!("the check took longer than {PATIENCE} s; this machine is too busy or too slow"));
+            }
+            Some(Trap::StackOverflow) => stopped("the stack is full. Is there a recursion that does not end?"),
+            Some(Trap::UnreachableCodeReached) => self.panicked(),
+            Some(trap) => stopped(trap.to_string()),
+            None => return Stop::Unjust(harmless(&error.to_string(), 300)),
+        };
+        Stop::Fault(fault)
+    }
+
+    /// The panic that the answer has put into words, or what stands for its silence.
+    fn panicked(&self) -> Fault {
+        let data = self.memory.data(&self.store);
+        let bytes = |from: usize, length: usize| data.get(from..from.checked_add(length)?);
+        let length = bytes(self.said, 4).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+        let words = bytes(self.said.saturating_add(4), length.min(4092)).unwrap_or_default();
+        let words = harmless(&String::from_utf8_lossy(words), 2_000);
+        let full = data.len() + (64 << 10) > MEMORY;
+        match words.split_once('\n') {
+            Some((place, sentence)) => Fault::of_panic(sentence, format!(" at {place}")),
+            None if full => stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20)),
+            None => stopped("it aborted without words. Was more memory wanted than there is, or the panic hook changed?"),
+        }
+    }
+}
