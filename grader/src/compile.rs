@@ -156,7 +156,9 @@ fn judged(
              is better computed?"
         )));
     }
-    fs::read(&module).map(Compiled::Module).map_err(|error| format!("the module cannot be read: {error}"))
+    fs::read(&module)
+        .map(Compiled::Module)
+        .map_err(|error| format!("the module cannot be read: {error}"))
 }
 
 fn told(ended: &Ended) -> String {
@@ -177,17 +179,25 @@ fn stranger(folder: &Path, answers: &BTreeMap<&'static str, String>) -> Option<S
         path == "lib.rs"
             || answers.keys().any(|slug| {
                 let parts: Vec<_> = Path::new(path).components().collect();
-                parts == [Component::Normal("answers".as_ref()), Component::Normal(format!("{slug}.rs").as_ref())]
+                parts
+                    == [
+                        Component::Normal("answers".as_ref()),
+                        Component::Normal(format!("{slug}.rs").as_ref()),
+                    ]
             })
     };
     for line in text.lines() {
         if let Some(variable) = line.strip_prefix("# env-dep:") {
             let name = harmless(variable.split('=').next().unwrap_or_default(), 80);
-            return Some(format!("The answer reads the variable {name} of the compiler's environment."));
+            return Some(format!(
+                "The answer reads the variable {name} of the compiler's environment."
+            ));
         }
         // The first rule names all; the others, one for each file, say the same.
         let Some((_, read)) = line.split_once(": ") else { continue };
-        if let Some(path) = read.replace("\\ ", "\0").split_whitespace().find(|path| !expected(path)) {
+        if let Some(path) =
+            read.replace("\\ ", "\0").split_whitespace().find(|path| !expected(path))
+        {
             let path = harmless(&path.replace('\0', " "), 200);
             return Some(format!("The answer reads the file {path}. It may read none."));
         }

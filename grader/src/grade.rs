@@ -101,7 +101,9 @@ impl ExerciseGrade {
     pub fn earned(&self) -> Option<f64> {
         match self.outcome {
             Outcome::CouldNotGrade(_) => return None,
-            Outcome::Missing | Outcome::Refused(_) | Outcome::DoesNotCompile(_) => return Some(0.0),
+            Outcome::Missing | Outcome::Refused(_) | Outcome::DoesNotCompile(_) => {
+                return Some(0.0);
+            }
             Outcome::Ran => {}
         }
         if self.checks.iter().any(|check| check.verdict == Verdict::CouldNotGrade) {

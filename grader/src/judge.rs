@@ -14,10 +14,10 @@ use crate::compile::{Compiled, Compiler, number_of};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::machine::{Machine, Program};
 use crate::points::Points;
+use crate::repository;
 use crate::screen::screen;
 use crate::submission::{self, Collected, Submission};
 use crate::text::{harmless, harmless_line};
-use crate::repository;
 
 /// Longest sentence and longest table that a check may put into a report.
 const LONGEST: [usize; 2] = [1_000, 4_000];
@@ -54,12 +54,17 @@ impl Judge {
     /// # Errors
     ///
     /// When there is no compiler or no machine.
-    pub fn prepare(points: Points, seed: u64, exercises: &[&'static Exercise]) -> Result<Self, String> {
+    pub fn prepare(
+        points: Points,
+        seed: u64,
+        exercises: &[&'static Exercise],
+    ) -> Result<Self, String> {
         let asked = |exercise: &&'static Exercise| {
             let hidden = hidden_checks(exercise.slug, seed)
                 .ok_or_else(|| format!("{} has no hidden checks", exercise.slug))?;
             let public = (exercise.checks)().into_iter().map(|check| (false, check));
-            let number = number_of(exercise.slug).ok_or_else(|| format!("{} is not in the list", exercise.slug))?;
+            let number = number_of(exercise.slug)
+                .ok_or_else(|| format!("{} is not in the list", exercise.slug))?;
             let checks = public.chain(hidden.into_iter().map(|check| (true, check))).collect();
             Ok::<Asked, String>(Asked { exercise, number, checks })
         };
@@ -83,7 +88,11 @@ impl Judge {
     pub fn key(&self, collected: &Collected) -> String {
         let points = serde_json::to_string(&self.points).unwrap_or_default();
         let slugs: Vec<&str> = self.exercises.iter().map(|asked| asked.exercise.slug).collect();
-        let parts = format!("{:?} {points} {} {slugs:?}", (&collected.answers, &collected.refused), self.seed);
+        let parts = format!(
+            "{:?} {points} {} {slugs:?}",
+            (&collected.answers, &collected.refused),
+            self.seed
+        );
         let digest = Sha256::new().chain_update(&self.edition).chain_update(parts).finalize();
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -97,9 +106,18 @@ impl Judge {
         };
         let ready = match collected {
             Ok(collected) => self.ready(&collected),
-            Err(why) => self.exercises.iter().map(|_| Ready::Not(Outcome::CouldNotGrade(why.clone()))).collect(),
+            Err(why) => self
+                .exercises
+                .iter()
+                .map(|_| Ready::Not(Outcome::CouldNotGrade(why.clone())))
+                .collect(),
         };
-        let exercises = self.exercises.iter().zip(ready).map(|(asked, ready)| self.graded(asked, ready)).collect();
+        let exercises = self
+            .exercises
+            .iter()
+            .zip(ready)
+            .map(|(asked, ready)| self.graded(asked, ready))
+            .collect();
         Grade { submission: submission.name.clone(), student, key, notices, exercises }
     }
 
@@ -130,7 +148,10 @@ impl Judge {
             }
         }
         let missing = || Ready::Not(Outcome::Missing);
-        self.exercises.iter().map(|asked| outcomes.remove(asked.exercise.slug).unwrap_or_else(missing)).collect()
+        self.exercises
+            .iter()
+            .map(|asked| outcomes.remove(asked.exercise.slug).unwrap_or_else(missing))
+            .collect()
     }
 
     fn program(&self, answers: &BTreeMap<&'static str, String>) -> Ready {
@@ -150,7 +171,8 @@ impl Judge {
         let (outcome, checks) = match ready {
             Ready::Not(outcome) => (outcome, Vec::new()),
             Ready::Runs(program) => {
-                let ask = |(hidden, check): &(bool, Check)| self.ask(asked, &program, *hidden, check);
+                let ask =
+                    |(hidden, check): &(bool, Check)| self.ask(asked, &program, *hidden, check);
                 (Outcome::Ran, asked.checks.iter().map(ask).collect())
             }
         };
@@ -177,7 +199,9 @@ impl Judge {
             (None, Ok(Ok(()))) => (Verdict::Passed, None),
             (None, Ok(Err(failure))) => (Verdict::Failed, Some(failure)),
         };
-        let told = |of: fn(&Failure) -> &str, most| failure.as_ref().map_or(String::new(), |f| harmless(of(f), most));
+        let told = |of: fn(&Failure) -> &str, most| {
+            failure.as_ref().map_or(String::new(), |f| harmless(of(f), most))
+        };
         CheckGrade {
             name: check.name.to_owned(),
             hidden,
@@ -185,7 +209,10 @@ impl Judge {
             verdict,
             sentence: harmless_line(&told(|failure| &failure.sentence, LONGEST[0]), LONGEST[0]),
             numbers: told(|failure| &failure.numbers, LONGEST[1]),
-            misconception: failure.as_ref().and_then(|f| f.misconception).map(|known| known.name.to_owned()),
+            misconception: failure
+                .as_ref()
+                .and_then(|f| f.misconception)
+                .map(|known| known.name.to_owned()),
         }
     }
 
@@ -203,14 +230,22 @@ impl Judge {
         let right = known("solutions/src");
         for exercise in &right.exercises {
             if exercise.earned() != Some(exercise.points) {
-                return Err(format!("the reference answer earns {:?}: {}", exercise.earned(), said(exercise)));
+                return Err(format!(
+                    "the reference answer earns {:?}: {}",
+                    exercise.earned(),
+                    said(exercise)
+                ));
             }
         }
         let skeletons = newest(&root.join("exercises/skeletons"))?;
         let empty = self.grade(&Submission { name: "skeletons".to_owned(), path: skeletons }, None);
         for exercise in &empty.exercises {
             if exercise.earned() != Some(0.0) || exercise.outcome != Outcome::Ran {
-                return Err(format!("the skeleton earns {:?}: {}", exercise.earned(), said(exercise)));
+                return Err(format!(
+                    "the skeleton earns {:?}: {}",
+                    exercise.earned(),
+                    said(exercise)
+                ));
             }
         }
         Ok(())
@@ -220,15 +255,24 @@ impl Judge {
 /// The first thing that an exercise's grade says.
 fn said(exercise: &ExerciseGrade) -> String {
     let check = exercise.checks.iter().find(|check| check.verdict != Verdict::Passed);
-    format!("{}: {:?} {}", exercise.exercise, exercise.outcome, check.map_or("", |check| &check.sentence))
+    format!(
+        "{}: {:?} {}",
+        exercise.exercise,
+        exercise.outcome,
+        check.map_or("", |check| &check.sentence)
+    )
 }
 
 /// The folder of the newest edition.
 fn newest(folder: &Path) -> Result<std::path::PathBuf, String> {
-    let editions = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let editions =
+        fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let numbered = editions.flatten().filter_map(|edition| {
         let number: u32 = edition.file_name().to_str()?.parse().ok()?;
         Some((number, edition.path()))
     });
-    numbered.max().map(|(_, path)| path).ok_or_else(|| format!("{} has no editions", folder.display()))
+    numbered
+        .max()
+        .map(|(_, path)| path)
+        .ok_or_else(|| format!("{} has no editions", folder.display()))
 }

@@ -1,14 +1,15 @@
 //! Runs a module that nobody trusts: it imports nothing, and its steps, memory and stack are counted.
 
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
-use std::sync::Arc;
 
 use exercise_spec::answer::{Fault, Transport};
 use wasmtime::{
-    Config, Engine, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, Trap, TypedFunc,
+    Config, Engine, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, Trap,
+    TypedFunc,
 };
 
 use crate::text::harmless;
@@ -43,7 +44,8 @@ impl Machine {
         config.consume_fuel(true).epoch_interruption(true).max_wasm_stack(STACK);
         config.cranelift_opt_level(wasmtime::OptLevel::None).cranelift_nan_canonicalization(true);
         config.wasm_memory64(false).memory_reservation(MEMORY as u64);
-        let engine = Engine::new(&config).map_err(|error| format!("WebAssembly cannot be run here: {error}"))?;
+        let engine = Engine::new(&config)
+            .map_err(|error| format!("WebAssembly cannot be run here: {error}"))?;
         let running = Arc::new(AtomicBool::new(true));
         let (clock, goes_on) = (engine.clone(), Arc::clone(&running));
         thread::spawn(move || {
@@ -61,8 +63,9 @@ impl Machine {
     ///
     /// When it is none, or imports something.
     pub fn load(&self, module: &[u8]) -> Result<Program, String> {
-        let module = Module::new(&self.engine, module)
-            .map_err(|error| format!("The module cannot be loaded: {}", harmless(&error.to_string(), 300)))?;
+        let module = Module::new(&self.engine, module).map_err(|error| {
+            format!("The module cannot be loaded: {}", harmless(&error.to_string(), 300))
+        })?;
         if let Some(import) = module.imports().next() {
             return Err(format!(
                 "The compiled answer wants {} from outside. It gets nothing from there: leave out what calls the \
@@ -89,7 +92,11 @@ impl Program {
     /// A fresh instance, for one check: what an answer keeps does not reach the next one.
     /// `exercise` is the number of the exercise in the module.
     pub fn answer(&self, exercise: usize) -> Answer {
-        Answer { exercise, state: Mutex::new(Running::start(&self.module)), unjust: Mutex::new(None) }
+        Answer {
+            exercise,
+            state: Mutex::new(Running::start(&self.module)),
+            unjust: Mutex::new(None),
+        }
     }
 }
 
@@ -159,7 +166,12 @@ struct Running {
 
 impl Running {
     fn start(module: &Module) -> Result<Self, Fault> {
-        let limits = StoreLimitsBuilder::new().memory_size(MEMORY).instances(1).memories(1).tables(1).table_elements(100_000);
+        let limits = StoreLimitsBuilder::new()
+            .memory_size(MEMORY)
+            .instances(1)
+            .memories(1)
+            .tables(1)
+            .table_elements(100_000);
         let mut store = Store::new(module.engine(), limits.build());
         store.limiter(|limits| limits);
         store.set_epoch_deadline(PATIENCE);
@@ -168,8 +180,13 @@ impl Running {
         };
         store.set_fuel(STEPS).map_err(begun)?;
         let instance = Instance::new(&mut store, module, &[]).map_err(begun)?;
-        let memory = instance.get_memory(&mut store, "memory").ok_or_else(|| stopped("the module has no memory"))?;
-        let said = instance.get_global(&mut store, "SAID").and_then(|at| at.get(&mut store).i32()).unwrap_or(0);
+        let memory = instance
+            .get_memory(&mut store, "memory")
+            .ok_or_else(|| stopped("the module has no memory"))?;
+        let said = instance
+            .get_global(&mut store, "SAID")
+            .and_then(|at| at.get(&mut store).i32())
+            .unwrap_or(0);
         let allocate = instance.get_typed_func(&mut store, "allocate").map_err(begun)?;
         let call = instance.get_typed_func(&mut store, "call").map_err(begun)?;
         Ok(Self { store, memory, said: said as u32 as usize, allocate, call })
@@ -190,11 +207,14 @@ impl Running {
         };
         let (at, length) = ((output >> 32) as usize, (output & 0xffff_ffff) as usize);
         if length > LONGEST {
-            let sentence = format!("the output has {length} bytes, and {LONGEST} are the most that is read");
+            let sentence =
+                format!("the output has {length} bytes, and {LONGEST} are the most that is read");
             return Err(Stop::Fault(stopped(sentence)));
         }
         let output = self.memory.data(&self.store).get(at..at + length);
-        output.map(<[u8]>::to_vec).ok_or_else(|| Stop::Fault(stopped("the output is not in the answer's memory")))
+        output
+            .map(<[u8]>::to_vec)
+            .ok_or_else(|| Stop::Fault(stopped("the output is not in the answer's memory")))
     }
 
     /// What a trap means.
@@ -205,9 +225,13 @@ impl Running {
                 STEPS / 1_000_000_000
             )),
             Some(Trap::Interrupt) => {
-                return Stop::Unjust(format!("the check took longer than {PATIENCE} s; this machine is too busy or too slow"));
+                return Stop::Unjust(format!(
+                    "the check took longer than {PATIENCE} s; this machine is too busy or too slow"
+                ));
             }
-            Some(Trap::StackOverflow) => stopped("the stack is full. Is there a recursion that does not end?"),
+            Some(Trap::StackOverflow) => {
+                stopped("the stack is full. Is there a recursion that does not end?")
+            }
             Some(Trap::UnreachableCodeReached) => self.panicked(),
             Some(trap) => stopped(trap.to_string()),
             None => return Stop::Unjust(harmless(&error.to_string(), 300)),
@@ -219,14 +243,19 @@ impl Running {
     fn panicked(&self) -> Fault {
         let data = self.memory.data(&self.store);
         let bytes = |from: usize, length: usize| data.get(from..from.checked_add(length)?);
-        let length = bytes(self.said, 4).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+        let length = bytes(self.said, 4)
+            .map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
         let words = bytes(self.said.saturating_add(4), length.min(4092)).unwrap_or_default();
         let words = harmless(&String::from_utf8_lossy(words), 2_000);
         let full = data.len() + (64 << 10) > MEMORY;
         match words.split_once('\n') {
             Some((place, sentence)) => Fault::of_panic(sentence, format!(" at {place}")),
-            None if full => stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20)),
-            None => stopped("it aborted without words. Was more memory wanted than there is, or the panic hook changed?"),
+            None if full => {
+                stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20))
+            }
+            None => stopped(
+                "it aborted without words. Was more memory wanted than there is, or the panic hook changed?",
+            ),
         }
     }
 }

@@ -74,17 +74,30 @@ impl Sandbox {
     }
 
     /// A command that works in a folder, where it may write, and sees what is readable.
-    pub fn command(&self, words: &[OsString], folder: &Path, readable: &[&Path], limits: &Limits) -> Command {
+    pub fn command(
+        &self,
+        words: &[OsString],
+        folder: &Path,
+        readable: &[&Path],
+        limits: &Limits,
+    ) -> Command {
         let mut all: Vec<OsString> = limits.words();
         if let Self::Bubblewrap(bubblewrap) = self {
             all.push(bubblewrap.into());
             let alone = "--unshare-all --die-with-parent --new-session --cap-drop ALL --proc /proc --dev /dev --tmpfs /tmp";
             all.extend(alone.split(' ').map(OsString::from));
-            let system = ["/usr", "/bin", "/sbin", "/lib", "/lib64", "/etc/alternatives"].map(Path::new);
+            let system =
+                ["/usr", "/bin", "/sbin", "/lib", "/lib64", "/etc/alternatives"].map(Path::new);
             for path in system.iter().chain(readable) {
                 all.extend(["--ro-bind-try".into(), path.into(), path.into()]);
             }
-            all.extend(["--bind".into(), folder.into(), folder.into(), "--chdir".into(), folder.into()]);
+            all.extend([
+                "--bind".into(),
+                folder.into(),
+                folder.into(),
+                "--chdir".into(),
+                folder.into(),
+            ]);
         }
         all.extend_from_slice(words);
         let mut command = Command::new(&all[0]);

@@ -53,7 +53,8 @@ impl Kit {
         clear(&runs);
         let run = tempfile::Builder::new().prefix("run-").tempdir_in(&runs).map_err(io)?;
         let lock = File::create(run.path().join("lock")).map_err(io)?;
-        lock.try_lock().map_err(|error| format!("cannot lock {}: {error}", run.path().display()))?;
+        lock.try_lock()
+            .map_err(|error| format!("cannot lock {}: {error}", run.path().display()))?;
         let std = toolchain.root.join("lib/rustlib/src");
         let mut named = Vec::new();
         for artifact in &artifacts {
@@ -63,7 +64,9 @@ impl Kit {
                 fs::create_dir_all(&folder).map_err(io)?;
                 let name = file.file_name().unwrap_or_default();
                 let kept = folder.join(name);
-                fs::hard_link(file, &kept).or_else(|_| fs::copy(file, &kept).map(drop)).map_err(io)?;
+                fs::hard_link(file, &kept)
+                    .or_else(|_| fs::copy(file, &kept).map(drop))
+                    .map_err(io)?;
                 let of = artifact.target.as_ref().map(|target| target.name.replace('-', "_"));
                 if let Some(known) = NAMED.iter().find(|known| of.as_deref() == Some(**known)) {
                     named.push((*known, kept.into_os_string()));
@@ -75,7 +78,14 @@ impl Kit {
         }
         let has_std = toolchain.std_with_linker.is_some();
         let kit = run.path().join("kit");
-        Ok(Self { run, kit, _lock: lock, has_std, linker: toolchain.std_with_linker.clone(), named })
+        Ok(Self {
+            run,
+            kit,
+            _lock: lock,
+            has_std,
+            linker: toolchain.std_with_linker.clone(),
+            named,
+        })
     }
 
     /// Where the libraries stand.
@@ -99,8 +109,12 @@ impl Kit {
             option.push(path);
             option
         };
-        let mut options =
-            vec!["-L".into(), joined("dependency=", at("libraries")), "-L".into(), joined("dependency=", at("macros"))];
+        let mut options = vec![
+            "-L".into(),
+            joined("dependency=", at("libraries")),
+            "-L".into(),
+            joined("dependency=", at("macros")),
+        ];
         for (name, path) in &self.named {
             options.extend(["--extern".into(), joined(&format!("{name}="), path.clone())]);
         }
@@ -134,14 +148,23 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
     let root = repository();
     let mut cargo = toolchain.cargo();
     cargo.args(["build", "--locked", "--package", "exercise-spec", "--target", TARGET]);
-    cargo.args(["--message-format", "json-render-diagnostics", "--config", "profile.dev.debug=0", "--target-dir"]);
+    cargo.args([
+        "--message-format",
+        "json-render-diagnostics",
+        "--config",
+        "profile.dev.debug=0",
+        "--target-dir",
+    ]);
     cargo.arg(root.join("target/grader")).current_dir(&root);
     let output = cargo
         .stderr(Stdio::inherit())
         .output()
         .map_err(|error| format!("{} does not run: {error}", toolchain.cargo.display()))?;
     if !output.status.success() {
-        return Err("the libraries of the exercises do not compile for WebAssembly; cargo says why above".to_owned());
+        return Err(
+            "the libraries of the exercises do not compile for WebAssembly; cargo says why above"
+                .to_owned(),
+        );
     }
     let lines = String::from_utf8_lossy(&output.stdout);
     let artifacts = lines.lines().filter_map(|line| serde_json::from_str::<Artifact>(line).ok());
@@ -150,7 +173,9 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
         .filter(|artifact| artifact.reason == "compiler-artifact")
         // Of what was compiled for this machine, answers need the macros alone.
         .filter(|artifact| {
-            !artifact.filenames.iter().any(|file| file.starts_with(&host) && file.extension().is_some_and(|e| e == "rlib"))
+            !artifact.filenames.iter().any(|file| {
+                file.starts_with(&host) && file.extension().is_some_and(|e| e == "rlib")
+            })
         })
         .collect())
 }

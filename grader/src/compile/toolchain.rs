@@ -40,14 +40,21 @@ impl Toolchain {
         if !root.join("lib/rustlib/src/rust/library").is_dir() {
             return Err(NONE.to_owned());
         }
-        let std_with_linker = Some(linker().ok_or("there is no linker for WebAssembly: `apt-get install lld-19`")?);
+        let std_with_linker =
+            Some(linker().ok_or("there is no linker for WebAssembly: `apt-get install lld-19`")?);
         Ok(Self { rustc, cargo, root, std_with_linker })
     }
 
     /// A call of cargo with this compiler and nothing of the environment that would change it.
     pub fn cargo(&self) -> Command {
         let mut cargo = Command::new(&self.cargo);
-        for name in ["LD_LIBRARY_PATH", "RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "RUSTC_WRAPPER", "CARGO_BUILD_TARGET"] {
+        for name in [
+            "LD_LIBRARY_PATH",
+            "RUSTFLAGS",
+            "CARGO_ENCODED_RUSTFLAGS",
+            "RUSTC_WRAPPER",
+            "CARGO_BUILD_TARGET",
+        ] {
             cargo.env_remove(name);
         }
         cargo.env("RUSTC", &self.rustc).envs(self.variables());
@@ -79,5 +86,7 @@ fn linker() -> Option<PathBuf> {
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
     let versions = (14..40).rev().map(|version| format!("wasm-ld-{version}"));
     let mut names = std::iter::once("wasm-ld".to_owned()).chain(versions);
-    names.find_map(|name| folders.iter().map(|folder| folder.join(&name)).find(|path| path.is_file()))
+    names.find_map(|name| {
+        folders.iter().map(|folder| folder.join(&name)).find(|path| path.is_file())
+    })
 }
