@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
 
 use book_tests::hidden_checks;
 use exercise_spec::Exercise;
@@ -40,13 +42,8 @@ struct Asked {
     checks: Vec<(bool, Check)>,
 }
 
-/// What there is of an answer before its checks run.
-enum Ready {
-    /// It can be asked.
-    Runs(std::sync::Arc<Program>),
-    /// It cannot, and this is what became of it.
-    Not(Outcome),
-}
+/// The text of an answer, or what became of it without being compiled.
+type Screened = Result<(&'static str, String), (&'static str, Outcome)>;
 
 impl Judge {
     /// A judge with compiler, machine and hidden instances of a seed.
@@ -104,75 +101,86 @@ impl Judge {
             Ok(collected) => (self.key(collected), collected.notices.clone()),
             Err(_) => Default::default(),
         };
-        let ready = match collected {
-            Ok(collected) => self.ready(&collected),
-            Err(why) => self
-                .exercises
-                .iter()
-                .map(|_| Ready::Not(Outcome::CouldNotGrade(why.clone())))
-                .collect(),
+        let exercises = match collected {
+            Ok(collected) => self.graded_all(self.screened(&collected)),
+            Err(why) => {
+                let not =
+                    |asked: &Asked| Err((asked.exercise.slug, Outcome::CouldNotGrade(why.clone())));
+                self.graded_all(self.exercises.iter().map(not).collect())
+            }
         };
-        let exercises = self
-            .exercises
-            .iter()
-            .zip(ready)
-            .map(|(asked, ready)| self.graded(asked, ready))
-            .collect();
         Grade { submission: submission.name.clone(), student, key, notices, exercises }
     }
 
-    /// Screens and compiles the answers: all at once, and one by one where that fails, so that an
-    /// error in one of them costs that one alone.
-    fn ready(&self, collected: &Collected) -> Vec<Ready> {
-        let mut outcomes = BTreeMap::new();
-        let mut answers = BTreeMap::new();
-        for asked in &self.exercises {
+    /// Grades texts that need no screen, because they are known.
+    pub fn grade_texts(&self, texts: &BTreeMap<&'static str, String>) -> Vec<ExerciseGrade> {
+        self.graded_all(texts.iter().map(|(slug, text)| Ok((*slug, text.clone()))).collect())
+    }
+
+    /// The texts that may be compiled, and what became of the others.
+    fn screened(&self, collected: &Collected) -> Vec<Screened> {
+        let screened = |asked: &Asked| {
             let slug = asked.exercise.slug;
-            let screened = match (collected.answers.get(slug), collected.refused.get(slug)) {
-                (_, Some(why)) => Err(Outcome::Refused(why.clone())),
-                (None, None) => Err(Outcome::Missing),
-                (Some(text), None) => screen(slug, text).map(|()| text).map_err(Outcome::Refused),
-            };
-            match screened {
-                Ok(text) => drop(answers.insert(slug, text.clone())),
-                Err(outcome) => drop(outcomes.insert(slug, Ready::Not(outcome))),
+            match (collected.answers.get(slug), collected.refused.get(slug)) {
+                (_, Some(why)) => Err((slug, Outcome::Refused(why.clone()))),
+                (None, None) => Err((slug, Outcome::Missing)),
+                (Some(text), None) => match screen(slug, text) {
+                    Ok(()) => Ok((slug, text.clone())),
+                    Err(why) => Err((slug, Outcome::Refused(why))),
+                },
             }
-        }
-        if answers.len() > 1
-            && let Ready::Runs(program) = self.program(&answers)
-        {
-            outcomes.extend(answers.keys().map(|slug| (*slug, Ready::Runs(program.clone()))));
-        } else {
-            for (slug, text) in answers {
-                outcomes.insert(slug, self.program(&BTreeMap::from([(slug, text)])));
-            }
-        }
-        let missing = || Ready::Not(Outcome::Missing);
-        self.exercises
-            .iter()
-            .map(|asked| outcomes.remove(asked.exercise.slug).unwrap_or_else(missing))
-            .collect()
-    }
-
-    fn program(&self, answers: &BTreeMap<&'static str, String>) -> Ready {
-        let not = match self.compiler.compile(answers) {
-            Compiled::Module(module) => match self.machine.load(&module) {
-                Ok(program) => return Ready::Runs(program.into()),
-                Err(why) => Outcome::Refused(why),
-            },
-            Compiled::Refused(why) => Outcome::Refused(why),
-            Compiled::DoesNotCompile(why) => Outcome::DoesNotCompile(why),
-            Compiled::CouldNotCompile(why) => Outcome::CouldNotGrade(why),
         };
-        Ready::Not(not)
+        self.exercises.iter().map(screened).collect()
     }
 
-    fn graded(&self, asked: &Asked, ready: Ready) -> ExerciseGrade {
+    /// Compiles and asks: all at once, and one by one where the answers do not compile together,
+    /// so that an error in one of them costs that one alone.
+    fn graded_all(&self, screened: Vec<Screened>) -> Vec<ExerciseGrade> {
+        let mut answers = BTreeMap::new();
+        let mut ready = BTreeMap::new();
+        for one in screened {
+            match one {
+                Ok((slug, text)) => drop(answers.insert(slug, text)),
+                Err((slug, outcome)) => drop(ready.insert(slug, Err(outcome))),
+            }
+        }
+        let together = if answers.len() > 1 { self.program(&answers).ok() } else { None };
+        for (slug, text) in answers {
+            let alone = || self.program(&BTreeMap::from([(slug, text)]));
+            ready.insert(slug, together.clone().map_or_else(alone, Ok));
+        }
+        let graded = |asked: &Asked| {
+            let missing = Err(Outcome::Missing);
+            self.graded(asked, ready.get(asked.exercise.slug).unwrap_or(&missing))
+        };
+        thread::scope(|scope| {
+            let asked = self.exercises.iter().map(|asked| scope.spawn(|| graded(asked)));
+            let asked: Vec<_> = asked.collect();
+            asked
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|p| panic::resume_unwind(p)))
+                .collect()
+        })
+    }
+
+    fn program(&self, answers: &BTreeMap<&'static str, String>) -> Result<Arc<Program>, Outcome> {
+        match self.compiler.compile(answers) {
+            Compiled::Module(module) => match self.machine.load(&module) {
+                Ok(program) => Ok(program.into()),
+                Err(why) => Err(Outcome::Refused(why)),
+            },
+            Compiled::Refused(why) => Err(Outcome::Refused(why)),
+            Compiled::DoesNotCompile(why) => Err(Outcome::DoesNotCompile(why)),
+            Compiled::CouldNotCompile(why) => Err(Outcome::CouldNotGrade(why)),
+        }
+    }
+
+    fn graded(&self, asked: &Asked, ready: &Result<Arc<Program>, Outcome>) -> ExerciseGrade {
         let (outcome, checks) = match ready {
-            Ready::Not(outcome) => (outcome, Vec::new()),
-            Ready::Runs(program) => {
+            Err(outcome) => (outcome.clone(), Vec::new()),
+            Ok(program) => {
                 let ask =
-                    |(hidden, check): &(bool, Check)| self.ask(asked, &program, *hidden, check);
+                    |(hidden, check): &(bool, Check)| self.ask(asked, program, *hidden, check);
                 (Outcome::Ran, asked.checks.iter().map(ask).collect())
             }
         };
@@ -264,7 +272,7 @@ fn said(exercise: &ExerciseGrade) -> String {
 }
 
 /// The folder of the newest edition.
-fn newest(folder: &Path) -> Result<std::path::PathBuf, String> {
+fn newest(folder: &Path) -> Result<PathBuf, String> {
     let editions =
         fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let numbered = editions.flatten().filter_map(|edition| {

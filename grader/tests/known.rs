@@ -1,0 +1,108 @@
+//! Answers that are known, through compiler, machine and checks: the reference, the skeletons and every wrong answer.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use exercise_spec::EXERCISES;
+use grader::grade::{Outcome, Verdict};
+use grader::judge::Judge;
+use grader::points::Points;
+use grader::repository;
+use quote::{ToTokens, quote};
+use solutions::answers;
+
+const SEED: u64 = 11;
+
+fn judge() -> Judge {
+    let points = Points::read(&repository().join("grader/points.toml")).expect("points");
+    Judge::prepare(points, SEED, EXERCISES).expect("a compiler and a machine")
+}
+
+#[test]
+fn the_reference_earns_everything_and_every_skeleton_nothing() {
+    assert_eq!(judge().canaries(), Ok(()));
+}
+
+/// Wrong answers are functions that change the reference. This writes them as a student's file.
+fn as_a_file(slug: &str, index: usize) -> String {
+    let read = |path: String| fs::read_to_string(repository().join(path)).expect("a file");
+    let plain = |text: String| {
+        text.lines().filter(|line| !line.starts_with("//!")).collect::<Vec<_>>().join("\n")
+    };
+    let right = plain(read(format!("solutions/src/{slug}.rs")));
+    let wrong = plain(read(format!("solutions/src/misconceptions/{slug}.rs")))
+        .replace(&format!("use crate::{slug} as right;"), "use super::right;");
+    let file: syn::File = syn::parse_str(&right).expect("Rust");
+    let (mut uses, mut functions) = (String::new(), String::new());
+    for item in &file.items {
+        match item {
+            syn::Item::Use(used) => uses += &used.to_token_stream().to_string(),
+            syn::Item::Fn(function) if matches!(function.vis, syn::Visibility::Public(_)) => {
+                functions += &forwarded(&function.sig, index);
+            }
+            _ => {}
+        }
+    }
+    format!(
+        "{uses}\nuse exercise_spec::{{{slug}::Functions, check::Misconception}};\n\
+         pub struct Wrong {{ functions: Functions }}\n\
+         impl Wrong {{ fn new(_: &'static Misconception, functions: Functions) -> Self {{ Self {{ functions }} }} }}\n\
+         mod right {{\n{right}\n}}\nmod wrong {{\n{wrong}\n}}\n{functions}"
+    )
+}
+
+/// A function that calls the one of a wrong answer.
+fn forwarded(signature: &syn::Signature, index: usize) -> String {
+    let (name, output) = (&signature.ident, &signature.output);
+    let (mut names, mut types) = (Vec::new(), Vec::new());
+    for input in &signature.inputs {
+        if let syn::FnArg::Typed(typed) = input
+            && let syn::Pat::Ident(pattern) = &*typed.pat
+        {
+            names.push(pattern.ident.clone());
+            types.push(typed.ty.clone());
+        }
+    }
+    quote! {
+        pub fn #name(#(#names: #types),*) #output {
+            (wrong::wrong().swap_remove(#index).functions.#name)(#(#names),*)
+        }
+    }
+    .to_string()
+}
+
+#[test]
+fn every_misconception_is_named_and_loses_points() {
+    let judge = judge();
+    let all = answers();
+    let most = all.iter().map(|answers| answers.wrong.len()).max().unwrap_or(0);
+    for index in 0..most {
+        // One wrong answer of each exercise that has so many, in one submission.
+        let chosen: Vec<_> = all.iter().filter(|answers| index < answers.wrong.len()).collect();
+        let texts: BTreeMap<_, _> =
+            chosen.iter().map(|answers| (answers.slug, as_a_file(answers.slug, index))).collect();
+        let graded = judge.grade_texts(&texts);
+        for answers in chosen {
+            let (slug, name) = (answers.slug, answers.wrong[index].misconception.name);
+            let grade = graded.iter().find(|grade| grade.exercise == slug).expect("a grade");
+            assert_eq!(grade.outcome, Outcome::Ran, "{slug}: {name}");
+            assert_eq!(grade.misconceptions(), [name], "{slug}: {:?}", grade.checks);
+            assert!(grade.earned().is_some_and(|earned| earned < grade.points), "{slug}: {name}");
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_grade_and_another_one_asks_otherwise() {
+    let texts = BTreeMap::from([("left_perturbation", as_a_file("left_perturbation", 0))]);
+    let first = judge().grade_texts(&texts);
+    assert_eq!(first, judge().grade_texts(&texts));
+    let points = Points::read(&repository().join("grader/points.toml")).expect("points");
+    let other = Judge::prepare(points, SEED + 1, EXERCISES).expect("a judge").grade_texts(&texts);
+    let hidden = |grades: &[grader::grade::ExerciseGrade]| {
+        let checks = grades.iter().flat_map(|grade| grade.checks.clone());
+        let failed = checks.filter(|check| check.hidden && check.verdict == Verdict::Failed);
+        failed.map(|check| check.numbers).collect::<Vec<_>>()
+    };
+    assert_ne!(hidden(&first), hidden(&other));
+}
