@@ -119,6 +119,8 @@ fn the_environment_of_the_compiler_is_refused_and_a_variable_of_that_name_is_not
 
 #[test]
 fn a_module_in_another_file_is_refused() {
+    let in_macro = "`mod` in a macro can become a module in another file, and each exercise is one \
+        file. Write the module without the macro.";
     let told = |name: &str| {
         format!(
             "`mod {name};` reads another file, and each exercise is one file. Put the content of \
@@ -135,7 +137,8 @@ fn a_module_in_another_file_is_refused() {
                 told("helper")
             ),
         ),
-        ("macro_rules! m { ($name:ident) => { mod $name; } }", &told("name")),
+        ("macro_rules! m { ($name:ident) => { mod $name; } }", in_macro),
+        ("macro_rules! m { ($a:tt $b:tt $c:tt) => { $b $a $c } } m!(helper mod ;);", in_macro),
         ("#[path = \"/etc/x.rs\"] mod helper { }", &format!("`#[path]` {FILES}")),
         ("#[cfg_attr(all(), path = \"x\")] mod helper { }", &format!("`#[path]` {FILES}")),
     ]);
@@ -181,6 +184,11 @@ fn symbols_and_parts_of_the_program_are_refused() {
         ("#[link(name = \"c\")] struct S;", &format!("`#[link]` {SYMBOL}")),
         ("#[global_allocator] static A: A = A;", &format!("`global_allocator` {PROGRAM}")),
         ("#[panic_handler] fn f() {}", &format!("`panic_handler` {PROGRAM}")),
+        (
+            "#[macro_export] macro_rules! vec { () => {} }",
+            "`macro_export` gives the macro to the program around the answer, which has its own. \
+                Leave the attribute out.",
+        ),
         ("#[proc_macro] pub fn f() {}", &format!("`proc_macro` {IN_THE_COMPILER}")),
         ("#![feature(rustc_attrs)]", &format!("`#![feature]` {LIMIT}")),
         ("#![recursion_limit = \"1000000\"]", &format!("`#[recursion_limit]` {LIMIT}")),

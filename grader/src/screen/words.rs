@@ -42,6 +42,11 @@ const ANYWHERE: &[(&str, &str)] = &[
     ("proc_macro", IN_THE_COMPILER),
     ("proc_macro_attribute", IN_THE_COMPILER),
     ("proc_macro_derive", IN_THE_COMPILER),
+    (
+        "macro_export",
+        "gives the macro to the program around the answer, which has its own. Leave the attribute \
+            out.",
+    ),
     ("set_hook", HOOK),
     ("take_hook", HOOK),
     ("update_hook", HOOK),
@@ -117,11 +122,15 @@ fn in_attribute(tokens: &Tokens, at: usize) -> Option<String> {
     }
 }
 
-/// A module that is another file.
+/// A module that is another file, or could become one in a macro.
 fn module(tokens: &Tokens, at: usize) -> Option<String> {
-    let name = if tokens.is(at + 1, '$') { at + 2 } else { at + 1 };
-    tokens.is(name + 1, ';').then(|| {
-        let name = tokens.word(name);
+    if tokens.in_macro(at) {
+        let sentence = "`mod` in a macro can become a module in another file, and each exercise \
+            is one file. Write the module without the macro.";
+        return Some(sentence.to_owned());
+    }
+    tokens.is(at + 2, ';').then(|| {
+        let name = tokens.word(at + 1);
         format!(
             "`mod {name};` reads another file, and each exercise is one file. Put the content of \
                 the module here: `mod {name} {{ … }}`."
