@@ -1,0 +1,367 @@
+//! What is taken of a submission, and by which name.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use grader::submission::{Collected, LARGEST, Submission, collect, find};
+use tempfile::TempDir;
+
+/// A folder with files, each by its path and its content. A path that ends in `/` is a folder.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (path, content) in files {
+        let path = folder.path().join(path);
+        if path.to_string_lossy().ends_with('/') {
+            fs::create_dir_all(&path).expect("a folder");
+            continue;
+        }
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(&path, content).expect("a file");
+    }
+    folder
+}
+
+fn names(paths: &[PathBuf]) -> Vec<String> {
+    find(paths).expect("found").into_iter().map(|submission| submission.name).collect()
+}
+
+fn names_in(files: &[(&str, &str)]) -> Vec<String> {
+    let folder = folder(files);
+    let root = folder.path().join("batch");
+    names(&[root])
+}
+
+fn collected(root: &Path) -> Collected {
+    collect(&Submission { name: "alice".to_owned(), path: root.to_owned() }).expect("collected")
+}
+
+const FILL_IN: &str = "pub fn f() {}";
+
+#[test]
+fn a_repository_a_source_folder_and_loose_answers_are_one_submission() {
+    for file in ["exercises/src/fill_in.rs", "src/fill_in.rs", "fill_in.rs"] {
+        let folder = folder(&[(&format!("alice/{file}"), FILL_IN), ("alice/notes/a.txt", "")]);
+        assert_eq!(names(&[folder.path().join("alice")]), ["alice"], "{file}");
+        let taken = collected(&folder.path().join("alice"));
+        assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN), "{file}");
+        assert!(taken.refused.is_empty() && taken.notices.is_empty(), "{file}: {taken:?}");
+    }
+}
+
+#[test]
+fn a_folder_of_folders_is_a_folder_of_submissions_in_the_order_of_their_names() {
+    let files = [
+        ("batch/bob/src/fill_in.rs", ""),
+        ("batch/alice/fill_in.rs", ""),
+        ("batch/nothing/", ""),
+        ("batch/.git/config", ""),
+        ("batch/__MACOSX/x", ""),
+        ("batch/.carol/fill_in.rs", ""),
+        ("batch/roster.csv", "alice,Alice"),
+    ];
+    assert_eq!(names_in(&files), ["_.carol", "alice", "bob", "nothing"]);
+}
+
+#[test]
+fn a_folder_of_one_submission_is_named_by_it_and_a_download_by_the_folder_around_it() {
+    assert_eq!(names_in(&[("batch/alice/src/fill_in.rs", "")]), ["alice"]);
+    assert_eq!(names_in(&[("batch/course-main/src/fill_in.rs", "")]), ["batch"]);
+    assert_eq!(names_in(&[("batch/course-1a2b3c4d5e/src/fill_in.rs", "")]), ["batch"]);
+    assert_eq!(names_in(&[("batch/batch/fill_in.rs", "")]), ["batch"]);
+}
+
+#[test]
+fn answers_of_a_download_are_found_in_its_only_folder() {
+    let folder = folder(&[
+        ("alice/course-main/exercises/src/fill_in.rs", FILL_IN),
+        ("alice/.DS_Store", ""),
+        ("alice/__MACOSX/x", ""),
+    ]);
+    assert!(collected(&folder.path().join("alice")).answers.contains_key("fill_in"));
+}
+
+#[test]
+fn a_student_called_like_a_folder_of_the_repository_does_not_hide_the_others() {
+    let files = [
+        ("batch/src/fill_in.rs", ""),
+        ("batch/exercises/src/fill_in.rs", ""),
+        ("batch/alice/src/fill_in.rs", ""),
+    ];
+    assert_eq!(names_in(&files), ["alice", "exercises", "src"]);
+}
+
+#[test]
+fn a_repository_with_a_copy_of_its_answers_stays_one_submission() {
+    let files = [
+        ("batch/Cargo.toml", ""),
+        ("batch/exercises/src/fill_in.rs", FILL_IN),
+        ("batch/copy/fill_in.rs", ""),
+        ("batch/src/fill_in.rs", ""),
+    ];
+    assert_eq!(names_in(&files), ["batch"]);
+    let folder = folder(&files);
+    let taken = collected(&folder.path().join("batch"));
+    assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
+    assert_eq!(
+        taken.notices,
+        ["not used: `Cargo.toml`, `src/fill_in.rs`. Answers alone are graded, and everything \
+                else is the grader's own."]
+    );
+}
+
+#[test]
+fn no_submission_is_found_twice() {
+    let folder = folder(&[("batch/alice/src/fill_in.rs", ""), ("batch/bob/src/fill_in.rs", "")]);
+    let (batch, alice) = (folder.path().join("batch"), folder.path().join("batch/alice"));
+    assert_eq!(names(&[alice.clone(), batch.clone(), alice.join("../alice")]), ["alice", "bob"]);
+}
+
+#[test]
+fn names_that_clash_are_numbered_and_capitals_do_not_tell_them_apart() {
+    let folder = folder(&[
+        ("a/alice/src/fill_in.rs", ""),
+        ("b/alice/src/fill_in.rs", ""),
+        ("b/Bob/src/fill_in.rs", ""),
+        ("b/bob/src/fill_in.rs", ""),
+    ]);
+    // Where the disk itself takes the last two for the same there is one of them.
+    let found = names(&[folder.path().join("a"), folder.path().join("b")]);
+    assert!(found.contains(&"alice".to_owned()) && found.contains(&"alice-2".to_owned()));
+    let lower: Vec<String> = found.iter().map(|name| name.to_lowercase()).collect();
+    let mut distinct = lower.clone();
+    distinct.dedup();
+    assert_eq!(distinct.len(), lower.len(), "{found:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn names_are_harmless_and_safe_for_files() {
+    let long = "x".repeat(250);
+    let cases = [
+        ("\u{1b}[2Jalice", "_[2Jalice".replace('[', "_")),
+        ("a\nb", "a_b".to_owned()),
+        ("\u{202e}ecila", "_ecila".to_owned()),
+        ("a\u{200b}b", "a_b".to_owned()),
+        ("a\\..\\b", "a_.._b".to_owned()),
+        ("a:b*?<>|\"", "a_b______".to_owned()),
+        ("...", "_".to_owned()),
+        ("dot. ", "dot".to_owned()),
+        ("-rf", "_-rf".to_owned()),
+        ("@import", "_@import".to_owned()),
+        ("=1+1", "_1+1".to_owned()),
+        ("CON", "_CON".to_owned()),
+        ("nul.txt", "_nul.txt".to_owned()),
+        ("com1", "_com1".to_owned()),
+        ("LPT¹", "_LPT¹".to_owned()),
+        ("Conrad", "Conrad".to_owned()),
+        ("Ana María O'Brien (2)", "Ana María O'Brien (2)".to_owned()),
+        ("Zoe\u{308}", "Zoe\u{308}".to_owned()),
+        ("小明", "小明".to_owned()),
+        (long.as_str(), "x".repeat(100)),
+    ];
+    for (raw, wanted) in cases {
+        let folder =
+            folder(&[(&format!("batch/{raw}/fill_in.rs"), ""), ("batch/~/fill_in.rs", "")]);
+        let found = names(&[folder.path().join("batch")]);
+        assert!(found.contains(&wanted), "{raw:?}: {found:?}");
+        assert!(found.contains(&"_~".to_owned()), "{raw:?}: {found:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_had_to_be_changed_takes_none_away() {
+    let folder = folder(&[("batch/a\nb/fill_in.rs", ""), ("batch/a_b/fill_in.rs", "honest")]);
+    let found = find(&[folder.path().join("batch")]).expect("found");
+    let paths: Vec<(&str, bool)> =
+        found.iter().map(|it| (it.name.as_str(), it.path.ends_with("a_b"))).collect();
+    assert_eq!(paths, [("a_b", true), ("a_b-2", false)]);
+}
+
+#[test]
+fn a_path_that_is_none_or_a_file_is_an_error_that_says_what_to_name() {
+    let folder = folder(&[("fill_in.rs", "")]);
+    let error = find(&[folder.path().join("nobody")]).expect_err("nothing there");
+    assert!(error.ends_with("; name a submission, or a folder of submissions"), "{error}");
+    let error = find(&[folder.path().join("fill_in.rs")]).expect_err("a file");
+    assert!(error.ends_with("is a file; name the folder it lies in"), "{error}");
+}
+
+#[test]
+fn an_archive_among_submissions_is_one_that_says_to_unpack_it() {
+    let folder = folder(&[("batch/alice/fill_in.rs", ""), ("batch/bob.zip", "PK")]);
+    let found = find(&[folder.path().join("batch")]).expect("found");
+    assert_eq!(found[1].name, "bob.zip");
+    let taken = collect(&found[1]).expect("collected");
+    assert_eq!(
+        taken.notices,
+        ["the submission is a file and not a folder: it must be unpacked before it is graded"]
+    );
+}
+
+#[test]
+fn nothing_at_all_says_where_answers_lie() {
+    let folder = folder(&[("alice/work.zip", "PK")]);
+    let taken = collected(&folder.path().join("alice"));
+    assert!(taken.answers.is_empty() && taken.refused.is_empty());
+    assert_eq!(
+        taken.notices,
+        [
+            "there is no answer in the submission: answers lie in `exercises/src` and are called \
+             `left_perturbation.rs` and so on",
+            "`work.zip` must be unpacked before it is graded",
+        ]
+    );
+}
+
+#[test]
+fn a_submission_that_is_gone_cannot_be_collected() {
+    let gone = Submission { name: "gone".to_owned(), path: "/nowhere/at/all".into() };
+    let error = collect(&gone).expect_err("gone");
+    assert!(error.starts_with("the submission cannot be read: "), "{error}");
+}
+
+#[test]
+fn an_answer_that_is_too_large_is_refused_without_being_read() {
+    let folder = folder(&[("alice/fill_in.rs", ""), ("alice/null_space.rs", "")]);
+    let sized = |name: &str, size: u64| {
+        let file = fs::File::create(folder.path().join("alice").join(name)).expect("a file");
+        // It takes no room on the disk, and reading it would take a second and a gigabyte.
+        file.set_len(size).expect("a size");
+    };
+    sized("fill_in.rs", 1 << 30);
+    sized("null_space.rs", LARGEST);
+    let taken = collected(&folder.path().join("alice"));
+    assert_eq!(
+        taken.refused["fill_in"],
+        "`fill_in.rs` has 1073741824 bytes and may have 256000. An answer needs no such amount of \
+         text: what is in it that could be computed?"
+    );
+    assert!(taken.answers.contains_key("null_space"));
+}
+
+#[test]
+fn an_answer_that_is_no_text_is_refused_with_its_line() {
+    let folder = folder(&[("alice/null_space.rs", "")]);
+    fs::write(folder.path().join("alice/fill_in.rs"), b"// one\n// \xff\xfe\n").expect("a file");
+    let taken = collected(&folder.path().join("alice"));
+    assert_eq!(
+        taken.refused["fill_in"],
+        "`fill_in.rs` is no UTF-8: there is a byte 0xff in line 2. Save the file as UTF-8."
+    );
+    assert!(!taken.refused.contains_key("null_space"), "the others stay");
+}
+
+#[test]
+fn an_answer_that_is_a_folder_is_refused() {
+    let folder = folder(&[("alice/fill_in.rs/", "")]);
+    let taken = collected(&folder.path().join("alice"));
+    assert_eq!(taken.refused["fill_in"], "`fill_in.rs` is a folder. Hand in a file of that name.");
+}
+
+#[test]
+fn what_is_not_used_is_named_and_not_at_any_length() {
+    let mut files: Vec<(String, &str)> =
+        (0..50).map(|n| (format!("alice/src/helper{n}.rs"), "")).collect();
+    let settings = ["build.rs", ".cargo/config.toml", "rust-toolchain.toml", "target/debug/x"];
+    files.extend(settings.map(|name| (format!("alice/{name}"), "")));
+    files.push(("alice/src/fill_in.rs".to_owned(), ""));
+    files.push(("alice/src/main.rs".to_owned(), ""));
+    let files: Vec<(&str, &str)> =
+        files.iter().map(|(path, text)| (path.as_str(), *text)).collect();
+    let folder = folder(&files);
+    assert_eq!(
+        collected(&folder.path().join("alice")).notices,
+        ["not used: `build.rs`, `.cargo/config.toml`, `rust-toolchain.toml`, `target` and 50 \
+                more. Answers alone are graded, and everything else is the grader's own."]
+    );
+}
+
+#[test]
+fn an_answer_with_other_capitals_is_named_as_not_used() {
+    let folder = folder(&[("alice/src/fill_in.rs", ""), ("alice/src/Null_Space.rs", "")]);
+    let notices = collected(&folder.path().join("alice")).notices;
+    assert!(notices[0].starts_with("not used: `src/Null_Space.rs`."), "{notices:?}");
+}
+
+#[cfg(unix)]
+mod links {
+    use std::os::unix::fs::symlink;
+    use std::process::Command;
+
+    use super::*;
+
+    #[test]
+    fn an_answer_that_is_a_link_is_refused_wherever_it_leads() {
+        let folder = folder(&[("secret.rs", "hidden"), ("alice/null_space.rs", "")]);
+        let alice = folder.path().join("alice");
+        symlink("../secret.rs", alice.join("fill_in.rs")).expect("a link");
+        symlink("nowhere", alice.join("stereo_gauge.rs")).expect("a dangling link");
+        symlink("noise_growth.rs", alice.join("noise_growth.rs")).expect("a loop");
+        symlink("/dev/zero", alice.join("outlier_rescue.rs")).expect("a device");
+        let taken = collected(&alice);
+        assert_eq!(taken.answers.keys().collect::<Vec<_>>(), [&"null_space"]);
+        for slug in ["fill_in", "stereo_gauge", "noise_growth", "outlier_rescue"] {
+            assert_eq!(
+                taken.refused[slug],
+                format!(
+                    "`{slug}.rs` is a link, and links are not followed. Hand in the file itself."
+                )
+            );
+        }
+    }
+
+    #[test]
+    fn no_folder_on_the_way_may_be_a_link() {
+        for (link, kept) in [("exercises", ""), ("exercises/src", "exercises/"), ("src", "")] {
+            let folder = folder(&[
+                ("solutions/src/fill_in.rs", "hidden"),
+                ("solutions/fill_in.rs", "hidden"),
+                (&format!("alice/{kept}"), ""),
+            ]);
+            let alice = folder.path().join("alice");
+            let target =
+                folder.path().join("solutions").join(if link == "exercises" { "" } else { "src" });
+            symlink(target, alice.join(link)).expect("a link");
+            let taken = collected(&alice);
+            assert!(taken.answers.is_empty(), "{link}");
+            let said = format!(
+                "`{link}` is a link, and links are not followed: hand in the folder itself"
+            );
+            assert!(taken.notices.contains(&said), "{link}: {:?}", taken.notices);
+        }
+    }
+
+    #[test]
+    fn a_link_among_submissions_is_one_without_answers() {
+        let folder = folder(&[("solutions/fill_in.rs", "hidden"), ("batch/bob/fill_in.rs", "")]);
+        symlink(folder.path().join("solutions"), folder.path().join("batch/alice"))
+            .expect("a link");
+        symlink("loop", folder.path().join("batch/loop")).expect("a loop");
+        let found = find(&[folder.path().join("batch")]).expect("found");
+        let found: Vec<(&str, usize)> = found
+            .iter()
+            .map(|it| (it.name.as_str(), collect(it).expect("collected").answers.len()))
+            .collect();
+        assert_eq!(found, [("alice", 0), ("bob", 1), ("loop", 0)]);
+    }
+
+    #[test]
+    fn a_folder_that_leads_to_itself_ends() {
+        let folder = folder(&[("alice/", "")]);
+        symlink(".", folder.path().join("alice/again")).expect("a loop");
+        assert!(collected(&folder.path().join("alice")).answers.is_empty());
+    }
+
+    #[test]
+    fn a_pipe_is_refused_and_nobody_waits_for_it() {
+        let folder = folder(&[("alice/null_space.rs", "")]);
+        let pipe = folder.path().join("alice/fill_in.rs");
+        let made = Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+        assert!(made.success());
+        assert_eq!(
+            collected(&folder.path().join("alice")).refused["fill_in"],
+            "`fill_in.rs` is a pipe or a device. Hand in an ordinary file."
+        );
+    }
+}
