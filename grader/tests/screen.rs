@@ -258,6 +258,12 @@ fn only_data_are_taken_from_the_declaration_of_the_exercises() {
         "use exercise_spec::{self, fill_in::Layout};",
         "use exercise_spec::{fill_in::Layout, {answer::Native}};",
         "use exercise_spec::{fill_in::{Layout, Slide}, ::check::Failure};",
+        "use exercise_spec::fill_in::{Layout, Slide};",
+        "use exercise_spec::{camera::Camera, fill_in::{self, Layout}};",
+        "use exercise_spec::left_perturbation::*;",
+        "use exercise_spec::left_perturbation::left_jacobian;",
+        "use exercise_spec::left_perturbation::Case;",
+        "use exercise_spec::left_perturbation::EXERCISE;",
         "fn f() { exercise_spec::EXERCISES.len(); }",
         "macro_rules! m { ($a:ident :: $b:ident $c:ident) => { use $a::$c::Native; } } \
             m!(exercise_spec::fill_in answer);",
@@ -266,9 +272,9 @@ fn only_data_are_taken_from_the_declaration_of_the_exercises() {
         refused(&[(text, SPEC)]);
     }
     passes(&[
-        "use exercise_spec::fill_in::{Layout, Slide};",
+        "use exercise_spec::left_perturbation::{Camera, Side as Which};",
         "use ::exercise_spec::camera::Camera;",
-        "use exercise_spec::{camera::Camera, fill_in::{self, Layout}};",
+        "use exercise_spec::{camera::Camera, fill_in::Layout};",
         "fn f(layout: exercise_spec::fill_in::Layout) {}",
     ]);
 }

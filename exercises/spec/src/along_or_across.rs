@@ -78,6 +78,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "two_views",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["View"],
     forbidden: &["two_views"],
     hints: include_str!("along_or_across/hints.md"),
     checks,

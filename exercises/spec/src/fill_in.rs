@@ -65,6 +65,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "marginalization",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Layout"],
     forbidden: &["marginalize"],
     hints: include_str!("fill_in/hints.md"),
     checks,

@@ -65,6 +65,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "reprojection",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Camera", "Side"],
     forbidden: &["jacobians", "project_with_jacobians"],
     hints: include_str!("left_perturbation/hints.md"),
     checks,

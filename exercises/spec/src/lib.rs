@@ -37,6 +37,9 @@ pub struct Exercise {
     pub functions: &'static [&'static str],
     /// The wrong answers it names.
     pub misconceptions: &'static [&'static Misconception],
+    /// Its types of arguments and outputs that an answer may import. Everything else of this crate
+    /// belongs to the checks, which know what they expect.
+    pub types: &'static [&'static str],
     /// Items of the library that would be the answer, and may not be called.
     pub forbidden: &'static [&'static str],
     /// Hints as Markdown, from a question to a nudge to the idea.

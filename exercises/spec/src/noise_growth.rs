@@ -108,6 +108,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "preintegration",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Densities", "Exponents", "Reading", "Source"],
     forbidden: &["error_dynamics", "Preintegrator", "preintegrate", "preintegrate_stamped"],
     hints: include_str!("noise_growth/hints.md"),
     checks,

@@ -53,6 +53,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "msckf",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &[],
     forbidden: &[
         "GivensRotation",
         "QR",

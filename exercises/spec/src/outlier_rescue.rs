@@ -80,6 +80,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Camera", "Match"],
     forbidden: &["Kernel", "ReprojFactor", "TinyBa", "Problem"],
     hints: include_str!("outlier_rescue/hints.md"),
     checks,

@@ -47,6 +47,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "preintegration",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Deltas", "Matrix9", "State", "Vector9"],
     forbidden: &["imu_residual", "linearize", "predict"],
     hints: include_str!("residual_jacobian/hints.md"),
     checks,

@@ -86,6 +86,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "observability",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Deltas", "Interval", "State", "Vector9", "Window"],
     forbidden: &["imu_residual", "linearize", "predict", "transformed"],
     hints: include_str!("scale_and_gravity/hints.md"),
     checks,

@@ -62,6 +62,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Scene"],
     forbidden: &["scale_direction", "two_views", "bundle_adjustment"],
     hints: include_str!("scale_null_space/hints.md"),
     checks,

@@ -74,6 +74,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &["Camera", "Scene"],
     forbidden: &[
         "StereoPinhole",
         "StereoFactor",

@@ -1,6 +1,6 @@
 //! Paths that lead out of an answer.
 
-use exercise_spec::exercise;
+use exercise_spec::EXERCISES;
 
 use super::tokens::Tokens;
 
@@ -21,9 +21,6 @@ const EMPTY: &[(&str, &str)] = &[
         "no instruction of a certain processor can be called. Write it with numbers and nalgebra.",
     ),
 ];
-
-/// What of `exercise_spec` an answer needs, beside the modules of the exercises.
-const DATA: [&str; 2] = ["camera", "navigation"];
 
 /// What it names and may not, with the lines.
 pub fn findings(tokens: &Tokens) -> Vec<(usize, String)> {
@@ -48,17 +45,40 @@ fn library(tokens: &Tokens, at: usize) -> Vec<String> {
     next(tokens, at).into_iter().filter_map(|name| empty(&name).map(told)).collect()
 }
 
-/// Data and their types may be taken of what declares the exercise. What is behind its checks
-/// knows what they expect.
+/// The types of arguments and outputs may be taken of what declares the exercise. What is behind
+/// its checks knows what they expect.
 fn declaration(tokens: &Tokens, at: usize) -> Vec<String> {
-    let allowed = |name: &String| DATA.contains(&name.as_str()) || exercise(name).is_some();
-    let next = next(tokens, at);
-    if !tokens.in_macro(at) && !next.is_empty() && next.iter().all(allowed) {
+    let is_type = |name: &str| EXERCISES.iter().any(|it| it.types.contains(&name));
+    let allowed = |path: &Vec<String>| path.get(1).is_some_and(|name| is_type(name));
+    let paths = paths(tokens, at, 3);
+    if !tokens.in_macro(at) && !paths.is_empty() && paths.iter().all(allowed) {
         return Vec::new();
     }
     let sentence = "`exercise_spec`: an answer takes the types of its arguments from it and \
         nothing else, and by a `use` as in the skeleton. Take the lines of the skeleton.";
     vec![sentence.to_owned()]
+}
+
+/// Every path that begins with the word here, without that word, and with so many words at most:
+/// one, or those of a tree.
+fn paths(tokens: &Tokens, at: usize, most: usize) -> Vec<Vec<String>> {
+    if most == 0 || !tokens.separates(at + 1) {
+        return Vec::new();
+    }
+    let begin = at + 3;
+    let branches = if tokens.is(begin, '{') { branches(tokens, begin) } else { vec![begin] };
+    let mut all = Vec::new();
+    for branch in branches {
+        let behind = paths(tokens, branch, most - 1);
+        if behind.is_empty() {
+            all.push(vec![name(tokens, branch)]);
+        }
+        for mut path in behind {
+            path.insert(0, name(tokens, branch));
+            all.push(path);
+        }
+    }
+    all
 }
 
 fn whole(tokens: &Tokens, at: usize) -> Vec<String> {
@@ -94,8 +114,13 @@ fn next(tokens: &Tokens, at: usize) -> Vec<String> {
     if !tokens.is(begin, '{') {
         return vec![name(tokens, begin)];
     }
-    let (mut names, mut depth, mut at) = (Vec::new(), 0_usize, begin);
-    while at < tokens.len() {
+    branches(tokens, begin).into_iter().map(|branch| name(tokens, branch)).collect()
+}
+
+/// Where the branches of a tree begin that opens here.
+fn branches(tokens: &Tokens, open: usize) -> Vec<usize> {
+    let (mut found, mut depth) = (Vec::new(), 0_usize);
+    for at in open..tokens.len() {
         if tokens.is(at, '{') {
             depth += 1;
         } else if tokens.is(at, '}') {
@@ -104,14 +129,12 @@ fn next(tokens: &Tokens, at: usize) -> Vec<String> {
         match depth {
             0 => break,
             1 if (tokens.is(at, '{') || tokens.is(at, ',')) && !tokens.is(at + 1, '}') => {
-                let leading = if tokens.separates(at + 1) { at + 3 } else { at + 1 };
-                names.push(name(tokens, leading));
+                found.push(if tokens.separates(at + 1) { at + 3 } else { at + 1 });
             }
             _ => {}
         }
-        at += 1;
     }
-    names
+    found
 }
 
 /// A word, or a mark that no module is called by.
