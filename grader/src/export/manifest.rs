@@ -64,7 +64,10 @@ pub fn library(text: &str) -> Result<String, String> {
         .filter_map(section)
         .collect();
     match manifest.keys().next() {
-        Some(key) => Err(format!("code/Cargo.toml has `{key}`, of which students are not told")),
+        Some(key) => Err(format!(
+            "code/Cargo.toml has `{key}`, and the export does not know whether students need it; say so in \
+             grader/src/export/manifest.rs"
+        )),
         None => Ok(written(&sections)),
     }
 }

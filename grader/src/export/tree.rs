@@ -9,8 +9,8 @@ use super::manifest;
 /// Files by their path, with `/` between folders.
 pub type Tree = BTreeMap<String, Vec<u8>>;
 
-/// Everything that is exported, but for the lock file and the sources of dependencies. Answers are the newest
-/// skeletons, whatever lies in `exercises/src`.
+/// Everything that is exported, but for the lock file and the sources of dependencies. Answers are
+/// the newest skeletons, whatever lies in `exercises/src`.
 ///
 /// # Errors
 ///
