@@ -19,6 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     chapter: "{chapter}",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
+    types: &[],
     forbidden: &[],
     hints: include_str!("{name}/hints.md"),
     checks,
