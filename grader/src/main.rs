@@ -126,10 +126,8 @@ fn grade(run: Run) -> ExitCode {
         points: run.points,
         jobs: run.jobs,
     };
-    match batch::run(&order) {
-        Ok(batch) if batch.grades.iter().all(|grade| grade.earned().is_some()) => {
-            ExitCode::from(DONE)
-        }
+    match batch::carry_out(&order) {
+        Ok(finished) if finished.ungraded == 0 => ExitCode::from(DONE),
         Ok(_) => ExitCode::from(COULD_NOT),
         Err(batch::Trouble::Usage(sentence)) => {
             eprintln!("{sentence}");

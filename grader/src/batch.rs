@@ -1,0 +1,353 @@
+//! Grades submissions by the hundred: one queue, a few threads, and every grade kept on disk as
+//! soon as it is there.
+
+mod kept;
+mod publish;
+
+use std::cell::Cell;
+use std::io::Write as _;
+use std::num::NonZero;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, Once};
+use std::thread;
+
+use exercise_spec::{EXERCISES, Exercise, exercise};
+use indicatif::{ProgressBar, ProgressStyle};
+use thiserror::Error;
+
+use crate::grade::{Batch, ExerciseGrade, Grade, Outcome};
+use crate::judge::Judge;
+use crate::points::{Points, unknown};
+use crate::report::Detail;
+use crate::repository;
+use crate::roster::Roster;
+use crate::submission::{self, Submission};
+use crate::text::harmless;
+use kept::Kept;
+
+/// What is to be graded, and how.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// Submissions, or folders of submissions.
+    pub submissions: Vec<PathBuf>,
+    /// Slugs of the exercises to grade; all when there is none.
+    pub exercises: Vec<String>,
+    /// Seed of the hidden instances.
+    pub seed: Option<u64>,
+    /// What students are told about hidden checks.
+    pub detail: Detail,
+    /// Where reports go.
+    pub out: PathBuf,
+    /// A CSV file of folders and names.
+    pub roster: Option<PathBuf>,
+    /// A file of points and weights.
+    pub points: Option<PathBuf>,
+    /// How many submissions at a time.
+    pub jobs: Option<usize>,
+}
+
+/// Why there are no grades.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum Trouble {
+    /// The order cannot be carried out as it stands.
+    #[error("{0}")]
+    Usage(String),
+    /// The grader failed.
+    #[error("{0}")]
+    CouldNotGrade(String),
+}
+
+/// What gives a submission its grade. The grader's is [`Judge`]; tests have simpler ones.
+pub trait Judging: Sync {
+    /// What stands around the compiler, in a sentence.
+    fn sandbox(&self) -> String;
+
+    /// Grades answers that are known to be right and wrong.
+    ///
+    /// # Errors
+    ///
+    /// A sentence when one of them comes out otherwise.
+    fn canaries(&self) -> Result<(), String>;
+
+    /// Digest of all that a grade depends on.
+    ///
+    /// # Errors
+    ///
+    /// A sentence when the submission cannot be read.
+    fn key(&self, submission: &Submission) -> Result<String, String>;
+
+    /// Grades a submission.
+    fn grade(&self, submission: &Submission, student: Option<String>) -> Grade;
+}
+
+impl Judging for Judge {
+    fn sandbox(&self) -> String {
+        Self::sandbox(self)
+    }
+
+    fn canaries(&self) -> Result<(), String> {
+        Self::canaries(self)
+    }
+
+    fn key(&self, submission: &Submission) -> Result<String, String> {
+        submission::collect(submission).map(|collected| Self::key(self, &collected))
+    }
+
+    fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
+        Self::grade(self, submission, student)
+    }
+}
+
+/// A batch that was graded and reported.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// The seed of the hidden instances.
+    pub seed: u64,
+    /// How many submissions have a grade.
+    pub graded: usize,
+    /// How many have none, because something could not be graded.
+    pub ungraded: usize,
+    /// What the terminal shows.
+    pub told: String,
+}
+
+/// Grades, writes the reports, prints the table, and hands back every grade.
+///
+/// # Errors
+///
+/// As [`carry_out`].
+pub fn run(order: &Order) -> Result<Batch, Trouble> {
+    carry_out(order)?;
+    let path = order.out.join("grade.json");
+    let unreadable = |error: &dyn std::fmt::Display| {
+        Trouble::CouldNotGrade(format!("cannot read {}: {error}", path.display()))
+    };
+    let file = std::fs::File::open(&path).map_err(|error| unreadable(&error))?;
+    serde_json::from_reader(std::io::BufReader::new(file)).map_err(|error| unreadable(&error))
+}
+
+/// Grades, writes the reports and prints the table. The grades stay on disk, so that hundreds of
+/// them need no more memory than one.
+///
+/// # Errors
+///
+/// A [`Trouble`] when the order cannot be carried out, the canaries come out wrong, or the grades
+/// cannot be kept.
+pub fn carry_out(order: &Order) -> Result<Finished, Trouble> {
+    let finished = carry_out_with(order, Judge::prepare)?;
+    // Whoever closes the pipe has read enough.
+    let _ = std::io::stdout().write_all(finished.told.as_bytes());
+    Ok(finished)
+}
+
+/// The same with any judge, and without printing.
+///
+/// # Errors
+///
+/// As [`carry_out`].
+pub fn carry_out_with<J: Judging>(
+    order: &Order,
+    prepare: impl FnOnce(Points, u64, &[&'static Exercise]) -> Result<J, String>,
+) -> Result<Finished, Trouble> {
+    let plan = Plan::of(order)?;
+    let mut kept = Kept::open(&order.out, order.seed)?;
+    let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
+        .map_err(Trouble::CouldNotGrade)?;
+    judge.canaries().map_err(|error| {
+        Trouble::CouldNotGrade(format!("nothing is graded and nothing published: {error}"))
+    })?;
+    kept.begin()?;
+    plan.grade(&judge, &kept)?;
+    let finished = publish::publish(&plan, &kept, &judge.sandbox())?;
+    kept.finish()?;
+    Ok(finished)
+}
+
+/// An order whose files were read.
+struct Plan {
+    submissions: Vec<Submission>,
+    exercises: Vec<&'static Exercise>,
+    points: Points,
+    roster: Option<Roster>,
+    detail: Detail,
+    jobs: usize,
+}
+
+impl Plan {
+    fn of(order: &Order) -> Result<Self, Trouble> {
+        let points = match &order.points {
+            Some(path) => Points::read(path),
+            None => Points::read(&repository().join("grader").join("points.toml")),
+        };
+        let roster = order.roster.as_deref().map(Roster::read).transpose();
+        let jobs = order.jobs.map_or_else(cores, |jobs| {
+            if jobs == 0 {
+                Err("--jobs 0 grades nothing; leave it out".to_owned())
+            } else {
+                Ok(jobs)
+            }
+        });
+        Ok(Self {
+            exercises: exercises(&order.exercises).map_err(Trouble::Usage)?,
+            points: points.map_err(Trouble::Usage)?,
+            roster: roster.map_err(Trouble::Usage)?,
+            submissions: submissions(order).map_err(Trouble::Usage)?,
+            detail: order.detail,
+            jobs: jobs.map_err(Trouble::Usage)?,
+        })
+    }
+
+    /// Grades what has no grade yet.
+    fn grade(&self, judge: &impl Judging, kept: &Kept) -> Result<(), Trouble> {
+        let next = AtomicUsize::new(0);
+        let trouble = Mutex::new(None);
+        let bar = bar(self.submissions.len());
+        let work = || {
+            while let Some(submission) = self.submissions.get(next.fetch_add(1, Ordering::Relaxed))
+            {
+                if let Err(error) = self.grade_one(judge, kept, submission) {
+                    next.store(self.submissions.len(), Ordering::Relaxed);
+                    trouble.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).replace(error);
+                }
+                bar.inc(1);
+            }
+        };
+        thread::scope(|scope| {
+            for _ in 0..self.jobs.min(self.submissions.len()) {
+                scope.spawn(work);
+            }
+        });
+        bar.finish_and_clear();
+        trouble.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
+    }
+
+    /// Grades one submission, unless it has the grade of these very answers already. What could
+    /// not be graded is tried again.
+    fn grade_one(
+        &self,
+        judge: &impl Judging,
+        kept: &Kept,
+        submission: &Submission,
+    ) -> Result<(), Trouble> {
+        let student = self.roster.as_ref().and_then(|roster| roster.student(submission));
+        let student = student.map(str::to_owned);
+        let former = kept.grade(&submission.name).filter(|grade| grade.earned().is_some());
+        let key = former.as_ref().and_then(|_| calmly(|| judge.key(submission)).ok()?.ok());
+        if let Some(former) = former.filter(|grade| Some(&grade.key) == key.as_ref()) {
+            if former.student == student {
+                return Ok(());
+            }
+            return kept.keep(&Grade { student, ..former });
+        }
+        let grade = calmly(|| judge.grade(submission, student.clone()));
+        let grade = grade.unwrap_or_else(|panic| self.ungraded(submission, student, &panic));
+        kept.keep(&Grade { submission: submission.name.clone(), ..readable(grade) })
+    }
+
+    /// The grade of a submission at which the grader itself failed.
+    fn ungraded(&self, submission: &Submission, student: Option<String>, panic: &str) -> Grade {
+        let why = format!("the grader panicked: {panic}");
+        let exercise = |exercise: &&'static Exercise| ExerciseGrade {
+            exercise: exercise.slug.to_owned(),
+            title: exercise.title.to_owned(),
+            outcome: Outcome::CouldNotGrade(why.clone()),
+            points: self.points.of(exercise.slug),
+            checks: Vec::new(),
+        };
+        Grade {
+            submission: submission.name.clone(),
+            student,
+            key: String::new(),
+            notices: Vec::new(),
+            exercises: self.exercises.iter().map(exercise).collect(),
+        }
+    }
+}
+
+/// The exercises of an order, in the order of the book.
+fn exercises(slugs: &[String]) -> Result<Vec<&'static Exercise>, String> {
+    if let Some(slug) = slugs.iter().find(|slug| exercise(slug).is_none()) {
+        return Err(unknown(&harmless(slug, 60)));
+    }
+    let asked = |exercise: &&&'static Exercise| {
+        slugs.is_empty() || slugs.iter().any(|slug| slug == exercise.slug)
+    };
+    Ok(EXERCISES.iter().filter(asked).copied().collect())
+}
+
+/// The submissions of an order, by name. The folder of the grades may lie among them.
+fn submissions(order: &Order) -> Result<Vec<Submission>, String> {
+    let mut found = submission::find(&order.submissions)?;
+    if let Ok(out) = order.out.canonicalize() {
+        found.retain(|submission| submission.path.canonicalize().ok().as_ref() != Some(&out));
+    }
+    if found.is_empty() {
+        return Err("there is no submission to grade; name a folder that holds some".to_owned());
+    }
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(found)
+}
+
+fn cores() -> Result<usize, String> {
+    Ok(thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+fn bar(length: usize) -> ProgressBar {
+    let form = "{bar:40} {pos} of {len} submissions, {eta} left";
+    let style = ProgressStyle::with_template(form);
+    // Nothing is drawn where nobody looks: indicatif asks whether it is a terminal.
+    ProgressBar::new(length as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+thread_local! {
+    static CALM: Cell<bool> = const { Cell::new(false) };
+    /// What the latest panic says and where it happened.
+    static SAID: Cell<Option<String>> = const { Cell::new(None) };
+}
+
+/// Calls something that must not panic. When it does, the terminal is spared, and what the panic
+/// says comes back.
+fn calmly<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if CALM.get() {
+                let said = info.payload_as_str().unwrap_or("without words");
+                let place = info.location().map(|at| format!(" at {}:{}", at.file(), at.line()));
+                SAID.set(Some(format!("{said}{}", place.unwrap_or_default())));
+            } else {
+                before(info);
+            }
+        }));
+    });
+    CALM.set(true);
+    let outcome = panic::catch_unwind(AssertUnwindSafe(call));
+    CALM.set(false);
+    outcome.map_err(|_| SAID.take().unwrap_or_default())
+}
+
+/// The grade with every text harmless and of a length that can be kept and read.
+fn readable(mut grade: Grade) -> Grade {
+    const LINE: usize = 2_000;
+    const PAGE: usize = 10_000;
+    let shorten = |text: &mut String, most: usize| *text = harmless(text, most);
+    grade.notices.truncate(100);
+    grade.notices.iter_mut().for_each(|notice| shorten(notice, LINE));
+    for exercise in &mut grade.exercises {
+        match &mut exercise.outcome {
+            Outcome::Ran | Outcome::Missing => {}
+            Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
+                shorten(why, PAGE);
+            }
+        }
+        for check in &mut exercise.checks {
+            shorten(&mut check.sentence, LINE);
+            shorten(&mut check.numbers, PAGE);
+        }
+    }
+    grade
+}

@@ -1,0 +1,191 @@
+//! What exercises and checks are worth: a file as `points.toml`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use book_tests::hidden_checks;
+use exercise_spec::{EXERCISES, Exercise, exercise};
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+/// What exercises are worth and what their checks weigh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Points {
+    public: f64,
+    hidden: f64,
+    points: BTreeMap<String, f64>,
+    checks: BTreeMap<String, BTreeMap<String, f64>>,
+}
+
+/// The file, with where its names and numbers stand.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Lines {
+    weights: Weights,
+    points: Table,
+    #[serde(default)]
+    checks: BTreeMap<Spanned<String>, Table>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Weights {
+    public: Spanned<f64>,
+    hidden: Spanned<f64>,
+}
+
+type Table = BTreeMap<Spanned<String>, Spanned<f64>>;
+
+/// More than anything is worth, so that no sum of points ends in infinity.
+const MOST: f64 = 1e6;
+
+impl Points {
+    /// Reads a file.
+    ///
+    /// # Errors
+    ///
+    /// A sentence with the line when it cannot be read, names what there is not, holds a number
+    /// that is no weight, leaves an exercise out, or gives points that no check can earn.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let text = fs::read_to_string(path)
+            .map_err(|error| format!("cannot read the points in {}: {error}", path.display()))?;
+        Self::parse(&text).map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// The same from text.
+    ///
+    /// # Errors
+    ///
+    /// As [`Points::read`].
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let lines: Lines = toml::from_str(text).map_err(|error| error.to_string())?;
+        let page = Page(text);
+        let points = Self {
+            public: page.weight("public", &lines.weights.public)?,
+            hidden: page.weight("hidden", &lines.weights.hidden)?,
+            points: page.points(&lines.points)?,
+            checks: page.checks(&lines.checks)?,
+        };
+        EXERCISES.iter().try_for_each(|exercise| points.suffices(exercise))?;
+        Ok(points)
+    }
+
+    /// What an exercise is worth.
+    pub fn of(&self, slug: &str) -> f64 {
+        self.points.get(slug).copied().unwrap_or(0.0)
+    }
+
+    /// What a check weighs beside the others of its exercise.
+    pub fn weight(&self, slug: &str, check: &str, hidden: bool) -> f64 {
+        let alone = self.checks.get(slug).and_then(|checks| checks.get(check));
+        alone.copied().unwrap_or(if hidden { self.hidden } else { self.public })
+    }
+
+    /// Whether the file says what the exercise is worth, and somebody can earn it.
+    fn suffices(&self, exercise: &Exercise) -> Result<(), String> {
+        let slug = exercise.slug;
+        let Some(points) = self.points.get(slug) else {
+            return Err(format!(
+                "[points] does not say what `{slug}` is worth; add `{slug} = 10`, or 0 if it is \
+                 not to count"
+            ));
+        };
+        if *points > 0.0 && !self.weighs(exercise) {
+            return Err(format!(
+                "`{slug}` is worth {points} points, and each of its checks weighs 0, so that \
+                 nobody could earn them; give a check a weight"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Whether a check of the exercise weighs anything.
+    fn weighs(&self, exercise: &Exercise) -> bool {
+        if !self.checks.contains_key(exercise.slug) {
+            // There are checks of both kinds; to draw the hidden ones takes a while.
+            return self.public + self.hidden > 0.0;
+        }
+        let weighs =
+            |(name, hidden): &(&str, bool)| self.weight(exercise.slug, name, *hidden) > 0.0;
+        checks_of(exercise).iter().any(weighs)
+    }
+}
+
+/// Names of an exercise's checks, and whether they are hidden.
+fn checks_of(exercise: &Exercise) -> Vec<(&'static str, bool)> {
+    let public = (exercise.checks)().into_iter().map(|check| (check.name, false));
+    let hidden = hidden_checks(exercise.slug, 0).unwrap_or_default();
+    public.chain(hidden.into_iter().map(|check| (check.name, true))).collect()
+}
+
+/// The text, for errors that say where.
+struct Page<'a>(&'a str);
+
+impl Page<'_> {
+    fn line<T>(&self, at: &Spanned<T>) -> usize {
+        let before = self.0.get(..at.span().start).unwrap_or_default();
+        before.matches('\n').count() + 1
+    }
+
+    fn weight(&self, name: &str, number: &Spanned<f64>) -> Result<f64, String> {
+        let value = *number.get_ref();
+        if (0.0..=MOST).contains(&value) {
+            return Ok(value);
+        }
+        let line = self.line(number);
+        Err(format!("line {line}: `{name}` is {value}; write a number from 0 to {MOST}"))
+    }
+
+    fn points(&self, table: &Table) -> Result<BTreeMap<String, f64>, String> {
+        let one = |(slug, number): (&Spanned<String>, &Spanned<f64>)| {
+            self.exercise(slug)?;
+            Ok((slug.get_ref().clone(), self.weight(slug.get_ref(), number)?))
+        };
+        table.iter().map(one).collect()
+    }
+
+    fn checks(
+        &self,
+        tables: &BTreeMap<Spanned<String>, Table>,
+    ) -> Result<BTreeMap<String, BTreeMap<String, f64>>, String> {
+        let one = |(slug, table): (&Spanned<String>, &Table)| {
+            let known = checks_of(self.exercise(slug)?);
+            let weights = table.iter().map(|(name, number)| {
+                self.check(slug.get_ref(), name, &known)?;
+                Ok((name.get_ref().clone(), self.weight(name.get_ref(), number)?))
+            });
+            Ok((slug.get_ref().clone(), weights.collect::<Result<_, String>>()?))
+        };
+        tables.iter().map(one).collect()
+    }
+
+    fn exercise(&self, slug: &Spanned<String>) -> Result<&'static Exercise, String> {
+        exercise(slug.get_ref())
+            .ok_or_else(|| format!("line {}: {}", self.line(slug), unknown(slug.get_ref())))
+    }
+
+    fn check(
+        &self,
+        slug: &str,
+        name: &Spanned<String>,
+        known: &[(&str, bool)],
+    ) -> Result<(), String> {
+        if known.iter().any(|(check, _)| check == name.get_ref()) {
+            return Ok(());
+        }
+        let names: Vec<&str> = known.iter().map(|(check, _)| *check).collect();
+        Err(format!(
+            "line {}: `{slug}` has no check `{}`; it has {}",
+            self.line(name),
+            name.get_ref(),
+            names.join(", ")
+        ))
+    }
+}
+
+/// That there is no exercise of a name, and which there are.
+pub fn unknown(slug: &str) -> String {
+    let all: Vec<&str> = EXERCISES.iter().map(|exercise| exercise.slug).collect();
+    format!("there is no exercise `{slug}`; there is {}", all.join(", "))
+}

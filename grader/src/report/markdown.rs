@@ -1,0 +1,273 @@
+//! Markdown: the summary of a batch for a CI job, and the feedback to a student.
+
+use std::fmt::Write as _;
+
+use exercise_spec::Exercise;
+
+use super::{
+    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, points, who, why_not,
+    words,
+};
+use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
+use crate::roster::Differences;
+use crate::text::{harmless, harmless_line};
+
+/// As many lines as a table may have: GitHub shows a summary of a megabyte at most.
+const LINES: usize = 2_000;
+
+/// Text on one line that Markdown takes as it is.
+pub fn escaped(text: &str, most: usize) -> String {
+    let line = harmless_line(text, most);
+    let mut shown = String::with_capacity(line.len());
+    let mut before = ' ';
+    let mut letters = line.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let special = matches!(
+            letter,
+            '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' | '#' | '@'
+        );
+        // Neither `http://` nor `www.` becomes a link.
+        let link = (letter == ':' && letters.peek() == Some(&'/'))
+            || (letter == '.' && before.eq_ignore_ascii_case(&'w'));
+        if special || link {
+            shown.push('\\');
+        }
+        shown.push(letter);
+        before = letter;
+    }
+    shown
+}
+
+/// A paragraph of escaped text that begins no list, heading or quote.
+fn sentence(text: &str) -> String {
+    let shown = escaped(text.trim(), SENTENCE);
+    let digits = shown.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    match shown.chars().next() {
+        Some('-' | '+' | '=') => format!("\\{shown}"),
+        Some(digit) if digit.is_ascii_digit() && digits.starts_with(['.', ')']) => {
+            let at = shown.len() - digits.len();
+            format!("{}\\{digits}", &shown[..at])
+        }
+        _ => shown,
+    }
+}
+
+/// Text in a block of code that it cannot leave, indented as a part of a list.
+fn block(text: &str, indent: &str) -> String {
+    let text = harmless(text.trim_end(), PAGE);
+    let mut longest = 0;
+    let mut run = 0;
+    for letter in text.chars() {
+        run = if letter == '`' { run + 1 } else { 0 };
+        longest = longest.max(run);
+    }
+    let fence = "`".repeat(longest.max(2) + 1);
+    let mut shown = format!("{indent}{fence}text\n");
+    for line in text.lines() {
+        let _ = writeln!(shown, "{indent}{line}");
+    }
+    shown + indent + &fence + "\n"
+}
+
+/// What a student gets.
+pub fn feedback(grade: &Grade, detail: Detail) -> String {
+    let mut text = format!("# Feedback for {}\n\n", escaped(&who(grade), NAME));
+    text += &total(grade);
+    text += "\n| Exercise | Points | Public checks | Hidden checks |\n| --- | --: | --: | --: |\n";
+    for exercise in &grade.exercises {
+        let _ = writeln!(text, "| {} |", line_of(exercise).join(" | "));
+    }
+    for notice in grade.notices.iter().take(50) {
+        let _ = write!(text, "\n{}\n", sentence(notice));
+    }
+    for exercise in &grade.exercises {
+        text += &on_exercise(exercise, detail);
+    }
+    text
+}
+
+fn total(grade: &Grade) -> String {
+    let all = points(grade.points());
+    match grade.earned() {
+        Some(earned) => format!("**{} of {all} points.**\n", points(earned)),
+        None => {
+            let earned: f64 = grade.exercises.iter().filter_map(ExerciseGrade::earned).sum();
+            let names: Vec<String> =
+                grade.ungraded().map(|exercise| escaped(&exercise.title, NAME)).collect();
+            let open: f64 = grade.ungraded().map(|exercise| exercise.points).sum();
+            format!(
+                "**Not graded in full.** {} of {} points are earned so far; {} of {all} are open: \
+                 {}.\n{COULD_NOT_GRADE}\n",
+                points(earned),
+                points(grade.points() - open),
+                points(open),
+                names.join(", ")
+            )
+        }
+    }
+}
+
+fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
+    let of = points(exercise.points);
+    let earned = exercise.earned().map_or_else(|| "open".to_owned(), points);
+    let count = |hidden: bool| match passed(exercise, hidden) {
+        (_, 0) => String::new(),
+        (passed, all) => format!("{passed} of {all}"),
+    };
+    let [public, hidden] = match exercise.outcome {
+        Outcome::Ran => [count(false), count(true)],
+        Outcome::Missing => ["no file".to_owned(), String::new()],
+        Outcome::Refused(_) => ["refused".to_owned(), String::new()],
+        Outcome::DoesNotCompile(_) => ["does not compile".to_owned(), String::new()],
+        Outcome::CouldNotGrade(_) => ["could not be graded".to_owned(), String::new()],
+    };
+    [escaped(&exercise.title, NAME), format!("{earned} of {of}"), public, hidden]
+}
+
+/// A section on an exercise, where there is something to say.
+fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
+    let mut text = String::new();
+    if let Some(told) = Told::of_outcome(&exercise.outcome) {
+        text += &format!("\n{}\n", sentence(&told.sentence));
+        if !told.page.is_empty() {
+            text += &format!("\n{}", block(&told.page, ""));
+        }
+    }
+    let wrong = |check: &&CheckGrade| check.verdict != Verdict::Passed;
+    for check in exercise.checks.iter().filter(wrong) {
+        text += &on_check(check, detail);
+    }
+    if text.is_empty() {
+        return text;
+    }
+    let slug = harmless_line(&exercise.exercise, NAME).replace('`', "");
+    format!("\n## {}\n\nThe file is `{slug}.rs`.\n{text}", escaped(&exercise.title, NAME))
+}
+
+fn on_check(check: &CheckGrade, detail: Detail) -> String {
+    let told = detail.of_check(check);
+    let hidden = if check.hidden { " (hidden)" } else { "" };
+    let mut text = format!("\n- **{}**{hidden}", escaped(&words(&check.name), NAME));
+    match told.sentence.is_empty() {
+        true => text += "\n",
+        false => text += &format!("\\\n  {}\n", sentence(&told.sentence)),
+    }
+    if !told.page.is_empty() {
+        text += &format!("\n{}", block(&told.page, "  "));
+    }
+    text
+}
+
+/// Makes the summary of a batch, grade by grade.
+#[derive(Debug)]
+pub struct Summary {
+    exercises: Vec<&'static str>,
+    lines: String,
+    count: usize,
+    ungraded: String,
+    ungraded_count: usize,
+    earned: f64,
+    points: f64,
+}
+
+impl Summary {
+    /// Begins one.
+    pub fn new(exercises: &[&'static Exercise]) -> Self {
+        let exercises = exercises.iter().map(|exercise| exercise.slug).collect();
+        let (lines, ungraded) = (String::new(), String::new());
+        Self { exercises, lines, ungraded, count: 0, ungraded_count: 0, earned: 0.0, points: 0.0 }
+    }
+
+    /// Adds a grade.
+    pub fn add(&mut self, grade: &Grade) {
+        self.count += 1;
+        self.points = grade.points();
+        match grade.earned() {
+            Some(earned) => self.earned += earned,
+            None => {
+                self.ungraded_count += 1;
+                self.add_ungraded(grade);
+            }
+        }
+        if self.count > LINES {
+            return;
+        }
+        let _ = write!(self.lines, "| {} ", escaped(&who(grade), NAME));
+        let _ = write!(self.lines, "| {} ", grade.earned().map_or_else(|| "?".to_owned(), points));
+        for slug in &self.exercises {
+            let found = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
+            let _ = write!(self.lines, "| {} ", found.map(mark).unwrap_or_default());
+        }
+        self.lines += "|\n";
+    }
+
+    fn add_ungraded(&mut self, grade: &Grade) {
+        if self.ungraded_count > LINES / 10 {
+            return;
+        }
+        for exercise in grade.ungraded() {
+            let _ = writeln!(
+                self.ungraded,
+                "- {}, `{}`: {}",
+                escaped(&who(grade), NAME),
+                exercise.exercise,
+                escaped(&why_not(exercise), SENTENCE)
+            );
+        }
+    }
+
+    /// The summary, with what stood around the compiler and where the roster does not agree.
+    pub fn finish(self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+        let graded = self.count - self.ungraded_count;
+        let mut text = format!("# Grades\n\n{}", counted(self.count, "submission"));
+        if self.ungraded_count > 0 {
+            let _ = write!(text, ", of which {} could not be graded in full", self.ungraded_count);
+        }
+        text += ". ";
+        if graded > 0 {
+            let mean = points(self.earned / graded as f64);
+            let _ = write!(text, "The mean is {mean} of {} points. ", points(self.points));
+        }
+        let _ = writeln!(text, "The seed is {seed}. {}", escaped(sandbox, SENTENCE));
+        let _ = write!(text, "\n| Submission | Points |");
+        for (index, _) in self.exercises.iter().enumerate() {
+            let _ = write!(text, " {} |", index + 1);
+        }
+        text +=
+            &format!("\n| --- | --: |{}\n{}", " --: |".repeat(self.exercises.len()), self.lines);
+        if self.count > LINES {
+            let _ = writeln!(text, "\nand {} more, in gradebook.csv", self.count - LINES);
+        }
+        let named = self.exercises.iter().enumerate();
+        let named: Vec<String> =
+            named.map(|(index, slug)| format!("{} `{slug}`", index + 1)).collect();
+        text += &format!("\n{}.\n\n{MARKS}\n", named.join(", "));
+        if !self.ungraded.is_empty() {
+            text += &format!("\n## Could not be graded\n\n{}", self.ungraded);
+        }
+        text + &on_roster(differences)
+    }
+}
+
+fn on_roster(differences: &Differences) -> String {
+    let mut text = String::new();
+    let names = |names: &mut dyn Iterator<Item = String>| {
+        names.take(LINES / 4).fold(String::new(), |text, name| text + "- " + &name + "\n")
+    };
+    if !differences.unknown.is_empty() {
+        let unknown = &mut differences.unknown.iter().map(|name| escaped(name, NAME));
+        text += &format!("\n## Not on the roster\n\n{}", names(unknown));
+    }
+    if !differences.absent.is_empty() {
+        let absent = differences.absent.iter();
+        let absent = &mut absent
+            .map(|(folder, name)| format!("{} ({})", escaped(name, NAME), escaped(folder, NAME)));
+        text += &format!("\n## On the roster, and handed in nothing\n\n{}", names(absent));
+    }
+    text
+}
+
+/// A number and what it counts.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}

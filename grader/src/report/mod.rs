@@ -1,0 +1,148 @@
+//! What came out, for a terminal, a gradebook, a machine and a student.
+//!
+//! Every report is made of grades one at a time, so that a batch of any size needs no memory. What
+//! came from a submission is cut and escaped in each for what would read it.
+
+pub mod gradebook;
+pub mod gradescope;
+pub mod junit;
+pub mod markdown;
+pub mod terminal;
+
+use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
+use crate::text::{harmless, harmless_line};
+
+/// What students are told about hidden checks. Public ones they have, and are told in full.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// Sentences and numbers.
+    Full,
+    /// Sentences alone.
+    Hint,
+    /// Whether it passed.
+    None,
+}
+
+/// What a student reads where the grader failed.
+pub const COULD_NOT_GRADE: &str = "This could not be graded. The fault is the grader's and costs \
+                                   nothing: it is no zero. Your instructor will look at it.";
+
+/// As long as a sentence may be.
+const SENTENCE: usize = 1_200;
+/// As long as numbers or what a compiler says may be.
+const PAGE: usize = 6_000;
+/// As long as a name may be.
+const NAME: usize = 80;
+
+/// What a report says of one check or of an answer that never ran.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Told {
+    /// In words; empty when there is nothing to say.
+    pub sentence: String,
+    /// Numbers or what the compiler says; may be empty.
+    pub page: String,
+}
+
+impl Detail {
+    /// What a student is told of a check.
+    pub fn of_check(self, check: &CheckGrade) -> Told {
+        let told = !check.hidden || self != Self::None;
+        let counted = !check.hidden || self == Self::Full;
+        match check.verdict {
+            Verdict::Passed => Told::new("", ""),
+            Verdict::CouldNotGrade => Told::new(COULD_NOT_GRADE, ""),
+            Verdict::Failed => Told::new(
+                if told { &check.sentence } else { "" },
+                if counted { &check.numbers } else { "" },
+            ),
+        }
+    }
+}
+
+impl Told {
+    fn new(sentence: &str, page: &str) -> Self {
+        let sentence = harmless(sentence.trim(), SENTENCE);
+        Self { sentence, page: harmless(page.trim_end(), PAGE) }
+    }
+
+    /// What a student is told of an answer that never ran. Nothing when it did.
+    pub fn of_outcome(outcome: &Outcome) -> Option<Self> {
+        match outcome {
+            Outcome::Ran => None,
+            Outcome::Missing => Some(Self::new("There is no such file, so it earns nothing.", "")),
+            Outcome::Refused(why) => Some(Self::new(&format!("The file is refused: {why}"), "")),
+            Outcome::DoesNotCompile(why) => {
+                let sentence = "It does not compile, so it earns nothing. What the compiler says:";
+                Some(Self::new(sentence, why))
+            }
+            Outcome::CouldNotGrade(_) => Some(Self::new(COULD_NOT_GRADE, "")),
+        }
+    }
+
+    /// Both in one text.
+    pub fn text(&self) -> String {
+        match (self.sentence.is_empty(), self.page.is_empty()) {
+            (_, true) => self.sentence.clone(),
+            (true, false) => self.page.clone(),
+            (false, false) => format!("{}\n\n{}", self.sentence, self.page),
+        }
+    }
+}
+
+/// A number of points with two decimals at most.
+pub fn points(number: f64) -> String {
+    decimals(number, 2)
+}
+
+/// A number without the zeros at its end.
+fn decimals(number: f64, most: usize) -> String {
+    let text = format!("{number:.most$}");
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// The name of a check or a misconception as words.
+pub fn words(name: &str) -> String {
+    harmless_line(name, NAME).replace('_', " ")
+}
+
+/// Who handed it in, or the name of the folder where nobody said.
+pub fn who(grade: &Grade) -> String {
+    harmless_line(grade.student.as_deref().unwrap_or(&grade.submission), NAME)
+}
+
+/// How many checks passed and how many there are: public ones, or hidden ones.
+pub fn passed(exercise: &ExerciseGrade, hidden: bool) -> (usize, usize) {
+    let checks = exercise.checks.iter().filter(|check| check.hidden == hidden);
+    let passed = checks.clone().filter(|check| check.verdict == Verdict::Passed).count();
+    (passed, checks.count())
+}
+
+/// An exercise in a table: its points, or a mark for why there are none.
+pub fn mark(exercise: &ExerciseGrade) -> String {
+    match (&exercise.outcome, exercise.earned()) {
+        (_, None) => "?".to_owned(),
+        (Outcome::Missing, _) => "-".to_owned(),
+        (Outcome::Refused(_), _) => "r".to_owned(),
+        (Outcome::DoesNotCompile(_), _) => "c".to_owned(),
+        (_, Some(earned)) => decimals(earned, 1),
+    }
+}
+
+/// What the marks mean.
+pub const MARKS: &str = "- no file, c does not compile, r refused: these earn 0. ? could not be \
+                         graded, which is no 0: a person must look.";
+
+/// Why an exercise could not be graded, for whoever runs the grader.
+pub fn why_not(exercise: &ExerciseGrade) -> String {
+    let why = match &exercise.outcome {
+        Outcome::CouldNotGrade(why) => why.as_str(),
+        _ => {
+            let ungraded = |check: &&CheckGrade| check.verdict == Verdict::CouldNotGrade;
+            exercise.checks.iter().find(ungraded).map_or("", |check| check.sentence.as_str())
+        }
+    };
+    let why = harmless(why.trim(), SENTENCE);
+    if why.is_empty() { "no reason is known".to_owned() } else { why }
+}

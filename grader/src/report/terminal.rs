@@ -1,0 +1,255 @@
+//! The table in a terminal of eighty columns.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use comfy_table::presets::NOTHING;
+use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, Table, Width};
+use exercise_spec::Exercise;
+
+use super::markdown::counted;
+use super::{MARKS, SENTENCE, decimals, mark, passed, points, who, why_not, words};
+use crate::grade::{ExerciseGrade, Grade, Outcome};
+use crate::roster::Differences;
+use crate::text::harmless_line;
+
+/// Columns of the terminal.
+const WIDTH: usize = 80;
+/// Columns of a name, which beside ten exercises leaves room for their points.
+const NAME: u16 = 20;
+/// As many lines on what could not be graded or is not on the roster as one reads.
+const LINES: usize = 20;
+
+/// Makes the table of a batch, grade by grade.
+pub struct Terminal {
+    exercises: Vec<&'static Exercise>,
+    table: Table,
+    count: usize,
+    graded: usize,
+    earned: f64,
+    sums: Vec<(f64, usize)>,
+    /// The one grade of a batch that has no other.
+    alone: Option<Grade>,
+    marks: BTreeSet<String>,
+    ungraded: Vec<String>,
+    points: f64,
+}
+
+impl Terminal {
+    /// Begins one.
+    pub fn new(exercises: &[&'static Exercise]) -> Self {
+        Self {
+            table: Table::new(),
+            sums: vec![(0.0, 0); exercises.len()],
+            exercises: exercises.to_vec(),
+            count: 0,
+            graded: 0,
+            earned: 0.0,
+            alone: None,
+            marks: BTreeSet::new(),
+            ungraded: Vec::new(),
+            points: 0.0,
+        }
+    }
+
+    /// Adds a grade.
+    pub fn add(&mut self, grade: &Grade) {
+        self.count += 1;
+        self.points = grade.points();
+        self.alone = (self.count == 1).then(|| grade.clone());
+        if let Some(earned) = grade.earned() {
+            self.graded += 1;
+            self.earned += earned;
+        }
+        let mut row = vec![name(grade), number(grade.earned())];
+        for (exercise, (sum, count)) in self.exercises.iter().zip(&mut self.sums) {
+            let found = grade.exercises.iter().find(|found| found.exercise == exercise.slug);
+            if let Some(earned) = found.and_then(ExerciseGrade::earned) {
+                *sum += earned;
+                *count += 1;
+            }
+            let mark = found.map(mark).unwrap_or_default();
+            if !mark.starts_with(|letter: char| letter.is_ascii_digit()) {
+                self.marks.insert(mark.clone());
+            }
+            row.push(mark);
+        }
+        self.table.add_row(row);
+        let line = |exercise: &ExerciseGrade| {
+            let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
+            harmless_line(&line, SENTENCE)
+        };
+        if self.ungraded.len() <= LINES {
+            self.ungraded.extend(grade.ungraded().map(line));
+        }
+    }
+
+    /// The table and what is to be said below it.
+    pub fn finish(mut self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+        let mut text = match self.alone.take() {
+            Some(grade) => one(&grade),
+            None => self.many(),
+        };
+        if !self.ungraded.is_empty() {
+            text += "\nCould not be graded, which is no zero:\n";
+            text += &listed(&self.ungraded);
+        }
+        text += &on_roster(differences);
+        let _ = write!(text, "\n{}", wrapped(&format!("Seed {seed}. {sandbox}"), ""));
+        text
+    }
+
+    fn many(&mut self) -> String {
+        let mut mean = vec!["mean".to_owned()];
+        mean.push(number((self.graded > 0).then(|| self.earned / self.graded as f64)));
+        mean.extend(self.sums.iter().map(|(sum, count)| {
+            if *count > 0 { decimals(sum / *count as f64, 1) } else { String::new() }
+        }));
+        self.table.add_row(vec![""]).add_row(mean);
+        let of = format!("of {}", points(self.points));
+        let mut header = vec!["Submission".to_owned(), of];
+        header.extend((1..=self.exercises.len()).map(|index| index.to_string()));
+        style(&mut self.table, header);
+        if let Some(column) = self.table.column_mut(0) {
+            column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(NAME + 1)));
+        }
+        let mut text = format!("{}\n\n", self.table.trim_fmt());
+        let half = self.exercises.len().div_ceil(2);
+        for index in 0..half {
+            let entry = |index: usize| {
+                let exercise = self.exercises.get(index)?;
+                Some(format!("{:>4} {:32}", index + 1, exercise.slug))
+            };
+            let right = entry(index + half).unwrap_or_default();
+            let line = entry(index).unwrap_or_default() + &right;
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
+        if self.marks.iter().any(|mark| !mark.is_empty()) {
+            let _ = write!(text, "\n{}", wrapped(MARKS, ""));
+        }
+        let open = self.count - self.graded;
+        let _ = write!(text, "\n{} graded", counted(self.graded, "submission"));
+        let _ = match open {
+            0 => writeln!(text, "."),
+            _ => writeln!(text, ", {open} could not be graded in full."),
+        };
+        text
+    }
+}
+
+/// The table of one submission: a line for each exercise.
+fn one(grade: &Grade) -> String {
+    let mut table = Table::new();
+    for exercise in &grade.exercises {
+        let count = |hidden: bool| match passed(exercise, hidden) {
+            (_, 0) => String::new(),
+            (passed, all) => format!("{passed} of {all}"),
+        };
+        let earned = exercise.earned().map_or_else(|| "?".to_owned(), points);
+        table.add_row(vec![
+            harmless_line(&exercise.exercise, usize::from(NAME)),
+            format!("{earned} of {}", points(exercise.points)),
+            count(false),
+            count(true),
+            remark(exercise),
+        ]);
+    }
+    let header = ["Exercise", "Points", "Public", "Hidden", "Remarks"].map(str::to_owned);
+    style(&mut table, header.to_vec());
+    if let Some(column) = table.column_mut(4) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    let total = match grade.earned() {
+        Some(earned) => format!("{} of {} points", points(earned), points(grade.points())),
+        None => "not graded in full".to_owned(),
+    };
+    let mut text = format!("{}: {total}\n\n{}\n", name(grade), table.trim_fmt());
+    for notice in grade.notices.iter().take(LINES) {
+        let _ = write!(text, "\n{}", wrapped(notice, ""));
+    }
+    text
+}
+
+fn remark(exercise: &ExerciseGrade) -> String {
+    match &exercise.outcome {
+        _ if exercise.earned().is_none() => "could not be graded".to_owned(),
+        Outcome::Missing => "no file".to_owned(),
+        Outcome::Refused(_) => "refused".to_owned(),
+        Outcome::DoesNotCompile(_) => "does not compile".to_owned(),
+        _ => {
+            let names: Vec<String> = exercise.misconceptions().into_iter().map(words).collect();
+            harmless_line(&names.join(", "), 160)
+        }
+    }
+}
+
+/// A ruled heading, numbers to the right, and no frame.
+fn style(table: &mut Table, header: Vec<String>) {
+    let cells = header.into_iter().map(Cell::new_owned);
+    table.set_header(cells.collect::<Vec<_>>());
+    table
+        .load_style(NOTHING)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(WIDTH as u16);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(index > 0), u16::from(index == 0)));
+        if index > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+}
+
+fn name(grade: &Grade) -> String {
+    harmless_line(&who(grade), 2 * usize::from(NAME))
+}
+
+fn number(number: Option<f64>) -> String {
+    number.map_or_else(|| "?".to_owned(), |number| decimals(number, 1))
+}
+
+fn on_roster(differences: &Differences) -> String {
+    let mut text = String::new();
+    if !differences.unknown.is_empty() {
+        text += "\nNot on the roster:\n";
+        text += &listed(&differences.unknown);
+    }
+    if !differences.absent.is_empty() {
+        let absent = differences.absent.iter();
+        let absent: Vec<String> =
+            absent.map(|(folder, name)| format!("{name} ({folder})")).collect();
+        text += "\nOn the roster, and handed in nothing:\n";
+        text += &listed(&absent);
+    }
+    text
+}
+
+fn listed(lines: &[String]) -> String {
+    let mut text = String::new();
+    for line in lines.iter().take(LINES) {
+        text += &wrapped(line, "  ");
+    }
+    if lines.len() > LINES {
+        text += "  and more, in summary.md\n";
+    }
+    text
+}
+
+/// Text in lines that fit the terminal; those after the first go in further.
+pub fn wrapped(text: &str, indent: &str) -> String {
+    let text = harmless_line(text, SENTENCE);
+    let mut shown = String::new();
+    let mut line = indent.to_owned();
+    for word in text.split_whitespace() {
+        let empty = line.trim().is_empty();
+        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            let _ = writeln!(shown, "{line}");
+            line = format!("{indent}{indent}{word}");
+            continue;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    shown + line.trim_end() + "\n"
+}

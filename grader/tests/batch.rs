@@ -1,0 +1,427 @@
+//! Batches with a judge that needs no compiler: what is kept, what goes on, and what is told.
+
+mod made_up;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::Ordering;
+
+use grader::batch::{Finished, Order, Trouble, carry_out_with};
+use grader::grade::{Batch, Grade};
+use made_up::{StandIn, hand_in, order, submissions};
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn carry_out(order: &Order) -> Result<Finished, Trouble> {
+    carry_out_with(order, |points, seed, exercises| Ok(StandIn::new(points, seed, exercises)))
+}
+
+/// The same, with how many submissions were graded.
+fn counted(order: &Order) -> (Finished, usize) {
+    let mut count = None;
+    let finished = carry_out_with(order, |points, seed, exercises| {
+        let judge = StandIn::new(points, seed, exercises);
+        count = Some(judge.graded);
+        Ok(judge)
+    });
+    (finished.expect("a batch"), count.expect("a judge").load(Ordering::SeqCst))
+}
+
+fn batch(out: &Path) -> Batch {
+    serde_json::from_str(&read(out, "grade.json")).expect("a batch")
+}
+
+fn read(out: &Path, name: &str) -> String {
+    fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn usage(order: &Order) -> String {
+    match carry_out(order) {
+        Err(Trouble::Usage(sentence)) => sentence,
+        other => panic!("no trouble of usage: {other:?}"),
+    }
+}
+
+fn names(batch: &Batch) -> Vec<&str> {
+    batch.grades.iter().map(|grade| grade.submission.as_str()).collect()
+}
+
+const THREE: &[(&str, &str)] = &[("cem", "right"), ("ada", "one"), ("brook", "two")];
+
+#[test]
+fn every_submission_gets_a_grade_and_its_reports_in_the_order_of_names() {
+    let temporary = folder();
+    let out = temporary.path().join("grades");
+    let finished = carry_out(&order(&submissions(temporary.path(), THREE), &out)).expect("a batch");
+    assert_eq!((finished.graded, finished.ungraded, finished.seed), (3, 0, 7));
+    let batch = batch(&out);
+    assert_eq!(names(&batch), ["ada", "brook", "cem"]);
+    assert_eq!((batch.seed, batch.sandbox.as_str()), (7, "Nothing was compiled."));
+    assert_eq!(batch.grades[2].earned(), Some(20.0));
+    for name in ["summary.md", "gradebook.csv", "items.md", "similarity.md", "junit.xml"] {
+        assert!(!read(&out, name).is_empty(), "{name}");
+    }
+    for name in names(&batch) {
+        for report in ["grade.json", "feedback.md", "results.json", "junit.xml"] {
+            assert!(!read(&out, &format!("submissions/{name}/{report}")).is_empty(), "{report}");
+        }
+    }
+    assert!(!out.join("changes.md").exists(), "nothing was graded again");
+    assert!(finished.told.contains("cem"), "{}", finished.told);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_grades_and_another_one_others() {
+    let temporary = folder();
+    let answers: Vec<(String, String)> =
+        (0..20).map(|number| (format!("s{number}"), format!("answer {number}"))).collect();
+    let answers: Vec<(&str, &str)> =
+        answers.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+    let path = submissions(temporary.path(), &answers);
+    let texts = [7, 7, 8].map(|seed| {
+        let out = tempfile::tempdir_in(temporary.path()).expect("a folder");
+        let order = Order { seed: Some(seed), ..order(&path, out.path()) };
+        carry_out(&order).expect("a batch");
+        let text = read(out.path(), "grade.json");
+        text.replace(&format!("\"seed\": {seed}"), "\"seed\": any")
+    });
+    assert_eq!(texts[0], texts[1]);
+    assert_ne!(texts[0], texts[2]);
+}
+
+#[test]
+fn a_seed_that_nobody_gave_is_named_and_used_again() {
+    let temporary = folder();
+    let out = temporary.path().join("grades");
+    let order = Order { seed: None, ..order(&submissions(temporary.path(), THREE), &out) };
+    let first = carry_out(&order).expect("a batch");
+    assert!(first.told.contains(&format!("Seed {}", first.seed)), "{}", first.told);
+    let (again, graded) = counted(&order);
+    assert_eq!((again.seed, graded), (first.seed, 0));
+}
+
+const MANY: usize = 25;
+const FOLDER: &str = "GRADER_TEST_ABORTED_BATCH";
+
+/// Runs in a process of its own, which the judge ends after ten grades.
+#[test]
+#[ignore = "started by the test of killed batches"]
+fn a_batch_that_is_killed() {
+    let Some(folder) = std::env::var_os(FOLDER) else {
+        return;
+    };
+    let folder = Path::new(&folder);
+    let _ = carry_out_with(
+        &order(&folder.join("submissions"), &folder.join("grades")),
+        |points, seed, exercises| {
+            let judge = StandIn::new(points, seed, exercises);
+            Ok(StandIn { log: Some(folder.join("log")), last: 10, ..judge })
+        },
+    );
+}
+
+#[test]
+fn a_killed_batch_goes_on_without_losing_or_repeating_a_grade() {
+    let temporary = folder();
+    for number in 0..MANY {
+        let path = temporary.path().join("submissions");
+        hand_in(&path, &format!("s{number:02}"), &format!("answer {number}"));
+    }
+    let out = temporary.path().join("grades");
+    let kill = || {
+        let status = Command::new(std::env::current_exe().expect("this program"))
+            .args(["--exact", "a_batch_that_is_killed", "--ignored"])
+            .env(FOLDER, temporary.path())
+            .output()
+            .expect("a process")
+            .status;
+        assert!(!status.success(), "the process was not killed");
+        assert!(!out.join("grade.json").exists(), "nothing is published before the end");
+        fs::read_dir(out.join("submissions")).expect("grades").count()
+    };
+    let kept = [kill(), kill()];
+    assert!(kept[0] >= 8 && kept[1] > kept[0], "{kept:?}");
+    let order = Order { seed: None, ..order(&temporary.path().join("submissions"), &out) };
+    let (finished, graded) = counted(&order);
+    assert_eq!((finished.graded, finished.seed), (MANY, 7), "the seed is that of the beginning");
+    assert_eq!(names(&batch(&out)).len(), MANY);
+    // A grade that was under way when the process ended is made again, and no other one.
+    let log = fs::read_to_string(temporary.path().join("log")).expect("a log");
+    assert!(log.lines().count() + graded <= MANY + 4, "{} + {graded}", log.lines().count());
+    let whole = temporary.path().join("whole");
+    carry_out(&Order { seed: Some(7), out: whole.clone(), ..order }).expect("a batch");
+    assert_eq!(read(&whole, "grade.json"), read(&out, "grade.json"));
+}
+
+#[test]
+fn an_answer_that_changed_since_the_batch_was_killed_is_graded_as_it_is_now() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    let state = read(&out, "batch.toml").replace("finished = true", "finished = false");
+    fs::write(out.join("batch.toml"), state).expect("written");
+    hand_in(&path, "ada", "right");
+    assert_eq!(counted(&order(&path, &out)).1, 1);
+    assert_eq!(batch(&out).grades[0].earned(), Some(20.0));
+}
+
+#[test]
+fn a_grade_that_was_cut_off_is_made_again() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    let whole = read(&out, "grade.json");
+    fs::write(out.join("submissions/ada/grade.json"), "{\"submission\": \"ada\", ")
+        .expect("written");
+    fs::write(out.join("submissions/brook/grade.json.new"), "{").expect("written");
+    assert_eq!(counted(&order(&path, &out)).1, 1);
+    assert_eq!(whole, read(&out, "grade.json"));
+}
+
+#[test]
+fn a_panic_costs_nobody_a_point_and_is_tried_again() {
+    let temporary = folder();
+    let path =
+        submissions(temporary.path(), &[("ada", "right"), ("brook", "panic"), ("cem", "right")]);
+    let out = temporary.path().join("grades");
+    let finished = carry_out(&order(&path, &out)).expect("a batch");
+    assert_eq!((finished.graded, finished.ungraded), (2, 1));
+    let brook: Grade = batch(&out).grades.swap_remove(1);
+    assert_eq!((brook.earned(), brook.exercises.len(), brook.points()), (None, 2, 20.0));
+    assert!(finished.told.contains("a judge that panics"), "{}", finished.told);
+    assert!(!read(&out, "submissions/brook/feedback.md").contains("a judge that panics"));
+    hand_in(&path, "brook", "right");
+    let (finished, graded) = counted(&order(&path, &out));
+    assert_eq!((finished.ungraded, graded), (0, 1));
+    assert!(
+        read(&out, "changes.md").contains("| brook | ? | 20 |"),
+        "{}",
+        read(&out, "changes.md")
+    );
+}
+
+#[test]
+fn what_could_not_be_graded_is_tried_again_though_nothing_changed() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), &[("ada", "cannot"), ("brook", "right")]);
+    let out = temporary.path().join("grades");
+    assert_eq!(counted(&order(&path, &out)).1, 2);
+    assert_eq!(counted(&order(&path, &out)).1, 1);
+}
+
+fn with_wrong_canaries(order: &Order) -> Result<Finished, Trouble> {
+    carry_out_with(order, |points, seed, exercises| {
+        let canaries = Err("the reference earns 3 of 10".to_owned());
+        Ok(StandIn { canaries, ..StandIn::new(points, seed, exercises) })
+    })
+}
+
+#[test]
+fn nothing_is_published_when_the_canaries_come_out_wrong() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    let Err(Trouble::CouldNotGrade(sentence)) = with_wrong_canaries(&order(&path, &out)) else {
+        panic!("grades were published");
+    };
+    assert!(sentence.contains("nothing published: the reference earns 3 of 10"), "{sentence}");
+    let files = fs::read_dir(&out).expect("a folder").flatten();
+    assert_eq!(files.map(|file| file.file_name()).collect::<Vec<_>>(), [".lock"]);
+    carry_out(&order(&path, &out)).expect("the folder can be used afterwards");
+}
+
+#[test]
+fn wrong_canaries_leave_a_finished_batch_as_it_is() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    let names = ["grade.json", "gradebook.csv", "summary.md", "batch.toml"];
+    let before = names.map(|name| read(&out, name));
+    hand_in(&path, "ada", "right");
+    assert!(with_wrong_canaries(&order(&path, &out)).is_err());
+    assert_eq!(before, names.map(|name| read(&out, name)));
+}
+
+#[test]
+fn a_regrade_tells_what_changed_and_grades_nothing_else_again() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    hand_in(&path, "brook", "right");
+    hand_in(&path, "dana", "right");
+    fs::remove_dir_all(path.join("cem")).expect("removed");
+    let (finished, graded) = counted(&order(&path, &out));
+    assert_eq!(graded, 2);
+    let changes = read(&out, "changes.md");
+    assert!(
+        changes.contains("1 grade as before, 1 otherwise. 1 new. 1 of the former"),
+        "{changes}"
+    );
+    assert!(changes.contains("| brook | ") && changes.contains(" | 20 | `left_perturbation`: "));
+    assert!(changes.contains("- dana") && changes.contains("- cem"), "{changes}");
+    assert!(!changes.contains("ada"), "{changes}");
+    assert!(finished.told.contains("brook: "), "{}", finished.told);
+    let (_, graded) = counted(&order(&path, &out));
+    assert_eq!(graded, 0);
+    assert!(read(&out, "changes.md").contains("3 grades as before, 0 otherwise"));
+}
+
+#[test]
+fn a_regrade_with_another_seed_says_so() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    let (_, graded) = counted(&Order { seed: Some(u64::MAX), ..order(&path, &out) });
+    assert_eq!((graded, batch(&out).seed), (3, u64::MAX));
+    assert!(read(&out, "changes.md").contains(&format!("The seed was 7 and is {}", u64::MAX)));
+}
+
+#[test]
+fn a_batch_that_is_not_finished_takes_no_other_seed() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&order(&path, &out)).expect("a batch");
+    let state = read(&out, "batch.toml").replace("finished = true", "finished = false");
+    fs::write(out.join("batch.toml"), state).expect("written");
+    let sentence = usage(&Order { seed: Some(8), ..order(&path, &out) });
+    assert!(sentence.contains("with seed 7; leave --seed out"), "{sentence}");
+}
+
+#[test]
+fn an_unknown_exercise_is_told_with_those_there_are() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let exercises = vec!["left_perturbation".to_owned(), "right\u{1b}[2J".to_owned()];
+    let sentence = usage(&Order { exercises, ..order(&path, &temporary.path().join("grades")) });
+    assert!(
+        sentence
+            .starts_with("there is no exercise `right\u{fffd}[2J`; there is left_perturbation, ")
+    );
+    assert!(sentence.ends_with("fill_in"), "{sentence}");
+    assert!(!temporary.path().join("grades").exists(), "nothing is made for an order that fails");
+}
+
+#[test]
+fn no_exercise_is_every_exercise_in_the_order_of_the_book() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let out = temporary.path().join("grades");
+    carry_out(&Order { exercises: Vec::new(), ..order(&path, &out) }).expect("a batch");
+    let batch = batch(&out);
+    let slugs: Vec<&str> = batch.grades[0].exercises.iter().map(|e| e.exercise.as_str()).collect();
+    let all: Vec<&str> = exercise_spec::EXERCISES.iter().map(|exercise| exercise.slug).collect();
+    assert_eq!(slugs, all);
+}
+
+#[test]
+fn orders_that_cannot_be_carried_out_say_what_to_do() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let good = order(&path, &temporary.path().join("grades"));
+    assert!(usage(&Order { jobs: Some(0), ..good.clone() }).contains("--jobs 0"));
+    let nowhere = temporary.path().join("nowhere");
+    assert!(
+        usage(&Order { submissions: vec![nowhere.clone()], ..good.clone() }).contains("nowhere")
+    );
+    assert!(usage(&Order { points: Some(nowhere.clone()), ..good.clone() }).contains("nowhere"));
+    assert!(usage(&Order { roster: Some(nowhere), ..good.clone() }).contains("nowhere"));
+    assert!(
+        usage(&Order { out: path.clone(), ..good }).contains("is not empty and holds no batch")
+    );
+}
+
+#[test]
+fn two_batches_do_not_write_to_one_folder() {
+    let temporary = folder();
+    let order = order(&submissions(temporary.path(), THREE), &temporary.path().join("grades"));
+    carry_out_with(&order, |points, seed, exercises| {
+        assert!(usage(&order).contains("another `cargo grade run` writes to"));
+        Ok(StandIn::new(points, seed, exercises))
+    })
+    .expect("the first batch");
+}
+
+#[test]
+fn grades_that_lie_among_the_submissions_are_no_submission() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), THREE);
+    let order = order(&path, &path.join("grades"));
+    for _ in 0..2 {
+        carry_out(&order).expect("a batch");
+        assert_eq!(names(&batch(&order.out)), ["ada", "brook", "cem"]);
+    }
+}
+
+#[test]
+fn a_single_submission_has_its_feedback_in_the_summary() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), &[("ada", "one"), ("brook", "two")]);
+    let out = temporary.path().join("grades");
+    let finished = carry_out(&order(&path.join("ada"), &out)).expect("a batch");
+    assert_eq!(names(&batch(&out)), ["ada"]);
+    assert!(read(&out, "summary.md").contains("# Feedback for ada"));
+    assert!(finished.told.starts_with("ada: "), "{}", finished.told);
+}
+
+fn with_roster(folder: &Path, roster: &str) -> Order {
+    let path = folder.join("roster.csv");
+    fs::write(&path, roster).expect("written");
+    Order { roster: Some(path), ..order(&submissions(folder, THREE), &folder.join("grades")) }
+}
+
+#[test]
+fn a_roster_gives_names_and_tells_who_is_missing_on_either_side() {
+    let temporary = folder();
+    let roster = "\u{feff}name,folder\r\n\"Lovelace, Ada\",ada\r\n=Brook,brook\r\nDana,dana\r\n";
+    let order = with_roster(temporary.path(), roster);
+    let finished = carry_out(&order).expect("a batch");
+    let batch = batch(&order.out);
+    let students: Vec<Option<&str>> =
+        batch.grades.iter().map(|grade| grade.student.as_deref()).collect();
+    assert_eq!(students, [Some("Lovelace, Ada"), Some("=Brook"), None]);
+    for text in [&finished.told, &read(&order.out, "summary.md")] {
+        assert!(text.to_lowercase().contains("not on the roster"), "{text}");
+        assert!(text.contains("cem") && text.contains("Dana (dana)"), "{text}");
+    }
+    let book = read(&order.out, "gradebook.csv");
+    assert!(book.contains("ada,\"Lovelace, Ada\","), "{book}");
+    assert!(book.contains("brook,'=Brook,"), "{book}");
+    assert!(book.contains("dana,Dana,,,,,nothing handed in"), "{book}");
+}
+
+#[test]
+fn a_name_that_was_corrected_reaches_a_grade_that_is_kept() {
+    let temporary = folder();
+    let order = with_roster(temporary.path(), "folder,name\nada,Adda\nbrook,B\ncem,C\n");
+    carry_out(&order).expect("a batch");
+    let order = with_roster(temporary.path(), "folder,name\nada,Ada\nbrook,B\ncem,C\n");
+    assert_eq!(counted(&order).1, 0);
+    assert_eq!(batch(&order.out).grades[0].student.as_deref(), Some("Ada"));
+}
+
+#[test]
+fn a_roster_with_mistakes_is_told_with_its_line() {
+    let mistakes = [
+        ("ada,Ada\n", "no column `folder`"),
+        ("folder\nada\n", "no column `name`"),
+        ("folder,name\nada,Ada\nada,Adda\n", "line 3: `ada` has a line already"),
+        ("folder,name\n,Ada\n", "line 2: the folder is empty"),
+        ("folder,name\nada,Ada,extra\n", "line: 2"),
+        ("", "no column `folder`"),
+    ];
+    for (roster, said) in mistakes {
+        let temporary = folder();
+        let sentence = usage(&with_roster(temporary.path(), roster));
+        assert!(sentence.contains(said), "{roster:?}: {sentence}");
+    }
+}

@@ -1,0 +1,398 @@
+//! Reports of grades that nobody earned, with texts that wish them ill.
+
+mod made_up;
+
+use exercise_spec::EXERCISES;
+use grader::changes::Changes;
+use grader::grade::{Grade, Outcome, Verdict};
+use grader::items::{Correlation, Items};
+use grader::report::gradebook::Gradebook;
+use grader::report::markdown::{self, Summary, escaped};
+use grader::report::terminal::Terminal;
+use grader::report::{COULD_NOT_GRADE, Detail, gradescope, junit};
+use grader::roster::Differences;
+use made_up::{HOSTILE, check, every_kind, every_kind_graded, exercise, grade, hostile};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus};
+use serde_json::Value;
+
+/// A text of which a report may hold a part.
+fn huge() -> String {
+    "long `|<]]> ".repeat(1_000_000)
+}
+
+fn texts() -> Vec<String> {
+    HOSTILE.iter().map(|text| (*text).to_owned()).chain([huge(), String::new()]).collect()
+}
+
+fn harmless(report: &str) -> bool {
+    let bad = |letter: char| {
+        (letter.is_control() && letter != '\n')
+            || matches!(letter, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+    };
+    !report.contains(bad)
+}
+
+fn terminal(grades: &[Grade]) -> String {
+    let mut table = Terminal::new(EXERCISES);
+    grades.iter().for_each(|grade| table.add(grade));
+    table.finish(7, "Nothing was compiled.", &Differences::default())
+}
+
+fn summary(grades: &[Grade]) -> String {
+    let mut summary = Summary::new(EXERCISES);
+    grades.iter().for_each(|grade| summary.add(grade));
+    summary.finish(7, "Nothing was compiled.", &Differences::default())
+}
+
+fn gradebook(grades: &[Grade]) -> Vec<Vec<String>> {
+    let mut bytes = Vec::new();
+    let mut book = Gradebook::new(&mut bytes, EXERCISES).expect("a gradebook");
+    grades.iter().for_each(|grade| book.add(grade).expect("a line"));
+    book.add_absent("=gone", "@gone").expect("a line");
+    book.finish().expect("an end");
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&*bytes);
+    let row = |row: csv::StringRecord| row.iter().map(str::to_owned).collect();
+    reader.records().map(|record| row(record.expect("a line of the same length"))).collect()
+}
+
+fn gradescope(grade: &Grade, detail: Detail) -> Value {
+    serde_json::from_str(&gradescope::json(grade, detail)).expect("JSON")
+}
+
+fn cases(grade: &Grade, detail: Detail) -> Vec<TestCase> {
+    let xml = junit::xml(grade, detail).expect("XML");
+    let mut report = Report::deserialize_from_str(&xml).expect("JUnit");
+    assert_eq!(report.test_suites.len(), 1);
+    report.test_suites.remove(0).test_cases
+}
+
+fn items(grades: &[Grade]) -> String {
+    let mut items = Items::new(EXERCISES);
+    grades.iter().for_each(|grade| items.add(grade));
+    items.markdown()
+}
+
+// What could not be graded is no zero.
+
+#[test]
+fn the_gradebook_leaves_empty_what_could_not_be_graded() {
+    let rows = gradebook(&[every_kind("ada"), every_kind_graded("brook")]);
+    assert_eq!(rows[0][..5], ["submission", "student", "points", "of", "left_perturbation"]);
+    assert_eq!(rows[1][..11], ["ada", "", "", "70", "10", "3.3333", "0", "0", "0", "", ""]);
+    assert_eq!(rows[1][14], "could not be graded: noise_growth residual_jacobian");
+    assert_eq!(rows[2][..5], ["brook", "", "13.3333", "50", "10"]);
+    assert_eq!(rows[2][14], "graded");
+    assert_eq!(rows[3][0..4], ["'=gone", "'@gone", "", ""]);
+    assert_eq!(rows[3][14], "nothing handed in");
+}
+
+#[test]
+fn gradescope_gets_no_score_at_all_when_something_could_not_be_graded() {
+    let results = gradescope(&every_kind("ada"), Detail::Full);
+    assert_eq!(results.get("score"), None);
+    let tests = results["tests"].as_array().expect("tests");
+    assert!(
+        tests.iter().all(|test| test.get("score").is_none() && test.get("max_score").is_none())
+    );
+    let output = results["output"].as_str().expect("an output");
+    assert!(output.contains(COULD_NOT_GRADE), "{output}");
+    assert!(output.contains("3.33 of 10 points"), "{output}");
+    let open: Vec<&Value> = tests.iter().filter(|test| test.get("status").is_none()).collect();
+    assert_eq!(open.len(), 2);
+    assert!(open.iter().all(|test| test["output"] == COULD_NOT_GRADE), "{open:?}");
+}
+
+#[test]
+fn gradescope_gets_the_score_and_its_parts() {
+    let results = gradescope(&every_kind_graded("ada"), Detail::Full);
+    let score = results["score"].as_f64().expect("a score");
+    let tests = results["tests"].as_array().expect("tests");
+    let sum: f64 = tests.iter().filter_map(|test| test["score"].as_f64()).sum();
+    let most: f64 = tests.iter().filter_map(|test| test["max_score"].as_f64()).sum();
+    assert!((score - 40.0 / 3.0).abs() < 1e-9 && (sum - score).abs() < 1e-9, "{score} {sum}");
+    assert!((most - 50.0).abs() < 1e-9, "{most}");
+    for format in ["output_format", "test_output_format", "test_name_format"] {
+        assert_eq!(results[format], "text", "or names are read as HTML");
+    }
+}
+
+fn kind(case: &TestCase) -> Option<NonSuccessKind> {
+    match &case.status {
+        TestCaseStatus::NonSuccess { kind, .. } => Some(*kind),
+        _ => None,
+    }
+}
+
+#[test]
+fn junit_calls_an_error_what_could_not_be_graded_and_a_failure_what_is_wrong() {
+    let cases = cases(&every_kind("ada"), Detail::Hint);
+    let of = |slug: &str| -> Vec<Option<NonSuccessKind>> {
+        let class = format!("ada.{slug}");
+        let of = |case: &&TestCase| case.classname.as_ref().is_some_and(|c| c.as_str() == class);
+        cases.iter().filter(of).map(kind).collect()
+    };
+    use NonSuccessKind::{Error, Failure};
+    assert_eq!(of("left_perturbation"), [None, None]);
+    assert_eq!(of("along_or_across"), [Some(Failure), Some(Failure), None]);
+    for slug in ["scale_null_space", "outlier_rescue", "stereo_gauge"] {
+        assert_eq!(of(slug), [Some(Failure)], "{slug}");
+    }
+    assert_eq!(of("noise_growth"), [Some(Error)]);
+    assert_eq!(of("residual_jacobian"), [None, Some(Error)]);
+}
+
+#[test]
+fn junit_names_every_case_once_and_every_failure_has_a_text() {
+    for detail in [Detail::Full, Detail::Hint, Detail::None] {
+        let mut grade = every_kind("ada");
+        grade.exercises[1].checks.iter_mut().for_each(|check| check.name = "same".to_owned());
+        grade.exercises[1].checks.truncate(2);
+        let cases = cases(&grade, detail);
+        let mut names: Vec<(String, String)> = cases
+            .iter()
+            .map(|case| (format!("{:?}", case.classname), case.name.as_str().to_owned()))
+            .collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        for case in &cases {
+            if let TestCaseStatus::NonSuccess { description, .. } = &case.status {
+                assert!(description.as_ref().is_some_and(|text| !text.as_str().is_empty()));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_junit_file_of_a_batch_has_a_suite_for_each_submission() {
+    let mut bytes = Vec::new();
+    let mut suites = junit::Suites::new(&mut bytes).expect("a file");
+    for text in texts() {
+        suites.add(&hostile(&text), Detail::Full).expect("a suite");
+    }
+    suites.finish().expect("an end");
+    let text = String::from_utf8(bytes).expect("UTF-8");
+    let report = Report::deserialize_from_str(&text).expect("JUnit");
+    assert_eq!(report.test_suites.len(), texts().len());
+    assert!(report.test_suites.iter().all(|suite| suite.test_cases.len() == 11));
+}
+
+#[test]
+fn tables_and_feedback_show_a_question_mark_or_open_for_what_could_not_be_graded() {
+    let grades = [every_kind("ada"), every_kind_graded("brook")];
+    let text = summary(&grades);
+    assert!(text.contains("| ada | ? | 10 | 3.3 | - | r | c | ? | ? |"), "{text}");
+    assert!(text.contains("- ada, `noise_growth`: there is no compiler"), "{text}");
+    let text = terminal(&grades);
+    let line = text.lines().find(|line| line.starts_with("ada")).expect("a line");
+    assert_eq!(
+        line.split_whitespace().collect::<Vec<_>>(),
+        ["ada", "?", "10", "3.3", "-", "r", "c", "?", "?"]
+    );
+    let text = markdown::feedback(&grades[0], Detail::Full);
+    assert!(text.contains("Not graded in full") && text.contains("open of 10"), "{text}");
+    assert!(!text.contains("there is no compiler"), "the reason is for the instructor");
+}
+
+#[test]
+fn item_analysis_counts_what_could_not_be_graded_as_neither_right_nor_wrong() {
+    let text = items(&vec![every_kind("ada"); 3]);
+    assert!(text.contains("| 0 | 0 | 0 | 0 | 3 |  |  |"), "{text}");
+    assert!(text.contains("| skew sign | 3 |"), "{text}");
+}
+
+// What students are told.
+
+#[test]
+fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {
+    let mut grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![])]);
+    for hidden in [false, true] {
+        let mut check = check(if hidden { "deep" } else { "open" }, hidden, Verdict::Failed);
+        check.sentence = format!("sentence {hidden}");
+        check.numbers = format!("number {hidden}");
+        grade.exercises[0].checks.push(check);
+    }
+    for (detail, sentence, number) in
+        [(Detail::Full, true, true), (Detail::Hint, true, false), (Detail::None, false, false)]
+    {
+        let junit = junit::xml(&grade, detail).expect("XML");
+        let reports = [markdown::feedback(&grade, detail), gradescope::json(&grade, detail), junit];
+        for report in reports {
+            assert!(
+                report.contains("sentence false") && report.contains("number false"),
+                "{report}"
+            );
+            assert_eq!(report.contains("sentence true"), sentence, "{detail:?} {report}");
+            assert_eq!(report.contains("number true"), number, "{detail:?} {report}");
+            assert!(report.contains("deep"), "that it failed is always told: {report}");
+        }
+    }
+}
+
+// Texts that wish a report ill.
+
+#[test]
+fn the_terminal_gets_no_escape_and_no_line_of_more_than_eighty_columns() {
+    for text in texts() {
+        for grades in [vec![hostile(&text)], vec![hostile(&text), every_kind(&text)]] {
+            let shown = terminal(&grades);
+            assert!(harmless(&shown), "{shown:?}");
+            // Words that are longer than the terminal stay whole; these texts have none.
+            for line in shown.lines() {
+                let wide =
+                    line.chars().filter(|letter| ('\u{2e80}'..'\u{ffef}').contains(letter)).count();
+                assert!(line.chars().count() + wide <= 80, "{} {line}", line.chars().count());
+            }
+            assert!(shown.len() < 40_000, "{}", shown.len());
+        }
+    }
+}
+
+/// Whether every mark of Markdown outside of blocks of code is escaped.
+fn is_plain(text: &str) -> Result<(), String> {
+    let mut fence: Option<String> = None;
+    for line in text.lines() {
+        let marks: String = line.trim_start().chars().take_while(|mark| *mark == '`').collect();
+        match &fence {
+            Some(open) if line.trim() == open => fence = None,
+            Some(_) => {}
+            None if marks.len() >= 3 => fence = Some(marks),
+            None => {
+                let line = line.replace("\\\\", "").replace("<br>", "");
+                let letters: Vec<char> = line.chars().collect();
+                let bare = |mark: char| {
+                    (0..letters.len())
+                        .any(|at| letters[at] == mark && (at == 0 || letters[at - 1] != '\\'))
+                };
+                if ['<', '[', ']', '$', '@', '~', '&'].iter().any(|mark| bare(*mark)) {
+                    return Err(line);
+                }
+                if line.contains("https:/") || line.to_lowercase().contains("www.e") {
+                    return Err(line);
+                }
+            }
+        }
+    }
+    fence.map_or(Ok(()), |fence| Err(format!("a block {fence} does not end")))
+}
+
+#[test]
+fn markdown_takes_every_text_as_text() {
+    for text in texts() {
+        let hostile = hostile(&text);
+        let mut changes = Changes::default();
+        changes.add(Some(&every_kind_graded(&text)), &hostile);
+        changes.add(None, &hostile);
+        let reports = [
+            markdown::feedback(&hostile, Detail::Full),
+            summary(&[hostile.clone(), every_kind(&text)]),
+            items(std::slice::from_ref(&hostile)),
+            changes.markdown(7, 8),
+        ];
+        for report in reports {
+            assert!(harmless(&report), "{report:?}");
+            assert_eq!(is_plain(&report), Ok(()), "{report}");
+            assert!(report.len() < 100_000, "{}", report.len());
+        }
+    }
+}
+
+#[test]
+fn a_table_of_markdown_has_as_many_cells_in_each_line_whatever_stands_in_it() {
+    for text in texts() {
+        let report = summary(&[hostile(&text), every_kind(&text)]);
+        let cells = |line: &str| line.replace("\\\\", "").replace("\\|", "").matches('|').count();
+        let counts: Vec<usize> =
+            report.lines().filter(|line| line.starts_with('|')).map(cells).collect();
+        assert_eq!(counts, [13; 4], "{report}");
+    }
+}
+
+#[test]
+fn text_begins_no_list_no_heading_and_no_quote() {
+    for text in ["- item", "+ item", "1. item", "2024) item", "# heading", "> quote", "=== ", "---"]
+    {
+        let mut grade = every_kind("ada");
+        grade.notices = vec![text.to_owned()];
+        let report = markdown::feedback(&grade, Detail::Full);
+        assert!(!report.lines().any(|line| line.trim() == text.trim()), "{report}");
+    }
+    assert_eq!(escaped("T exp(ξ) = exp(η) T: which?", 100), "T exp(ξ) = exp(η) T: which?");
+}
+
+#[test]
+fn xml_takes_every_text_as_text() {
+    for text in texts() {
+        let grade = hostile(&text);
+        let xml = junit::xml(&grade, Detail::Full).expect("XML");
+        assert!(!xml.contains(|letter: char| letter.is_control() && !"\n\t\r".contains(letter)));
+        assert!(xml.len() < 400_000, "{}", xml.len());
+        let cases = cases(&grade, Detail::Full);
+        assert_eq!(cases.len(), 11, "{text:?}");
+        let failed = cases.iter().filter(|case| kind(case).is_some()).count();
+        assert_eq!(failed, 7, "a text makes no case pass: {text:?}");
+    }
+}
+
+#[test]
+fn no_cell_of_the_gradebook_is_a_formula() {
+    for text in texts() {
+        let rows = gradebook(&[hostile(&text), every_kind(&text)]);
+        assert_eq!(rows.len(), 4);
+        for cell in rows.iter().flatten() {
+            assert!(!cell.trim_start().starts_with(['=', '+', '-', '@', '|', '%']), "{cell:?}");
+            assert!(harmless(cell) && !cell.contains('\n'), "{cell:?}");
+            assert!(cell.len() < 400, "{}", cell.len());
+        }
+    }
+}
+
+#[test]
+fn gradescope_takes_every_text_as_text_and_no_text_makes_a_score() {
+    for text in texts() {
+        let json = gradescope::json(&hostile(&text), Detail::Full);
+        assert!(json.len() < 200_000, "{}", json.len());
+        let results: Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(results.get("score"), None);
+        let tests = results["tests"].as_array().expect("tests");
+        let strings = tests.iter().flat_map(|test| [&test["name"], &test["output"]]);
+        for string in strings.chain([&results["output"]]) {
+            assert!(harmless(string.as_str().expect("text")), "{string}");
+        }
+    }
+}
+
+// Numbers.
+
+#[test]
+fn a_correlation_is_told_where_there_are_enough_and_both_vary() {
+    let of = |count: usize, y: fn(f64) -> f64| {
+        let mut correlation = Correlation::default();
+        (0..count).for_each(|x| correlation.add(x as f64, y(x as f64)));
+        correlation.value()
+    };
+    assert!((of(10, |x| 2.0 * x + 1.0).expect("a value") - 1.0).abs() < 1e-12);
+    assert!((of(10, |x| -x).expect("a value") + 1.0).abs() < 1e-12);
+    assert_eq!(of(9, |x| x), None);
+    assert_eq!(of(20, |_| 3.0), None);
+}
+
+#[test]
+fn changes_name_the_checks_that_came_out_otherwise() {
+    let before = every_kind_graded("ada");
+    let mut after = before.clone();
+    after.exercises[1].checks[0] = check("a", false, Verdict::Passed);
+    after.exercises[2].outcome = Outcome::DoesNotCompile(String::new());
+    let mut changes = Changes::default();
+    changes.add(Some(&before), &after);
+    changes.add(Some(&before), &before);
+    let text = changes.markdown(7, 7);
+    assert!(text.contains("1 grade as before, 1 otherwise"), "{text}");
+    assert!(
+        text.contains("| ada | 13.33 | 16.67 | `along_or_across`: 3.33 → 6.67; a passes<br>"),
+        "{text}"
+    );
+    assert!(text.contains("`scale_null_space`: 0 → 0, no file → does not compile"), "{text}");
+    assert!(!text.contains("seed"), "{text}");
+}

@@ -1,0 +1,161 @@
+//! Which answers are alike, and which are not.
+
+use std::fs;
+use std::path::Path;
+
+use exercise_spec::{EXERCISES, exercise};
+use grader::repository;
+use grader::similarity::{Pair, Similarity};
+
+fn reference(slug: &str) -> String {
+    fs::read_to_string(repository().join("solutions/src").join(format!("{slug}.rs")))
+        .expect("a file")
+}
+
+fn skeleton(slug: &str) -> String {
+    fs::read_to_string(repository().join("exercises/src").join(format!("{slug}.rs")))
+        .expect("a file")
+}
+
+fn compared(slug: &str, answers: &[(&str, &str)]) -> Similarity {
+    let mut similarity = Similarity::new(&[exercise(slug).expect("an exercise")], &repository());
+    for (name, text) in answers {
+        similarity.add(name, |asked| (asked == slug).then_some(*text));
+    }
+    similarity
+}
+
+fn pairs(pairs: &[Pair]) -> Vec<(&str, &str)> {
+    pairs.iter().map(|pair| (pair.one.as_str(), pair.other.as_str())).collect()
+}
+
+/// An answer to the same question in another way.
+const OTHER: &str = "
+use exercise_spec::left_perturbation::{Camera, Side};
+use nalgebra::{Isometry3, Matrix2x6, Vector2, Vector3, Vector6, Matrix2x3};
+
+pub fn left_pose_jacobian(camera: Camera, camera_from_world: Isometry3<f64>, point_in_world: Vector3<f64>) -> Matrix2x6<f64> {
+    let p = camera_from_world.rotation * point_in_world + camera_from_world.translation.vector;
+    let z = 1.0 / p.z;
+    let (fx, fy) = (camera.fx, camera.fy);
+    let mut m = Matrix2x6::zeros();
+    m[(0, 0)] = fx * z;
+    m[(0, 2)] = -fx * p.x * z * z;
+    m[(1, 1)] = fy * z;
+    m[(1, 2)] = -fy * p.y * z * z;
+    m[(0, 3)] = -fx * p.x * p.y * z * z;
+    m[(0, 4)] = fx * (1.0 + p.x * p.x * z * z);
+    m[(0, 5)] = -fx * p.y * z;
+    m[(1, 3)] = -fy * (1.0 + p.y * p.y * z * z);
+    m[(1, 4)] = fy * p.x * p.y * z * z;
+    m[(1, 5)] = fy * p.x * z;
+    m
+}
+";
+
+#[test]
+fn a_copy_of_the_reference_is_told_for_every_exercise() {
+    for exercise in EXERCISES {
+        let text = reference(exercise.slug);
+        let alike = compared(exercise.slug, &[("copy", &text)]).with_reference(exercise.slug);
+        assert_eq!(pairs(&alike), [("copy", "the reference")], "{}", exercise.slug);
+        assert!(alike[0].share > 0.999, "{}: {alike:?}", exercise.slug);
+    }
+}
+
+#[test]
+fn new_names_new_comments_and_new_lines_do_not_hide_a_copy() {
+    let text = reference("left_perturbation");
+    let renamed = text
+        .replace("point_in_camera", "q")
+        .replace("jacobian.", "result.")
+        .replace("let mut jacobian", "let mut result")
+        .replace("    jacobian\n", "    result\n")
+        .replace("projection", "p")
+        .replace("p_jacobian", "projection_jacobian")
+        .replace(";\n", "; // my own idea\n\n\n");
+    assert_ne!(text, renamed);
+    let alike =
+        compared("left_perturbation", &[("copy", &renamed)]).with_reference("left_perturbation");
+    assert!(alike.first().is_some_and(|pair| pair.share > 0.9), "{alike:?}");
+}
+
+#[test]
+fn functions_in_another_order_do_not_hide_a_copy() {
+    let text = reference("fill_in");
+    let (uses, functions) =
+        text.split_at(text.find("\n\n///").or_else(|| text.find("\n\npub")).expect("functions"));
+    let parts = functions.rsplit("\n}\n").filter(|part| !part.trim().is_empty());
+    let turned = parts.fold(uses.to_owned(), |text, part| text + part + "\n}\n");
+    let alike = compared("fill_in", &[("copy", &turned)]).with_reference("fill_in");
+    assert!(alike.first().is_some_and(|pair| pair.share > 0.8), "{alike:?}");
+}
+
+#[test]
+fn an_answer_of_ones_own_is_not_told() {
+    let similarity = compared("left_perturbation", &[("own", OTHER)]);
+    assert!(similarity.with_reference("left_perturbation").is_empty());
+}
+
+#[test]
+fn two_who_share_an_answer_are_told_and_a_third_is_not() {
+    let text = reference("left_perturbation");
+    let changed = text.replace("jacobian", "j").replace("projection", "p");
+    let similarity =
+        compared("left_perturbation", &[("ada", &text), ("brook", OTHER), ("cem", &changed)]);
+    assert_eq!(pairs(&similarity.within("left_perturbation")), [("ada", "cem")]);
+}
+
+#[test]
+fn what_the_skeleton_has_does_not_count() {
+    for exercise in EXERCISES {
+        let text = skeleton(exercise.slug);
+        let similarity = compared(exercise.slug, &[("ada", &text), ("brook", &text)]);
+        assert!(similarity.within(exercise.slug).is_empty(), "{}", exercise.slug);
+        assert!(similarity.with_reference(exercise.slug).is_empty(), "{}", exercise.slug);
+    }
+}
+
+#[test]
+fn what_most_of_a_class_writes_does_not_count() {
+    let text = reference("left_perturbation");
+    let names: Vec<String> = (0..20).map(|number| format!("student {number}")).collect();
+    let answers: Vec<(&str, &str)> =
+        names.iter().map(|name| (name.as_str(), text.as_str())).collect();
+    let similarity = compared("left_perturbation", &answers);
+    assert!(similarity.within("left_perturbation").is_empty());
+    assert_eq!(similarity.with_reference("left_perturbation").len(), 20);
+}
+
+#[test]
+fn texts_that_are_no_answers_harm_nobody() {
+    let deep = "(".repeat(100_000) + &")".repeat(100_000);
+    let open = "{".repeat(100_000);
+    let long = "let x = y * z + 1; ".repeat(10_000);
+    let texts =
+        ["", "\"", "\u{0}\u{1}", "r#\"", "#![", "# # #", "#!", "'", "/*", &deep, &open, &long];
+    let names: Vec<String> = (0..texts.len()).map(|number| number.to_string()).collect();
+    let answers: Vec<(&str, &str)> = names.iter().map(String::as_str).zip(texts).collect();
+    let similarity = compared("left_perturbation", &answers);
+    assert!(!similarity.markdown().is_empty());
+}
+
+#[test]
+fn a_repository_without_the_reference_compares_the_batch_alone() {
+    let text = reference("fill_in");
+    let mut similarity =
+        Similarity::new(&[exercise("fill_in").expect("one")], Path::new("nowhere"));
+    for name in ["ada", "brook"] {
+        similarity.add(name, |_| Some(&text));
+    }
+    assert!(similarity.with_reference("fill_in").is_empty());
+    assert_eq!(pairs(&similarity.within("fill_in")), [("ada", "brook")]);
+}
+
+#[test]
+fn the_report_says_that_it_is_no_verdict_and_escapes_names() {
+    let text = reference("fill_in");
+    let report = compared("fill_in", &[("a|b", &text), ("<b>", &text)]).markdown();
+    assert!(report.contains("no verdict"));
+    assert!(report.contains("a\\|b") && report.contains("\\<b\\>"), "{report}");
+}
