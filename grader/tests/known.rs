@@ -59,8 +59,8 @@ fn forwarded(signature: &syn::Signature, index: usize) -> String {
         if let syn::FnArg::Typed(typed) = input
             && let syn::Pat::Ident(pattern) = &*typed.pat
         {
-            names.push(pattern.ident.clone());
-            types.push(typed.ty.clone());
+            names.push(pattern.ident.to_token_stream());
+            types.push(typed.ty.to_token_stream());
         }
     }
     quote! {
