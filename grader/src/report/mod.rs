@@ -131,8 +131,8 @@ pub fn mark(exercise: &ExerciseGrade) -> String {
 }
 
 /// What the marks mean.
-pub const MARKS: &str = "- no file, c does not compile, r refused: these earn 0. ? could not be \
-                         graded, which is no 0: a person must look.";
+pub const MARKS: &str = "A dash is no file, c does not compile, r was refused: these earn 0. A \
+                         question mark could not be graded, which is no 0: a person must look.";
 
 /// Why an exercise could not be graded, for whoever runs the grader.
 pub fn why_not(exercise: &ExerciseGrade) -> String {
