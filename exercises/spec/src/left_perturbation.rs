@@ -92,12 +92,14 @@ crate::misconceptions! {
          predicted: which way does the predicted pixel itself go?";
     ROTATION_FIRST, "rotation_first":
         "The columns are right and in another order: the twist is (ρ, φ), translation first.";
+    // ANCHOR: adjoint_mistakes
     TRANSPOSED_ADJOINT, "transposed_adjoint":
         "The adjoint is transposed. A derivative by the right twist is one by the left twist, \
          times what takes the right twist to the left one: on which side do the columns multiply?";
     INVERSE_ADJOINT, "inverse_adjoint":
         "This goes the other way, from right to left. T exp(ξ) = exp(η) T: which of the two twists \
          is the adjoint times the other?";
+    // ANCHOR_END: adjoint_mistakes
     ONE_SIDED, "one_sided":
         "The error shrinks like the step and not like its square: this is a one-sided difference.";
     TWICE_TOO_LARGE, "twice_too_large":
@@ -291,6 +293,7 @@ pub fn third_column(answer: &dyn Transport, case: &Case) -> Result<(), Failure> 
     )))
 }
 
+// ANCHOR: adjoint_check
 /// The dictionary between the sides, on a derivative found by differences.
 ///
 /// # Errors
@@ -308,6 +311,7 @@ pub fn adjoint(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .or(&INVERSE_ADJOINT, &(left * inverse))
         .judge()
 }
+// ANCHOR_END: adjoint_check
 
 /// Central differences, by how their error shrinks.
 ///
