@@ -61,7 +61,7 @@ impl Detail {
 
 impl Told {
     fn new(sentence: &str, page: &str) -> Self {
-        let sentence = harmless(sentence.trim(), SENTENCE);
+        let sentence = capital(&harmless(sentence.trim(), SENTENCE));
         Self { sentence, page: harmless(page.trim_end(), PAGE) }
     }
 
@@ -87,6 +87,11 @@ impl Told {
             (false, false) => format!("{}\n\n{}", self.sentence, self.page),
         }
     }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A number of points with two decimals at most.
