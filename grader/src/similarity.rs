@@ -126,7 +126,7 @@ impl Similarity {
             if let Some((half, count)) = exercise.usual() {
                 let _ = write!(
                     text,
-                    "Of {count} answers, half share {half:.0} % or more with the reference.\n\n"
+                    "Of {count} answers, half share at least {half:.0} % with the reference.\n\n"
                 );
             }
             let mut pairs = self.with_reference(exercise.slug);
