@@ -196,7 +196,7 @@ impl Item {
         if self.refused + self.uncompiled > 0 {
             let _ = write!(
                 text,
-                "\n{} of those that earn nothing do not compile, {} are refused.\n",
+                "\nAmong those that earn nothing: {} that do not compile, {} refused.\n",
                 self.uncompiled, self.refused
             );
         }

@@ -126,7 +126,7 @@ impl Similarity {
             if let Some((half, count)) = exercise.usual() {
                 let _ = write!(
                     text,
-                    "Of {count} answers, half share more than {half:.0} % with the reference.\n\n"
+                    "Of {count} answers, half share at least {half:.0} % with the reference.\n\n"
                 );
             }
             let mut pairs = self.with_reference(exercise.slug);
@@ -200,7 +200,7 @@ impl Answers {
         self.answers.iter().map(compared).collect()
     }
 
-    /// The percentage that half of the answers share more of with the reference, of how many.
+    /// The percentage that half of the answers share at least with the reference, of how many.
     fn usual(&self) -> Option<(f64, usize)> {
         let mut shares: Vec<f64> =
             self.to_reference().into_iter().map(|(_, share, _)| share).collect();

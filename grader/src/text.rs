@@ -16,11 +16,16 @@ pub fn harmless_line(text: &str, most: usize) -> String {
 }
 
 fn shown(letter: char) -> char {
-    let turns = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    let turns = matches!(
+        letter,
+        '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+    );
+    // These are no letters, and XML refuses a file that has one.
+    let none = u32::from(letter) & 0xfffe == 0xfffe;
     match letter {
         '\n' => '\n',
         '\t' => ' ',
-        _ if letter.is_control() || turns => '\u{fffd}',
+        _ if letter.is_control() || turns || none => '\u{fffd}',
         _ => letter,
     }
 }

@@ -116,7 +116,7 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
     };
     let [public, hidden] = match exercise.outcome {
         Outcome::Ran => [count(false), count(true)],
-        Outcome::Missing => ["no file".to_owned(), String::new()],
+        Outcome::Missing => [format!("no file {}", file(exercise)), String::new()],
         Outcome::Refused(_) => ["refused".to_owned(), String::new()],
         Outcome::DoesNotCompile(_) => ["does not compile".to_owned(), String::new()],
         Outcome::CouldNotGrade(_) => ["could not be graded".to_owned(), String::new()],
@@ -124,7 +124,12 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
     [escaped(&exercise.title, NAME), format!("{earned} of {of}"), public, hidden]
 }
 
-/// A section on an exercise, where there is something to say.
+/// The name of an answer's file as code.
+fn file(exercise: &ExerciseGrade) -> String {
+    format!("`{}.rs`", harmless_line(&exercise.exercise, NAME).replace(['`', '|'], ""))
+}
+
+/// A section on an exercise, where there is something to say that the table does not.
 fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     let mut text = String::new();
     if let Some(told) = Told::of_outcome(&exercise.outcome) {
@@ -134,20 +139,28 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
         }
     }
     let wrong = |check: &&CheckGrade| check.verdict != Verdict::Passed;
-    for check in exercise.checks.iter().filter(wrong) {
-        text += &on_check(check, detail);
+    let mut checks: Vec<&CheckGrade> = exercise.checks.iter().filter(wrong).collect();
+    while !checks.is_empty() {
+        let told = detail.of_check(checks[0]);
+        // What would be said over and over is said once.
+        let (same, rest) = checks.into_iter().partition(|check| detail.of_check(check) == told);
+        text += &on_checks(same, &told);
+        checks = rest;
     }
-    if text.is_empty() {
-        return text;
+    if text.is_empty() || exercise.outcome == Outcome::Missing {
+        return String::new();
     }
-    let slug = harmless_line(&exercise.exercise, NAME).replace('`', "");
-    format!("\n## {}\n\nThe file is `{slug}.rs`.\n{text}", escaped(&exercise.title, NAME))
+    let title = escaped(&exercise.title, NAME);
+    format!("\n## {title}\n\nThe file is {}.\n{text}", file(exercise))
 }
 
-fn on_check(check: &CheckGrade, detail: Detail) -> String {
-    let told = detail.of_check(check);
-    let hidden = if check.hidden { " (hidden)" } else { "" };
-    let mut text = format!("\n- **{}**{hidden}", escaped(&words(&check.name), NAME));
+fn on_checks(checks: Vec<&CheckGrade>, told: &Told) -> String {
+    let name = |check: &CheckGrade| {
+        let hidden = if check.hidden { " (hidden)" } else { "" };
+        format!("**{}**{hidden}", escaped(&words(&check.name), NAME))
+    };
+    let names: Vec<String> = checks.into_iter().map(name).collect();
+    let mut text = format!("\n- {}", names.join(", "));
     match told.sentence.is_empty() {
         true => text += "\n",
         false => text += &format!("\\\n  {}\n", sentence(&told.sentence)),

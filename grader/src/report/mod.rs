@@ -61,7 +61,7 @@ impl Detail {
 
 impl Told {
     fn new(sentence: &str, page: &str) -> Self {
-        let sentence = harmless(sentence.trim(), SENTENCE);
+        let sentence = capital(&harmless(sentence.trim(), SENTENCE));
         Self { sentence, page: harmless(page.trim_end(), PAGE) }
     }
 
@@ -87,6 +87,11 @@ impl Told {
             (false, false) => format!("{}\n\n{}", self.sentence, self.page),
         }
     }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A number of points with two decimals at most.
@@ -131,8 +136,8 @@ pub fn mark(exercise: &ExerciseGrade) -> String {
 }
 
 /// What the marks mean.
-pub const MARKS: &str = "- no file, c does not compile, r refused: these earn 0. ? could not be \
-                         graded, which is no 0: a person must look.";
+pub const MARKS: &str = "A dash is no file, c does not compile, r was refused: these earn 0. A \
+                         question mark could not be graded, which is no 0: a person must look.";
 
 /// Why an exercise could not be graded, for whoever runs the grader.
 pub fn why_not(exercise: &ExerciseGrade) -> String {

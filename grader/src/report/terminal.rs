@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use comfy_table::presets::NOTHING;
-use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, Table, Width};
+use comfy_table::{
+    Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
+};
 use exercise_spec::Exercise;
 
 use super::markdown::counted;
@@ -103,15 +104,18 @@ impl Terminal {
         let mut mean = vec!["mean".to_owned()];
         mean.push(number((self.graded > 0).then(|| self.earned / self.graded as f64)));
         mean.extend(self.sums.iter().map(|(sum, count)| {
-            if *count > 0 { decimals(sum / *count as f64, 1) } else { String::new() }
+            if *count > 0 { format!("{:.1}", sum / *count as f64) } else { String::new() }
         }));
         self.table.add_row(vec![""]).add_row(mean);
         let of = format!("of {}", points(self.points));
         let mut header = vec!["Submission".to_owned(), of];
         header.extend((1..=self.exercises.len()).map(|index| index.to_string()));
         style(&mut self.table, header);
-        if let Some(column) = self.table.column_mut(0) {
-            column.set_constraint(ColumnConstraint::UpperBoundary(Width::Fixed(NAME + 1)));
+        for (index, column) in self.table.column_iter_mut().enumerate() {
+            column.set_constraint(match index {
+                0 => ColumnConstraint::UpperBoundary(Width::Fixed(NAME + 1)),
+                _ => ColumnConstraint::LowerBoundary(Width::Fixed(5)),
+            });
         }
         let mut text = format!("{}\n\n", self.table.trim_fmt());
         let half = self.exercises.len().div_ceil(2);
@@ -183,12 +187,16 @@ fn remark(exercise: &ExerciseGrade) -> String {
     }
 }
 
-/// A ruled heading, numbers to the right, and no frame.
+/// A rule below the heading, and no frame.
+const RULED: TableStyle =
+    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
+
+/// A ruled heading, and numbers to the right.
 fn style(table: &mut Table, header: Vec<String>) {
     let cells = header.into_iter().map(Cell::new_owned);
     table.set_header(cells.collect::<Vec<_>>());
     table
-        .load_style(NOTHING)
+        .load_style(RULED)
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(WIDTH as u16);
     for (index, column) in table.column_iter_mut().enumerate() {
