@@ -291,7 +291,7 @@ fn a_list_without_the_neighbour_is_mended_first() {
 
 /// Changes to a complete exercise: the file, what stands there, what comes in its place, and a
 /// part of the sentence that tells.
-const DAMAGE: [(&str, &str, &str, &str); 26] = [
+const DAMAGE: [(&str, &str, &str, &str); 27] = [
     ("exercises/spec/src/lib.rs", "pub mod fill_in;\n", "", "`pub mod fill_in;` is missing"),
     (
         "exercises/spec/src/lib.rs",
@@ -302,6 +302,7 @@ const DAMAGE: [(&str, &str, &str, &str); 26] = [
     ("exercises/spec/src/fill_in.rs", "slug: \"fill_in\"", "slug: \"other\"", "slug: \"fill_in\""),
     ("exercises/spec/src/fill_in.rs", "fn cheapest_link(", "fn best_link(", "best_link"),
     ("exercises/spec/src/fill_in.rs", ", \"", ", concat!(\"", "misconceptions that"),
+    ("exercises/spec/src/fill_in.rs", "types: &[\"Layout\"]", "types: &[]", "has no `Layout`"),
     ("exercises/spec/src/fill_in/hints.md", "<!-- ANCHOR: 3 -->", "", "of 3 hints"),
     ("exercises/spec/src/fill_in/hints.md", "?", ".", "the first hint asks nothing"),
     ("exercises/src/fill_in.rs", "todo!", "panic!", "`todo!` stands 0 times"),

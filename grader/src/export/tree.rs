@@ -37,8 +37,8 @@ pub fn tree(root: &Path, vendored: bool) -> Result<Tree, String> {
 /// What is written for students alone.
 fn templates(vendored: bool) -> [(&'static str, String); 5] {
     let network = match vendored {
-        true => "No network: the sources of everything else are in `vendor`.",
-        false => "The first build fetches what the library needs; after that no network.",
+        true => "It needs no network: what else it is made of is in `vendor`.",
+        false => "It fetches what else it is made of; after that no network is needed.",
     };
     [
         ("README.md", include_str!("../../student/README.md").replace("{network}", network)),

@@ -175,6 +175,12 @@ impl Look<'_> {
             }
         }
         let spec = self.spec();
+        let types = quoted(&spec, "types: &[");
+        for import in imports(&skeleton, name).iter().filter(|import| !types.contains(import)) {
+            self.lack(format!(
+                "exercises/spec/src/{name}.rs: `types` has no `{import}`, which the skeleton imports"
+            ));
+        }
         let functions = functions(&spec);
         for function in &functions {
             self.has(
@@ -362,6 +368,19 @@ fn misconceptions(spec: &str) -> Vec<&str> {
         name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
     lines.filter_map(|line| Some(line.trim().split_once(", \"")?.0)).filter(constant).collect()
+}
+
+/// The words in quotation marks of a list that begins so.
+fn quoted<'a>(spec: &'a str, begin: &str) -> Vec<&'a str> {
+    between(spec, begin, "]").unwrap_or_default().split('"').skip(1).step_by(2).collect()
+}
+
+/// What a skeleton imports of its declaration.
+fn imports<'a>(skeleton: &'a str, name: &str) -> Vec<&'a str> {
+    let listed =
+        between(skeleton, &format!("use exercise_spec::{name}::"), ";").unwrap_or_default();
+    let words = listed.split(|c: char| !c.is_alphanumeric() && c != '_');
+    words.filter(|word| !word.is_empty()).collect()
 }
 
 fn hints(text: &str) -> usize {
