@@ -146,8 +146,11 @@ fn folder_of(file: &Path, is_std: bool) -> PathBuf {
 /// Compiles what the exercises declare, and all that it needs, for WebAssembly.
 fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
     let root = repository();
+    if !root.join("target/grader").join(TARGET).is_dir() {
+        eprintln!("Compiling what answers are linked with. The first time takes some minutes.");
+    }
     let mut cargo = toolchain.cargo();
-    cargo.args(["build", "--locked", "--package", "exercise-spec", "--target", TARGET]);
+    cargo.args(["build", "--quiet", "--locked", "--package", "exercise-spec", "--target", TARGET]);
     cargo.args([
         "--message-format",
         "json-render-diagnostics",
