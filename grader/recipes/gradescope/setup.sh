@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# ANCHOR: recipe
 # Gradescope runs this once, when the image of the autograder is made.
 set -euo pipefail
 
@@ -10,3 +11,4 @@ rustup target add wasm32-unknown-unknown
 # Grades the reference, so that everything is compiled before the first student waits.
 cd /autograder/source/book
 cargo grade run solutions/src --seed 1 --out /tmp/warm
+# ANCHOR_END: recipe
