@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # ANCHOR: recipe
-# Gradescope runs this once, when the image of the autograder is made.
+# Runs once, when the image of the autograder is made.
 set -euo pipefail
 
 apt-get update
@@ -8,7 +8,7 @@ apt-get install --yes --no-install-recommends bubblewrap build-essential ca-cert
 curl --proto '=https' --tlsv1.2 --fail --silent --show-error https://sh.rustup.rs | sh -s -- -y --profile minimal
 . "$HOME/.cargo/env"
 rustup target add wasm32-unknown-unknown
-# Grades the reference, so that everything is compiled before the first student waits.
+# Grades the reference, so that all is compiled before anybody waits.
 cd /autograder/source/book
 cargo grade run solutions/src --seed 1 --out /tmp/warm
 # ANCHOR_END: recipe
