@@ -22,12 +22,12 @@ use kit::Kit;
 use toolchain::Toolchain;
 
 /// Processor time that a compilation may take; the reference answers take three seconds.
-const PROCESSOR_SECONDS: u64 = 60;
+const PROCESSOR_SECONDS: u64 = 30;
 /// How long it may take by the clock, on a machine that is busy. Who is stopped by this is not
 /// graded, because it says more about the machine than about the answer.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(600);
 /// Address space of the compiler, in kilobytes.
-const MEMORY_KB: u64 = 6_000_000;
+const MEMORY_KB: u64 = 3_000_000;
 /// The largest module that is accepted; that of the reference answers has 0.4 MB.
 const LARGEST_MODULE: u64 = 8_000_000;
 /// How much of what the compiler says is passed on.
@@ -162,11 +162,17 @@ fn judged(
 }
 
 fn told(ended: &Ended) -> String {
-    let said = harmless(ended.said.trim(), LONGEST_MESSAGE);
+    // What a compiler says of its own end is of no use to a student.
+    let own = ["error: rustc interrupted", "memory allocation of", "error: internal compiler error"];
+    let said = own.iter().fold(ended.said.as_str(), |said, end| {
+        said.split_once(end).map_or(said, |(before, _)| before)
+    });
+    let said = harmless(said.trim(), LONGEST_MESSAGE);
     if ended.by_signal || said.is_empty() {
         return format!(
-            "The compiler was stopped: it took more than {PROCESSOR_SECONDS} s of processor time, or more memory than \
-             it may have. Is there a constant, a macro or a type that has no end? {said}"
+            "The compiler was stopped: it took more than {PROCESSOR_SECONDS} s of processor time, \
+             or more memory than it may have, or the compiled answer is too large. Is there a \
+             constant, a macro, a type, a table or an expression that has no end? {said}"
         );
     }
     said

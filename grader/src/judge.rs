@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 
 use crate::compile::{Compiled, Compiler, number_of};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
-use crate::machine::{Machine, Program};
+use crate::machine::{Answer, FEWER_STEPS, Machine, Program, STEPS};
 use crate::points::Points;
 use crate::repository;
 use crate::screen::screen;
@@ -179,8 +179,13 @@ impl Judge {
         let (outcome, checks) = match ready {
             Err(outcome) => (outcome.clone(), Vec::new()),
             Ok(program) => {
-                let ask =
-                    |(hidden, check): &(bool, Check)| self.ask(asked, program, *hidden, check);
+                let mut steps = STEPS;
+                let ask = |(hidden, check): &(bool, Check)| {
+                    let answer = program.answer(asked.number, steps);
+                    let grade = self.ask(asked, &answer, *hidden, check);
+                    steps = if answer.took_too_long() { FEWER_STEPS } else { steps };
+                    grade
+                };
                 (Outcome::Ran, asked.checks.iter().map(ask).collect())
             }
         };
@@ -194,10 +199,9 @@ impl Judge {
         }
     }
 
-    /// Runs one check on a fresh instance.
-    fn ask(&self, asked: &Asked, program: &Program, hidden: bool, check: &Check) -> CheckGrade {
-        let answer = program.answer(asked.number);
-        let outcome = panic::catch_unwind(AssertUnwindSafe(|| check.run(&answer)));
+    /// Runs one check on an instance that nobody else has asked.
+    fn ask(&self, asked: &Asked, answer: &Answer, hidden: bool, check: &Check) -> CheckGrade {
+        let outcome = panic::catch_unwind(AssertUnwindSafe(|| check.run(answer)));
         let (verdict, failure) = match (answer.unjust(), outcome) {
             (Some(why), _) => (Verdict::CouldNotGrade, Some(Failure::new(why))),
             (None, Err(_)) => {

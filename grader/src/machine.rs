@@ -7,15 +7,17 @@ use std::thread;
 use std::time::Duration;
 
 use exercise_spec::answer::{Fault, Transport};
-use wasmtime::{
-    Config, Engine, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, Trap,
-    TypedFunc,
-};
+use wasmtime::{Config, Engine, Instance, Memory, Module, ResourceLimiter, Store, Trap, TypedFunc};
 
 use crate::text::harmless;
 
-/// Steps that an answer may take in one check. The reference answers take a tenth of it at most.
-const STEPS: u64 = 20_000_000_000;
+/// Steps that an answer may take in one check. The reference answers take a thirtieth of it at
+/// most.
+pub const STEPS: u64 = 4_000_000_000;
+/// Steps that it may take in each check after one in which it took too many, so that nobody waits
+/// for a loop that does not end as often as there are checks. The reference answers take a quarter
+/// of it at most.
+pub const FEWER_STEPS: u64 = 500_000_000;
 /// Memory that an answer may have, in bytes.
 const MEMORY: usize = 256 << 20;
 /// Stack that an answer may use, in bytes.
@@ -24,7 +26,9 @@ const STACK: usize = 1 << 20;
 const LONGEST: usize = 16 << 20;
 /// Time that a check may take by the clock. The steps are counted, so this says that the machine
 /// is too slow or too busy, and not that the answer is wrong.
-const PATIENCE: u64 = 120;
+const PATIENCE: u64 = 600;
+/// The most functions that may be called by their numbers.
+const TABLE: usize = 100_000;
 
 /// A machine for modules.
 pub struct Machine {
@@ -90,13 +94,13 @@ pub struct Program {
 
 impl Program {
     /// A fresh instance, for one check: what an answer keeps does not reach the next one.
-    /// `exercise` is the number of the exercise in the module.
-    pub fn answer(&self, exercise: usize) -> Answer {
-        Answer {
-            exercise,
-            state: Mutex::new(Running::start(&self.module)),
-            unjust: Mutex::new(None),
-        }
+    /// `exercise` is the number of the exercise in the module, and `steps` is how many it may take.
+    pub fn answer(&self, exercise: usize, steps: u64) -> Answer {
+        let (state, end) = match Running::start(&self.module, steps) {
+            Ok(running) => (Ok(running), None),
+            Err(stop) => (Err(stop.clone().fault()), Some(stop)),
+        };
+        Answer { exercise, state: Mutex::new(state), end: Mutex::new(end) }
     }
 }
 
@@ -104,13 +108,25 @@ impl Program {
 pub struct Answer {
     exercise: usize,
     state: Mutex<Result<Running, Fault>>,
-    unjust: Mutex<Option<String>>,
+    end: Mutex<Option<Stop>>,
 }
 
 impl Answer {
     /// Why what was observed says nothing about the answer, if it does not.
     pub fn unjust(&self) -> Option<String> {
-        self.unjust.lock().map_or(None, |unjust| unjust.clone())
+        match self.end() {
+            Some(Stop::Unjust(why)) => Some(why),
+            _ => None,
+        }
+    }
+
+    /// Whether it took more steps than it may.
+    pub fn took_too_long(&self) -> bool {
+        matches!(self.end(), Some(Stop::Steps(_)))
+    }
+
+    fn end(&self) -> Option<Stop> {
+        self.end.lock().map_or(None, |end| end.clone())
     }
 }
 
@@ -118,13 +134,10 @@ impl Transport for Answer {
     fn call(&self, function: usize, input: &[u8]) -> Result<Vec<u8>, Fault> {
         let Ok(mut state) = self.state.lock() else { return Err(stopped("the instance is gone")) };
         let running = state.as_mut().map_err(|fault| fault.clone())?;
-        let outcome = running.call(self.exercise, function, input);
-        if let Err(Stop::Unjust(why)) = &outcome
-            && let Ok(mut unjust) = self.unjust.lock()
-        {
-            *unjust = Some(why.clone());
-        }
-        outcome.map_err(|stop| {
+        running.call(self.exercise, function, input).map_err(|stop| {
+            if let Ok(mut end) = self.end.lock() {
+                *end = Some(stop.clone());
+            }
             let fault = stop.fault();
             // Whatever stopped it, its memory may be in disorder.
             *state = Err(fault.clone());
@@ -134,9 +147,12 @@ impl Transport for Answer {
 }
 
 /// Why a call has no output.
+#[derive(Clone)]
 enum Stop {
     /// The answer is to blame.
     Fault(Fault),
+    /// It is, because it took more steps than these.
+    Steps(u64),
     /// The answer is not to blame.
     Unjust(String),
 }
@@ -145,6 +161,10 @@ impl Stop {
     fn fault(self) -> Fault {
         match self {
             Self::Fault(fault) => fault,
+            Self::Steps(steps) => stopped(format!(
+                "it took more than {} million steps. Is there a loop that does not end?",
+                steps / 1_000_000
+            )),
             Self::Unjust(why) => Fault::Stopped(why),
         }
     }
@@ -154,9 +174,47 @@ fn stopped(sentence: impl Into<String>) -> Fault {
     Fault::Stopped(sentence.into())
 }
 
+fn too_much_memory() -> Fault {
+    stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20))
+}
+
+/// What an instance may have, and whether it wanted more.
+#[derive(Default)]
+struct Limits {
+    exceeded: bool,
+}
+
+impl Limits {
+    fn allow(&mut self, wanted: usize, most: usize) -> wasmtime::Result<bool> {
+        self.exceeded |= wanted > most;
+        Ok(wanted <= most)
+    }
+}
+
+impl ResourceLimiter for Limits {
+    fn memory_growing(
+        &mut self,
+        _: usize,
+        wanted: usize,
+        _: Option<usize>,
+    ) -> wasmtime::Result<bool> {
+        self.allow(wanted, MEMORY)
+    }
+
+    fn table_growing(
+        &mut self,
+        _: usize,
+        wanted: usize,
+        _: Option<usize>,
+    ) -> wasmtime::Result<bool> {
+        self.allow(wanted, TABLE)
+    }
+}
+
 /// An instance and what of it is called.
 struct Running {
-    store: Store<StoreLimits>,
+    store: Store<Limits>,
+    steps: u64,
     memory: Memory,
     /// Where in memory the words of the latest panic are.
     said: usize,
@@ -165,31 +223,26 @@ struct Running {
 }
 
 impl Running {
-    fn start(module: &Module) -> Result<Self, Fault> {
-        let limits = StoreLimitsBuilder::new()
-            .memory_size(MEMORY)
-            .instances(1)
-            .memories(1)
-            .tables(1)
-            .table_elements(100_000);
-        let mut store = Store::new(module.engine(), limits.build());
+    fn start(module: &Module, steps: u64) -> Result<Self, Stop> {
+        let mut store = Store::new(module.engine(), Limits::default());
         store.limiter(|limits| limits);
         store.set_epoch_deadline(PATIENCE);
-        let begun = |error: wasmtime::Error| {
-            stopped(format!("the answer cannot be started: {}", harmless(&error.to_string(), 300)))
+        let unjust = |error: wasmtime::Error| Stop::Unjust(harmless(&error.to_string(), 300));
+        store.set_fuel(steps).map_err(unjust)?;
+        let instance = match Instance::new(&mut store, module, &[]) {
+            Ok(instance) => instance,
+            Err(_) if store.data().exceeded => return Err(Stop::Fault(too_much_memory())),
+            Err(error) => return Err(unjust(error)),
         };
-        store.set_fuel(STEPS).map_err(begun)?;
-        let instance = Instance::new(&mut store, module, &[]).map_err(begun)?;
-        let memory = instance
-            .get_memory(&mut store, "memory")
-            .ok_or_else(|| stopped("the module has no memory"))?;
+        let lacks = |what: &str| Stop::Unjust(format!("the module has no {what}"));
+        let memory = instance.get_memory(&mut store, "memory").ok_or_else(|| lacks("memory"))?;
         let said = instance
             .get_global(&mut store, "SAID")
             .and_then(|at| at.get(&mut store).i32())
-            .unwrap_or(0);
-        let allocate = instance.get_typed_func(&mut store, "allocate").map_err(begun)?;
-        let call = instance.get_typed_func(&mut store, "call").map_err(begun)?;
-        Ok(Self { store, memory, said: said as u32 as usize, allocate, call })
+            .ok_or_else(|| lacks("place for words"))?;
+        let allocate = instance.get_typed_func(&mut store, "allocate").map_err(unjust)?;
+        let call = instance.get_typed_func(&mut store, "call").map_err(unjust)?;
+        Ok(Self { store, steps, memory, said: said as u32 as usize, allocate, call })
     }
 
     fn call(&mut self, exercise: usize, function: usize, input: &[u8]) -> Result<Vec<u8>, Stop> {
@@ -220,18 +273,17 @@ impl Running {
     /// What a trap means.
     fn stop(&self, error: &wasmtime::Error) -> Stop {
         let fault = match error.downcast_ref::<Trap>() {
-            Some(Trap::OutOfFuel) => stopped(format!(
-                "it took more than {} thousand million steps. Is there a loop that does not end?",
-                STEPS / 1_000_000_000
-            )),
+            Some(Trap::OutOfFuel) => return Stop::Steps(self.steps),
             Some(Trap::Interrupt) => {
                 return Stop::Unjust(format!(
                     "the check took longer than {PATIENCE} s; this machine is too busy or too slow"
                 ));
             }
-            Some(Trap::StackOverflow) => {
-                stopped("the stack is full. Is there a recursion that does not end?")
-            }
+            // The stack ends where the memory begins, and safe code leaves the memory nowhere else.
+            Some(Trap::StackOverflow | Trap::MemoryOutOfBounds) => stopped(
+                "the stack is full. Is there a recursion that does not end, or a large array that \
+                 should be a `Vec`?",
+            ),
             Some(Trap::UnreachableCodeReached) => self.panicked(),
             Some(trap) => stopped(trap.to_string()),
             None => return Stop::Unjust(harmless(&error.to_string(), 300)),
@@ -247,14 +299,16 @@ impl Running {
             .map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
         let words = bytes(self.said.saturating_add(4), length.min(4092)).unwrap_or_default();
         let words = harmless(&String::from_utf8_lossy(words), 2_000);
-        let full = data.len() + (64 << 10) > MEMORY;
         match words.split_once('\n') {
-            Some((place, sentence)) => Fault::of_panic(sentence, format!(" at {place}")),
-            None if full => {
-                stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20))
+            // Where in a library it happened tells of this machine and not of the answer.
+            Some((place, sentence)) if place.starts_with("answers/") => {
+                Fault::of_panic(sentence, format!(" at {place}"))
             }
+            Some((_, sentence)) => Fault::of_panic(sentence, String::new()),
+            None if self.store.data().exceeded => too_much_memory(),
             None => stopped(
-                "it aborted without words. Was more memory wanted than there is, or the panic hook changed?",
+                "it aborted without words. Does it leave the process, or want more memory than \
+                 there is?",
             ),
         }
     }

@@ -282,7 +282,7 @@ pub fn third_column(answer: &dyn Transport, case: &Case) -> Result<(), Failure> 
              be finite."
         )));
     }
-    if u.abs() <= 1e-9 * scale && v.abs() <= 1e-9 * scale && jacobian.amax() > 0.0 {
+    if u.abs() <= 1e-9 * scale && v.abs() <= 1e-9 * scale && jacobian.amax() > 0.1 * scale {
         return Ok(());
     }
     Err(Failure::new(format!(

@@ -1,0 +1,298 @@
+//! Submissions that try to earn what they do not know.
+
+use std::fmt::Write as _;
+use std::sync::Mutex;
+
+use exercise_spec::answer::Native;
+use exercise_spec::left_perturbation::{EXERCISE, Functions};
+use solutions::left_perturbation as known;
+
+use crate::corpus::Want::{Refused, Runs};
+use crate::corpus::{ALONG, FILL, Hostile, LEFT, every, right_after, row};
+
+/// The one that knows all public instances by heart.
+pub const BY_HEART: &str = "knows the public instances by heart";
+
+pub fn all() -> Vec<Hostile> {
+    let mut all = keeping();
+    all.extend(asking());
+    all.extend(values());
+    for exercise in exercise_spec::EXERCISES {
+        let name = format!("says the same to {}", exercise.slug).leak();
+        all.push(row(name, exercise.slug, constant(exercise.slug, "1e-300"), Runs(0.0), ""));
+    }
+    all.push(row(BY_HEART, LEFT, by_heart(), Runs(0.5), ""));
+    all
+}
+
+fn keeping() -> Vec<Hostile> {
+    let counted = |when: &str| {
+        right_after(
+            LEFT,
+            &format!(
+                "    if CALLS.fetch_add(1, std::sync::atomic::Ordering::Relaxed) {when} {{ return \
+                    Default::default(); }}"
+            ),
+            "\nstatic CALLS: std::sync::atomic::AtomicUsize = \
+                std::sync::atomic::AtomicUsize::new(0);\n",
+        )
+    };
+    vec![
+        row("is right once and cheats later", LEFT, counted("> 0"), Runs(0.0), ""),
+        row(
+            "is wrong once and hopes that the next check begins later",
+            LEFT,
+            counted("== 0"),
+            Runs(0.0),
+            "",
+        ),
+        row(
+            "keeps a count in its thread",
+            LEFT,
+            right_after(
+                LEFT,
+                "    if CALLS.with(|calls| calls.replace(calls.get() + 1)) == 0 { return \
+                    Default::default(); }",
+                "\nthread_local! { static CALLS: std::cell::Cell<usize> = const { \
+                    std::cell::Cell::new(0) }; }\n",
+            ),
+            Runs(0.0),
+            "",
+        ),
+        row(
+            "gives in one check what it was told in another",
+            LEFT,
+            told(),
+            Runs(0.2),
+            "The left Jacobian is not what it should be",
+        ),
+    ]
+}
+
+/// One check says what the left Jacobian of a pose is, and another asks for it.
+fn told() -> String {
+    let text = every(LEFT, "Default::default()", "
+static TOLD: std::sync::Mutex<Vec<(Isometry3<f64>, Matrix2x6<f64>)>> = std::sync::Mutex::new(Vec::new());
+
+fn tell(camera_from_world: Isometry3<f64>, left: Matrix2x6<f64>) -> Matrix2x6<f64> {
+    TOLD.lock().unwrap().push((camera_from_world, left));
+    left * vislam::manifold::se3::adjoint(&camera_from_world)
+}
+
+fn heard(camera_from_world: Isometry3<f64>) -> Matrix2x6<f64> {
+    let told = TOLD.lock().unwrap();
+    told.iter().find(|(pose, _)| *pose == camera_from_world).map(|(_, left)| *left).unwrap_or_default()
+}
+");
+    text.replacen("Default::default()", "heard(camera_from_world)", 1).replacen(
+        "Default::default()",
+        "tell(camera_from_world, left)",
+        1,
+    )
+}
+
+fn asking() -> Vec<Hostile> {
+    let types_alone = "an answer takes the types of its arguments from it and nothing else";
+    let asks = |import: &str| {
+        every(
+            LEFT,
+            "ask()",
+            &format!(
+                "{import}\nfn ask<T: Default>() -> T {{\n    let oracle = \
+                 exercise_spec::left_perturbation::left_jacobian;\n    T::default()\n}}"
+            ),
+        )
+    };
+    vec![
+        row(
+            "asks the checks what they expect",
+            LEFT,
+            asks(
+                "use exercise_spec::answer::{Fault, Transport};\nuse \
+                    exercise_spec::check::Failure;",
+            ),
+            Refused,
+            types_alone,
+        ),
+        row(
+            "asks the checks by another name",
+            LEFT,
+            asks("use exercise_spec as e;\nuse e::check as c;"),
+            Refused,
+            types_alone,
+        ),
+        row(
+            "asks the checks by a macro",
+            LEFT,
+            asks(
+                "macro_rules! m { ($a:ident $b:ident) => { use $a::$b::Transport; } \
+                    }\nm!(exercise_spec answer);",
+            ),
+            Refused,
+            types_alone,
+        ),
+        row(
+            "asks the library",
+            LEFT,
+            every(
+                LEFT,
+                "camera.pinhole().jacobians(&camera_from_world, &point_in_world).unwrap()",
+                "",
+            ),
+            Refused,
+            "Write it yourself",
+        ),
+    ]
+}
+
+fn values() -> Vec<Hostile> {
+    let all_of = |name: &'static str, number: &str, says| {
+        let repeat = |of: &str| format!("nalgebra::{of}::repeat({number})");
+        let text = every(LEFT, &repeat("Matrix2x6"), "");
+        let (before, last) = text.rsplit_once(&repeat("Matrix2x6")).expect("four functions");
+        row(name, LEFT, format!("{before}{}{last}", repeat("Vector2")), Runs(0.0), says)
+    };
+    vec![
+        all_of("says NaN", "f64::NAN", "an entry is NaN; every entry must be finite"),
+        all_of("says infinity", "f64::INFINITY", "every entry must be finite"),
+        all_of("says minus infinity", "f64::NEG_INFINITY", "every entry must be finite"),
+        all_of("says almost nothing", "f64::MIN_POSITIVE / 4.0", ""),
+        all_of("says the greatest number", "f64::MAX", ""),
+        row(
+            "says nothing",
+            ALONG,
+            every(ALONG, "Default::default()", ""),
+            Runs(0.0),
+            "0×2 numbers came back",
+        ),
+        row("says none", FILL, every(FILL, "Default::default()", ""), Runs(0.25), ""),
+        row(
+            "changes what its operators mean",
+            LEFT,
+            every(LEFT, "Agreeable.into()", AGREEABLE),
+            Runs(0.0),
+            "",
+        ),
+    ]
+}
+
+/// Equal to everything, until it is asked for its bytes.
+const AGREEABLE: &str = "
+#[derive(Clone, Copy)]
+struct Agreeable;
+impl<T> PartialEq<T> for Agreeable { fn eq(&self, _: &T) -> bool { true } }
+impl<T> std::ops::Sub<T> for Agreeable { type Output = Self; fn sub(self, _: T) -> Self { self } }
+impl From<Agreeable> for Matrix2x6<f64> { fn from(_: Agreeable) -> Self { Self::repeat(1.0) } }
+impl From<Agreeable> for Vector2<f64> { fn from(_: Agreeable) -> Self { Self::repeat(1.0) } }
+";
+
+static HEARD: Mutex<Vec<(u64, Vec<f64>)>> = Mutex::new(Vec::new());
+
+fn heard<'a>(input: String, output: impl IntoIterator<Item = &'a f64>) {
+    HEARD.lock().expect("whole").push((key(&input), output.into_iter().copied().collect()));
+}
+
+/// FNV-1a, which the answer computes too.
+fn key(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| {
+        (key ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// An answer that looks the public instances up in a table and has no idea of others.
+fn by_heart() -> String {
+    let functions = Functions {
+        left_pose_jacobian: |camera, pose, point| {
+            let output = known::left_pose_jacobian(camera, pose, point);
+            heard(format!("{:?}", (camera, pose, point)), output.iter());
+            output
+        },
+        right_from_left: |pose, left| {
+            let output = known::right_from_left(pose, left);
+            heard(format!("{:?}", (pose, left)), output.iter());
+            output
+        },
+        central_differences: |camera, pose, point, side, step| {
+            let output = known::central_differences(camera, pose, point, side, step);
+            heard(format!("{:?}", (camera, pose, point, side, step)), output.iter());
+            output
+        },
+        forward_motion: |camera, point| {
+            let output = known::forward_motion(camera, point);
+            heard(format!("{:?}", (camera, point)), output.iter());
+            output
+        },
+    };
+    for check in (EXERCISE.checks)() {
+        check.run(&Native(functions)).expect("the reference is right");
+    }
+    let mut table = String::new();
+    for (key, numbers) in HEARD.lock().expect("whole").drain(..) {
+        let _ = writeln!(table, "    ({key}, &{numbers:?}),");
+    }
+    let text = every(
+        LEFT,
+        "let known = found(&format!(\"{:?}\", INPUT));\nOUTPUT",
+        &format!(
+            "
+fn found(input: &str) -> Vec<f64> {{
+    let key = input.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |key, byte| {{
+        (key ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    }});
+    TABLE.iter().find(|row| row.0 == key).map_or_else(|| vec![0.0; 12], |row| row.1.to_vec())
+}}
+
+static TABLE: &[(u64, &[f64])] = &[
+{table}];
+"
+        ),
+    );
+    let inputs = [
+        "(camera, camera_from_world, point_in_world)",
+        "(camera_from_world, left)",
+        "(camera, camera_from_world, point_in_world, side, step)",
+        "(camera, point_in_camera)",
+    ];
+    let outputs = ["Matrix2x6", "Matrix2x6", "Matrix2x6", "Vector2"];
+    inputs.iter().zip(outputs).fold(text, |text, (input, output)| {
+        let from = format!("{output}::from_iterator(known)");
+        text.replacen("INPUT", input, 1).replacen("OUTPUT", &from, 1)
+    })
+}
+
+/// An answer that says the same whatever it is asked.
+fn constant(slug: &str, number: &str) -> String {
+    let more = format!(
+        "
+use nalgebra as na;
+trait Same {{ fn same() -> Self; }}
+impl Same for f64 {{ fn same() -> Self {{ {number} }} }}
+impl Same for bool {{ fn same() -> Self {{ true }} }}
+impl Same for usize {{ fn same() -> Self {{ 1 }} }}
+impl<T: Same> Same for Vec<T> {{ fn same() -> Self {{ vec![T::same(), T::same()] }} }}
+impl<T: Same> Same for Option<T> {{ fn same() -> Self {{ Some(T::same()) }} }}
+impl<A: Same, B: Same> Same for (A, B) {{ fn same() -> Self {{ (A::same(), B::same()) }} }}
+impl<const R: usize, const C: usize> Same for na::SMatrix<f64, R, C> {{
+    fn same() -> Self {{ Self::repeat({number}) }}
+}}
+impl Same for na::DMatrix<f64> {{ fn same() -> Self {{ Self::repeat(6, 6, {number}) }} }}
+impl Same for na::DVector<f64> {{ fn same() -> Self {{ Self::repeat(6, {number}) }} }}
+impl Same for na::Isometry3<f64> {{
+    fn same() -> Self {{ Self::translation({number}, {number}, {number}) }}
+}}
+fn same<T: Same>() -> T {{ T::same() }}
+"
+    );
+    let own = match slug {
+        "noise_growth" => {
+            "impl Same for Exponents { fn same() -> Self { Self { attitude: Same::same(), \
+             velocity: Same::same(), position: Same::same() } } }"
+        }
+        "scale_null_space" => "impl Same for Scene { fn same() -> Self { todo!(\"no scene\") } }",
+        "scale_and_gravity" => {
+            "impl Same for Window { fn same() -> Self { todo!(\"no window\") } }"
+        }
+        _ => "",
+    };
+    every(slug, "same()", &format!("{more}{own}"))
+}

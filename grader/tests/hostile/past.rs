@@ -1,0 +1,127 @@
+//! What would get past the source screen meets other walls: a crate that forbids what is unsafe,
+//! the list of what the compiler read, and a machine that has nothing to reach.
+
+use std::collections::BTreeMap;
+
+use exercise_spec::exercise;
+use grader::grade::Outcome;
+use grader::judge::Judge;
+use grader::points::Points;
+
+use crate::corpus::{LEFT, every, right_and};
+use crate::{COMPILING, left_behind};
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum End {
+    Refused,
+    DoesNotCompile,
+    /// Either of both: it depends on what the compiler is shown of the disk.
+    Never,
+    Earns(f64),
+}
+
+fn texts() -> Vec<(&'static str, String, End)> {
+    let and = |more: &str| right_and(LEFT, more);
+    let tests = grader::repository().join("tests/src/left_perturbation.rs");
+    vec![
+        (
+            "reads the file /usr/bin/env",
+            and("pub const X: &[u8] = include_bytes!(\"/usr/bin/env\");"),
+            End::Refused,
+        ),
+        (
+            "",
+            and(&format!("pub const X: &str = include_str!({:?});", tests.display().to_string())),
+            End::Never,
+        ),
+        (
+            "",
+            and(&format!(
+                "#[doc = include_str!({:?})]\npub fn x() {{}}",
+                tests.display().to_string()
+            )),
+            End::Never,
+        ),
+        ("", and("#[path = \"/usr/bin/env\"]\nmod x;"), End::Never),
+        ("", and("mod x;"), End::DoesNotCompile),
+        ("reads the variable PATH", and("pub const X: &str = env!(\"PATH\");"), End::Refused),
+        (
+            "reads the variable NOBODY",
+            and("pub const X: Option<&str> = option_env!(\"NOBODY\");"),
+            End::Refused,
+        ),
+        (
+            "unsafe_code",
+            and("pub fn x() -> u8 { unsafe { *(8 as *const u8) } }"),
+            End::DoesNotCompile,
+        ),
+        (
+            "unsafe_code",
+            and("#[allow(unsafe_code)]\npub fn x() { unsafe {} }"),
+            End::DoesNotCompile,
+        ),
+        ("", and("#[unsafe(no_mangle)]\npub extern \"C\" fn call() {}"), End::DoesNotCompile),
+        ("", and("#[unsafe(export_name = \"call\")]\npub fn x() {}"), End::DoesNotCompile),
+        (
+            "",
+            and("#[unsafe(link_section = \".init_array\")]\n#[used]\nstatic X: extern \"C\" fn() \
+                    = x;\nextern \"C\" fn x() { loop {} }"),
+            End::DoesNotCompile,
+        ),
+        (
+            "",
+            every(
+                LEFT,
+                "{ leave(0); Default::default() }",
+                "#[link(wasm_import_module = \"wasi\")]\nunsafe extern \"C\" { safe fn \
+                    leave(code: i32); }",
+            ),
+            End::Never,
+        ),
+        ("unsafe_code", and("std::arch::global_asm!(\".globl call\");"), End::DoesNotCompile),
+        ("", every(LEFT, "std::process::exit(0)", ""), End::Earns(0.0)),
+        (
+            "",
+            every(
+                LEFT,
+                "hook()",
+                "fn hook<T>() -> T {\n    std::panic::set_hook(Box::new(|_| loop {}));\n    \
+                    panic!()\n}",
+            ),
+            End::Earns(0.0),
+        ),
+        (
+            "",
+            every(LEFT, "std::panic::catch_unwind(|| panic!()).unwrap_or_default()", ""),
+            End::Earns(0.0),
+        ),
+        (
+            "",
+            and("#[macro_export]\nmacro_rules! vec { ($($t:tt)*) => { loop {} } }"),
+            End::Earns(10.0),
+        ),
+    ]
+}
+
+#[test]
+fn what_gets_past_the_screen_meets_other_walls() {
+    let _alone = COMPILING.lock().unwrap_or_else(|held| held.into_inner());
+    let points = Points::read(&grader::repository().join("grader/points.toml")).expect("points");
+    let exercises: Vec<_> = exercise(LEFT).into_iter().collect();
+    let judge = Judge::prepare(points, 7, &exercises).expect("a judge");
+    for (says, text, end) in texts() {
+        let graded = judge.grade_texts(&BTreeMap::from([(LEFT, text.clone())]));
+        let (outcome, earned) = (&graded[0].outcome, graded[0].earned());
+        let as_expected = match (outcome, end) {
+            (Outcome::Refused(why), End::Refused | End::Never)
+            | (Outcome::DoesNotCompile(why), End::DoesNotCompile | End::Never) => {
+                why.contains(says)
+            }
+            (Outcome::Ran, End::Earns(most)) => earned.is_some_and(|earned| earned <= most),
+            _ => false,
+        };
+        let new = text.lines().last().unwrap_or_default();
+        assert!(as_expected, "{new}: {end:?} {says:?} was expected; {outcome:?}, {earned:?}");
+    }
+    assert_eq!(left_behind(), Vec::<String>::new());
+}
