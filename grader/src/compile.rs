@@ -163,7 +163,8 @@ fn judged(
 
 fn told(ended: &Ended) -> String {
     // What a compiler says of its own end is of no use to a student.
-    let own = ["error: rustc interrupted", "memory allocation of", "error: internal compiler error"];
+    let own =
+        ["error: rustc interrupted", "memory allocation of", "error: internal compiler error"];
     let said = own.iter().fold(ended.said.as_str(), |said, end| {
         said.split_once(end).map_or(said, |(before, _)| before)
     });
