@@ -69,12 +69,19 @@ fn run(command: Option<Command>) -> Result<(), String> {
                 ),
             }
         }
-        Some(Command::Update) => {
-            EXERCISES.iter().try_for_each(|exercise| update(&folder, exercise))?;
-        }
+        Some(Command::Update) => update_all(&folder)?,
         Some(Command::Watch { name }) => watch::watch(&folder, name.as_deref())?,
     }
     Ok(())
+}
+
+/// Updates every answer. One that cannot be updated is told in the end and holds up no other.
+fn update_all(folder: &Folder) -> Result<(), String> {
+    let failed = EXERCISES.iter().filter_map(|exercise| update(folder, exercise).err());
+    match failed.collect::<Vec<_>>() {
+        failed if failed.is_empty() => Ok(()),
+        failed => Err(failed.join("\n")),
+    }
 }
 
 fn update(folder: &Folder, exercise: &Exercise) -> Result<(), String> {
