@@ -21,8 +21,11 @@ use confine::{Ended, Sandbox};
 use kit::Kit;
 use toolchain::Toolchain;
 
-/// Processor time that a compilation may take; the reference answers take three seconds.
-const PROCESSOR_SECONDS: u64 = 30;
+/// Processor time that the compilation of all answers may take; the reference answers take three
+/// seconds.
+const SECONDS_TOGETHER: u64 = 30;
+/// The same for one answer alone; the longest reference answer takes one second.
+const SECONDS_ALONE: u64 = 10;
 /// How long it may take by the clock, on a machine that is busy. Who is stopped by this is not
 /// graded, because it says more about the machine than about the answer.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -74,14 +77,14 @@ impl Compiler {
         let compiled = self.kit.folder().and_then(|folder| {
             write_tree(folder.path(), answers)
                 .map_err(|error| format!("the answers cannot be written: {error}"))?;
-            let ended = confine::run(self.rustc(folder.path()), PATIENCE)?;
+            let ended = confine::run(self.rustc(folder.path(), seconds(answers)), PATIENCE)?;
             judged(&ended, folder.path(), answers)
         });
         compiled.unwrap_or_else(Compiled::CouldNotCompile)
     }
 
     /// The call of the compiler, which sees the folder, its own files and the kit.
-    fn rustc(&self, folder: &Path) -> Command {
+    fn rustc(&self, folder: &Path, processor_seconds: u64) -> Command {
         let mut rustc = vec![self.toolchain.rustc.clone().into_os_string()];
         let options = "--edition 2024 --crate-type cdylib --crate-name answers --color never \
             --target wasm32-unknown-unknown -C panic=abort -C opt-level=1 -C debuginfo=0 \
@@ -90,7 +93,7 @@ impl Compiler {
         rustc.extend(self.kit.options());
         let readable = [self.toolchain.root.as_path(), self.kit.path()];
         let limits = confine::Limits {
-            processor_seconds: PROCESSOR_SECONDS,
+            processor_seconds,
             memory_kb: MEMORY_KB,
             file_kb: 2 * LARGEST_MODULE / 1000,
         };
@@ -146,7 +149,7 @@ fn judged(
         return Ok(Compiled::Refused(stranger));
     }
     if !ended.success {
-        return Ok(Compiled::DoesNotCompile(told(ended)));
+        return Ok(Compiled::DoesNotCompile(told(ended, seconds(answers))));
     }
     let module = folder.join("answers.wasm");
     let size = fs::metadata(&module).map_err(|error| format!("there is no module: {error}"))?.len();
@@ -161,7 +164,12 @@ fn judged(
         .map_err(|error| format!("the module cannot be read: {error}"))
 }
 
-fn told(ended: &Ended) -> String {
+/// Processor time that the compilation of answers may take.
+fn seconds(answers: &BTreeMap<&'static str, String>) -> u64 {
+    if answers.len() > 1 { SECONDS_TOGETHER } else { SECONDS_ALONE }
+}
+
+fn told(ended: &Ended, seconds: u64) -> String {
     // What a compiler says of its own end is of no use to a student.
     let own =
         ["error: rustc interrupted", "memory allocation of", "error: internal compiler error"];
@@ -171,7 +179,7 @@ fn told(ended: &Ended) -> String {
     let said = harmless(said.trim(), LONGEST_MESSAGE);
     if ended.by_signal || said.is_empty() {
         return format!(
-            "The compiler was stopped: it took more than {PROCESSOR_SECONDS} s of processor time, \
+            "The compiler was stopped: it took more than {seconds} s of processor time, \
              or more memory than it may have, or the compiled answer is too large. Is there a \
              constant, a macro, a type, a table or an expression that has no end? {said}"
         );
