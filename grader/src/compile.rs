@@ -36,6 +36,11 @@ const LARGEST_MODULE: u64 = 8_000_000;
 /// How much of what the compiler says is passed on.
 const LONGEST_MESSAGE: usize = 3_000;
 
+/// The signal by which a system takes memory back. The limits here end a compiler by others.
+const KILLED: i32 = 9;
+/// What a compiler says on a full disk.
+const DISK_FULL: &str = "No space left on device";
+
 /// Turns answers into modules.
 pub struct Compiler {
     toolchain: Toolchain,
@@ -145,6 +150,12 @@ fn judged(
     if ended.out_of_patience {
         return Err(format!("the compiler was stopped after {} s", PATIENCE.as_secs()));
     }
+    if ended.signal == Some(KILLED) {
+        return Err("the compiler was killed from outside; is there enough memory?".to_owned());
+    }
+    if ended.said.contains(DISK_FULL) {
+        return Err(format!("the compiler could not write: {DISK_FULL}"));
+    }
     if let Some(stranger) = stranger(folder, answers) {
         return Ok(Compiled::Refused(stranger));
     }
@@ -177,7 +188,7 @@ fn told(ended: &Ended, seconds: u64) -> String {
         said.split_once(end).map_or(said, |(before, _)| before)
     });
     let said = harmless(said.trim(), LONGEST_MESSAGE);
-    if ended.by_signal || said.is_empty() {
+    if ended.signal.is_some() || said.is_empty() {
         return format!(
             "The compiler was stopped: it took more than {seconds} s of processor time, \
              or more memory than it may have, or the compiled answer is too large. Is there a \

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -34,8 +34,8 @@ pub struct Limits {
 /// How a command ended.
 pub struct Ended {
     pub success: bool,
-    /// It was killed, by a limit or by itself.
-    pub by_signal: bool,
+    /// The signal that ended it, if one did.
+    pub signal: Option<i32>,
     /// It was still running when the patience was over.
     pub out_of_patience: bool,
     /// The beginning of what it said on its error stream.
@@ -113,9 +113,12 @@ impl Limits {
             return Vec::new();
         }
         let Self { processor_seconds, memory_kb, file_kb } = self;
-        // The shell counts files in blocks of half a kilobyte.
+        // At the lower limit of time the signal says so; at the upper one it would be that of
+        // somebody who wants the memory back. The shell counts files in blocks of half a kilobyte.
         let script = format!(
-            "ulimit -c 0; ulimit -t {processor_seconds}; ulimit -v {memory_kb}; ulimit -f {}; exec \"$@\"",
+            "ulimit -c 0; ulimit -S -t {processor_seconds}; ulimit -H -t {}; ulimit -v {memory_kb}; \
+             ulimit -f {}; exec \"$@\"",
+            2 * processor_seconds,
             2 * file_kb
         );
         ["/bin/sh".into(), "-c".into(), script.into(), "sh".into()].into()
@@ -149,11 +152,19 @@ pub fn run(mut command: Command, patience: Duration) -> Result<Ended, String> {
     let said = listener.join().unwrap_or_default();
     Ok(Ended {
         success: status.is_some_and(|status| status.success()),
-        // A shell, or bubblewrap, tells of a signal by a status above 128.
-        by_signal: status.is_some_and(|status| status.code().is_none_or(|code| code > 128)),
+        signal: status.and_then(signal),
         out_of_patience: status.is_none(),
         said,
     })
+}
+
+/// The signal of a status. A shell, or bubblewrap, tells it by a number above 128.
+fn signal(status: ExitStatus) -> Option<i32> {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return Some(signal);
+    }
+    status.code().and_then(|code| (code > 128).then_some(code - 128))
 }
 
 fn heard(stream: Option<impl Read>) -> String {

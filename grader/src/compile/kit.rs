@@ -50,11 +50,15 @@ impl Kit {
         let runs = repository().join("target/grader/runs");
         let io = |error: std::io::Error| format!("cannot work in {}: {error}", runs.display());
         fs::create_dir_all(&runs).map_err(io)?;
+        // One after the other, so that nobody clears a run away between its making and its lock.
+        let turn = File::create(runs.join("turn")).map_err(io)?;
+        turn.lock().map_err(io)?;
         clear(&runs);
         let run = tempfile::Builder::new().prefix("run-").tempdir_in(&runs).map_err(io)?;
         let lock = File::create(run.path().join("lock")).map_err(io)?;
         lock.try_lock()
             .map_err(|error| format!("cannot lock {}: {error}", run.path().display()))?;
+        drop(turn);
         let std = toolchain.root.join("lib/rustlib/src");
         let mut named = Vec::new();
         for artifact in &artifacts {
@@ -185,7 +189,8 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
 
 /// Removes what runs that were killed have left.
 fn clear(runs: &Path) {
-    for run in fs::read_dir(runs).into_iter().flatten().flatten() {
+    let entries = fs::read_dir(runs).into_iter().flatten().flatten();
+    for run in entries.filter(|entry| entry.path().is_dir()) {
         let free = match File::open(run.path().join("lock")) {
             Ok(lock) => lock.try_lock().is_ok(),
             Err(_) => true,
