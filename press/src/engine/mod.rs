@@ -1,12 +1,12 @@
 //! What turns TeX into HTML.
 //!
 //! mdbook-katex runs KaTeX itself in an interpreter. That needs a C compiler other than Microsoft's, and loses
-//! capabilities on other processors than x86-64. There, a port of KaTeX to Rust does the same; a test holds the
-//! two against each other on the formulas of the book.
+//! capabilities on other processors than x86-64. There, a port of KaTeX to Rust does the same; a test of the feature
+//! `port` holds the two against each other on the formulas of the book.
 
 #[cfg(all(target_arch = "x86_64", not(target_env = "msvc")))]
 mod interpreter;
-#[cfg(any(test, not(all(target_arch = "x86_64", not(target_env = "msvc")))))]
+#[cfg(any(all(test, feature = "port"), not(all(target_arch = "x86_64", not(target_env = "msvc")))))]
 mod port;
 
 #[cfg(all(target_arch = "x86_64", not(target_env = "msvc")))]
@@ -14,7 +14,7 @@ pub use interpreter::Engine;
 #[cfg(not(all(target_arch = "x86_64", not(target_env = "msvc"))))]
 pub use port::Engine;
 
-#[cfg(all(test, target_arch = "x86_64", not(target_env = "msvc")))]
+#[cfg(all(test, feature = "port", target_arch = "x86_64", not(target_env = "msvc")))]
 mod tests {
     use std::collections::BTreeMap;
     use std::path::Path;
