@@ -6,7 +6,10 @@
 
 #[cfg(all(target_arch = "x86_64", not(target_env = "msvc")))]
 mod interpreter;
-#[cfg(any(all(test, feature = "port"), not(all(target_arch = "x86_64", not(target_env = "msvc")))))]
+#[cfg(any(
+    all(test, feature = "port"),
+    not(all(target_arch = "x86_64", not(target_env = "msvc")))
+))]
 mod port;
 
 #[cfg(all(target_arch = "x86_64", not(target_env = "msvc")))]
