@@ -10,7 +10,7 @@ use std::num::NonZero;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, Once};
+use std::sync::{Mutex, Once, OnceLock};
 use std::thread;
 
 use exercise_spec::{EXERCISES, Exercise, exercise};
@@ -155,14 +155,35 @@ pub fn carry_out_with<J: Judging>(
     let mut kept = Kept::open(&order.out, order.seed)?;
     let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
         .map_err(Trouble::CouldNotGrade)?;
-    judge.canaries().map_err(|error| {
-        Trouble::CouldNotGrade(format!("nothing is graded and nothing published: {error}"))
+    let canaries = Canaries::default();
+    thread::scope(|scope| {
+        scope.spawn(|| canaries.sing(&judge, &kept));
+        plan.grade(&judge, &kept, &canaries)
     })?;
-    kept.begin()?;
-    plan.grade(&judge, &kept)?;
     let finished = publish::publish(&plan, &kept, &judge.sandbox())?;
     kept.finish()?;
     Ok(finished)
+}
+
+/// Answers that are known to be right and wrong. They are graded beside the first submissions, and
+/// until they have come out as they must, no grade is kept.
+#[derive(Default)]
+struct Canaries(OnceLock<Result<(), Trouble>>);
+
+impl Canaries {
+    /// Grades them, and begins the batch when they come out right.
+    fn sing(&self, judge: &impl Judging, kept: &Kept) {
+        let graded = calmly(|| judge.canaries()).unwrap_or_else(Err);
+        let nothing = |error| {
+            Trouble::CouldNotGrade(format!("nothing is graded and nothing published: {error}"))
+        };
+        let _ = self.0.set(graded.map_err(nothing).and_then(|()| kept.begin()));
+    }
+
+    /// Waits until they have come out.
+    fn wait(&self) -> Result<(), Trouble> {
+        self.0.wait().clone()
+    }
 }
 
 /// An order whose files were read.
@@ -200,14 +221,14 @@ impl Plan {
     }
 
     /// Grades what has no grade yet.
-    fn grade(&self, judge: &impl Judging, kept: &Kept) -> Result<(), Trouble> {
+    fn grade(&self, judge: &impl Judging, kept: &Kept, canaries: &Canaries) -> Result<(), Trouble> {
         let next = AtomicUsize::new(0);
         let trouble = Mutex::new(None);
         let bar = bar(self.submissions.len());
         let work = || {
             while let Some(submission) = self.submissions.get(next.fetch_add(1, Ordering::Relaxed))
             {
-                if let Err(error) = self.grade_one(judge, kept, submission) {
+                if let Err(error) = self.grade_one(judge, kept, canaries, submission) {
                     next.store(self.submissions.len(), Ordering::Relaxed);
                     trouble.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).replace(error);
                 }
@@ -220,6 +241,7 @@ impl Plan {
             }
         });
         bar.finish_and_clear();
+        canaries.wait()?;
         trouble.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).map_or(Ok(()), Err)
     }
 
@@ -229,6 +251,7 @@ impl Plan {
         &self,
         judge: &impl Judging,
         kept: &Kept,
+        canaries: &Canaries,
         submission: &Submission,
     ) -> Result<(), Trouble> {
         let student = self.roster.as_ref().and_then(|roster| roster.student(submission));
@@ -239,10 +262,12 @@ impl Plan {
             if former.student == student {
                 return Ok(());
             }
+            canaries.wait()?;
             return kept.keep(&Grade { student, ..former });
         }
         let grade = calmly(|| judge.grade(submission, student.clone()));
         let grade = grade.unwrap_or_else(|panic| self.ungraded(submission, student, &panic));
+        canaries.wait()?;
         kept.keep(&Grade { submission: submission.name.clone(), ..readable(grade) })
     }
 

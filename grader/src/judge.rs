@@ -65,14 +65,16 @@ impl Judge {
             let checks = public.chain(hidden.into_iter().map(|check| (true, check))).collect();
             Ok::<Asked, String>(Asked { exercise, number, checks })
         };
-        let program = std::env::current_exe().and_then(fs::read).unwrap_or_default();
+        // Its size and age tell it from another one as well as its bytes do, and at once.
+        let program = std::env::current_exe().and_then(fs::metadata);
+        let edition = program.map(|program| format!("{} {:?}", program.len(), program.modified()));
         Ok(Self {
             exercises: exercises.iter().map(asked).collect::<Result<_, _>>()?,
             compiler: Compiler::prepare()?,
             machine: Machine::new()?,
             points,
             seed,
-            edition: Sha256::digest(program).to_vec(),
+            edition: edition.unwrap_or_default().into_bytes(),
         })
     }
 

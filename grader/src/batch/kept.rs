@@ -101,7 +101,7 @@ impl Kept {
     /// # Errors
     ///
     /// When the folder cannot be written to.
-    pub fn begin(&mut self) -> Result<(), Trouble> {
+    pub fn begin(&self) -> Result<(), Trouble> {
         let submissions = self.out.join("submissions");
         fs::create_dir_all(&submissions).map_err(|error| cannot("make", &submissions, &error))?;
         if self.found == Found::Finished {
