@@ -183,7 +183,7 @@ static HUGE: std::sync::Mutex<[u64; 40_000_000]> = std::sync::Mutex::new([0; 40_
 ",
             ),
             DoesNotCompile,
-            "more memory than available to compiler",
+            "more memory than",
         ),
         row(
             "is as large as a module may not be",
