@@ -17,7 +17,7 @@ use exercise_spec::{EXERCISES, Exercise, exercise};
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
-use crate::grade::{Batch, ExerciseGrade, Grade, Outcome};
+use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::judge::Judge;
 use crate::points::{Points, unknown};
 use crate::report::Detail;
@@ -111,21 +111,6 @@ pub struct Finished {
     pub ungraded: usize,
     /// What the terminal shows.
     pub told: String,
-}
-
-/// Grades, writes the reports, prints the table, and hands back every grade.
-///
-/// # Errors
-///
-/// As [`carry_out`].
-pub fn run(order: &Order) -> Result<Batch, Trouble> {
-    carry_out(order)?;
-    let path = order.out.join("grade.json");
-    let unreadable = |error: &dyn std::fmt::Display| {
-        Trouble::CouldNotGrade(format!("cannot read {}: {error}", path.display()))
-    };
-    let file = std::fs::File::open(&path).map_err(|error| unreadable(&error))?;
-    serde_json::from_reader(std::io::BufReader::new(file)).map_err(|error| unreadable(&error))
 }
 
 /// Grades, writes the reports and prints the table. The grades stay on disk, so that hundreds of

@@ -5,6 +5,7 @@
 
 mod confine;
 mod kit;
+mod known;
 mod toolchain;
 
 use std::collections::BTreeMap;
@@ -16,9 +17,11 @@ use std::time::Duration;
 
 use exercise_spec::{EXERCISES, Exercise};
 
+use crate::repository;
 use crate::text::harmless;
 use confine::{Ended, Sandbox};
 use kit::Kit;
+use known::Known;
 use toolchain::Toolchain;
 
 /// Processor time that the compilation of all answers may take; the reference answers take three
@@ -41,11 +44,16 @@ const KILLED: i32 = 9;
 /// What a compiler says on a full disk.
 const DISK_FULL: &str = "No space left on device";
 
+/// Texts of answers, by the slugs of their exercises.
+pub type Answers = BTreeMap<&'static str, String>;
+
 /// Turns answers into modules.
 pub struct Compiler {
     toolchain: Toolchain,
     sandbox: Sandbox,
     kit: Kit,
+    /// Tells this grader, its compiler and its libraries from others.
+    maker: String,
 }
 
 /// What became of the answers.
@@ -69,7 +77,8 @@ impl Compiler {
     pub fn prepare() -> Result<Self, String> {
         let toolchain = Toolchain::find()?;
         let kit = Kit::build(&toolchain)?;
-        Ok(Self { toolchain, sandbox: Sandbox::find(), kit })
+        let maker = format!("{} {} {}", edition(), stamp(&toolchain.rustc), kit.stamps());
+        Ok(Self { toolchain, sandbox: Sandbox::find(), kit, maker })
     }
 
     /// What stands around the compiler, in a sentence.
@@ -77,8 +86,8 @@ impl Compiler {
         self.sandbox.sentence()
     }
 
-    /// Compiles answers, by the names of their exercises, to one module.
-    pub fn compile(&self, answers: &BTreeMap<&'static str, String>) -> Compiled {
+    /// Compiles answers to one module.
+    pub fn compile(&self, answers: &Answers) -> Compiled {
         let compiled = self.kit.folder().and_then(|folder| {
             write_tree(folder.path(), answers)
                 .map_err(|error| format!("the answers cannot be written: {error}"))?;
@@ -86,6 +95,20 @@ impl Compiler {
             judged(&ended, folder.path(), answers)
         });
         compiled.unwrap_or_else(Compiled::CouldNotCompile)
+    }
+
+    /// Compiles answers that are the grader's own, unless an earlier run has done it: with the same
+    /// texts, grader, compiler and libraries.
+    pub fn compile_once(&self, answers: &Answers) -> Compiled {
+        let known = Known::of(&repository().join("target/grader/known"), &self.maker, answers);
+        if let Some(module) = known.module() {
+            return Compiled::Module(module);
+        }
+        let compiled = self.compile(answers);
+        if let Compiled::Module(module) = &compiled {
+            known.keep(module);
+        }
+        compiled
     }
 
     /// The call of the compiler, which sees the folder, its own files and the kit.
@@ -108,8 +131,19 @@ impl Compiler {
     }
 }
 
+/// Tells a file from another one as well as its bytes do, and at once: its size and its age.
+fn stamp(file: &Path) -> String {
+    let stamp = |file: fs::Metadata| Ok(format!("{} {:?}", file.len(), file.modified()?));
+    fs::metadata(file).and_then(stamp).unwrap_or_default()
+}
+
+/// Tells this grader from others, which may grade otherwise.
+pub fn edition() -> String {
+    std::env::current_exe().map(|program| stamp(&program)).unwrap_or_default()
+}
+
 /// The clean tree: the answers, and what calls them.
-fn write_tree(folder: &Path, answers: &BTreeMap<&'static str, String>) -> std::io::Result<()> {
+fn write_tree(folder: &Path, answers: &Answers) -> std::io::Result<()> {
     fs::create_dir(folder.join("answers"))?;
     for (slug, text) in answers {
         fs::write(folder.join(format!("answers/{slug}.rs")), text)?;
@@ -142,11 +176,7 @@ pub fn number_of(slug: &str) -> Option<usize> {
 }
 
 /// What the compiler's end means.
-fn judged(
-    ended: &Ended,
-    folder: &Path,
-    answers: &BTreeMap<&'static str, String>,
-) -> Result<Compiled, String> {
+fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, String> {
     if ended.out_of_patience {
         return Err(format!("the compiler was stopped after {} s", PATIENCE.as_secs()));
     }
@@ -176,7 +206,7 @@ fn judged(
 }
 
 /// Processor time that the compilation of answers may take.
-fn seconds(answers: &BTreeMap<&'static str, String>) -> u64 {
+fn seconds(answers: &Answers) -> u64 {
     if answers.len() > 1 { SECONDS_TOGETHER } else { SECONDS_ALONE }
 }
 
@@ -199,7 +229,7 @@ fn told(ended: &Ended, seconds: u64) -> String {
 }
 
 /// The first file or variable that the compiler read and that is not part of the tree.
-fn stranger(folder: &Path, answers: &BTreeMap<&'static str, String>) -> Option<String> {
+fn stranger(folder: &Path, answers: &Answers) -> Option<String> {
     let text = fs::read_to_string(folder.join("answers.d")).ok()?;
     let expected = |path: &str| {
         path == "lib.rs"

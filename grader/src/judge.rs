@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
 
@@ -12,7 +11,8 @@ use exercise_spec::Exercise;
 use exercise_spec::check::{Check, Failure};
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Compiled, Compiler, number_of};
+use crate::compile::{Answers, Compiled, Compiler, edition, number_of};
+use crate::export::newest_skeleton;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::machine::{Answer, FEWER_STEPS, Machine, Program, STEPS};
 use crate::points::Points;
@@ -31,8 +31,6 @@ pub struct Judge {
     points: Points,
     seed: u64,
     exercises: Vec<Asked>,
-    /// Of the grader itself: another grader may grade otherwise.
-    edition: Vec<u8>,
 }
 
 /// An exercise with its checks on instances that are drawn.
@@ -44,6 +42,9 @@ struct Asked {
 
 /// The text of an answer, or what became of it without being compiled.
 type Screened = Result<(&'static str, String), (&'static str, Outcome)>;
+
+/// What can be asked, or the outcome without asking, by the slug of the exercise.
+type Ready = BTreeMap<&'static str, Result<Arc<Program>, Outcome>>;
 
 impl Judge {
     /// A judge with compiler, machine and hidden instances of a seed.
@@ -65,16 +66,12 @@ impl Judge {
             let checks = public.chain(hidden.into_iter().map(|check| (true, check))).collect();
             Ok::<Asked, String>(Asked { exercise, number, checks })
         };
-        // Its size and age tell it from another one as well as its bytes do, and at once.
-        let program = std::env::current_exe().and_then(fs::metadata);
-        let edition = program.map(|program| format!("{} {:?}", program.len(), program.modified()));
         Ok(Self {
             exercises: exercises.iter().map(asked).collect::<Result<_, _>>()?,
             compiler: Compiler::prepare()?,
             machine: Machine::new()?,
             points,
             seed,
-            edition: edition.unwrap_or_default().into_bytes(),
         })
     }
 
@@ -92,7 +89,7 @@ impl Judge {
             (&collected.answers, &collected.refused),
             self.seed
         );
-        let digest = Sha256::new().chain_update(&self.edition).chain_update(parts).finalize();
+        let digest = Sha256::new().chain_update(edition()).chain_update(parts).finalize();
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
@@ -115,7 +112,7 @@ impl Judge {
     }
 
     /// Grades texts that need no screen, because they are known.
-    pub fn grade_texts(&self, texts: &BTreeMap<&'static str, String>) -> Vec<ExerciseGrade> {
+    pub fn grade_texts(&self, texts: &Answers) -> Vec<ExerciseGrade> {
         self.graded_all(texts.iter().map(|(slug, text)| Ok((*slug, text.clone()))).collect())
     }
 
@@ -146,11 +143,17 @@ impl Judge {
                 Err((slug, outcome)) => drop(ready.insert(slug, Err(outcome))),
             }
         }
-        let together = if answers.len() > 1 { self.program(&answers).ok() } else { None };
+        let program = |answers: &Answers| self.program(self.compiler.compile(answers));
+        let together = if answers.len() > 1 { program(&answers).ok() } else { None };
         for (slug, text) in answers {
-            let alone = || self.program(&BTreeMap::from([(slug, text)]));
+            let alone = || program(&BTreeMap::from([(slug, text)]));
             ready.insert(slug, together.clone().map_or_else(alone, Ok));
         }
+        self.asked(&ready)
+    }
+
+    /// Asks every exercise, all of them at a time.
+    fn asked(&self, ready: &Ready) -> Vec<ExerciseGrade> {
         let graded = |asked: &Asked| {
             let missing = Err(Outcome::Missing);
             self.graded(asked, ready.get(asked.exercise.slug).unwrap_or(&missing))
@@ -165,8 +168,8 @@ impl Judge {
         })
     }
 
-    fn program(&self, answers: &BTreeMap<&'static str, String>) -> Result<Arc<Program>, Outcome> {
-        match self.compiler.compile(answers) {
+    fn program(&self, compiled: Compiled) -> Result<Arc<Program>, Outcome> {
+        match compiled {
             Compiled::Module(module) => match self.machine.load(&module) {
                 Ok(program) => Ok(program.into()),
                 Err(why) => Err(Outcome::Refused(why)),
@@ -231,62 +234,53 @@ impl Judge {
     }
 
     /// Grades answers that are known: the reference earns everything, and the skeletons nothing.
+    /// Skeletons are compiled every time, which shows that the compiler can; the reference only
+    /// when something has changed.
     ///
     /// # Errors
     ///
     /// When one of them comes out otherwise. Then no grade can be trusted.
     pub fn canaries(&self) -> Result<(), String> {
         let root = repository();
-        let known = |folder: &str| {
-            let path = root.join(folder);
-            self.grade(&Submission { name: folder.to_owned(), path }, None)
-        };
-        let right = known("solutions/src");
-        for exercise in &right.exercises {
+        let reference = self.known(|slug| Ok(format!("solutions/src/{slug}.rs")))?;
+        let program = self.program(self.compiler.compile_once(&reference));
+        let ready = reference.into_keys().map(|slug| (slug, program.clone())).collect();
+        for exercise in self.asked(&ready) {
             if exercise.earned() != Some(exercise.points) {
-                return Err(format!(
-                    "the reference answer earns {:?}: {}",
-                    exercise.earned(),
-                    said(exercise)
-                ));
+                return Err(unexpected("reference answer", &exercise));
             }
         }
-        let skeletons = newest(&root.join("exercises/skeletons"))?;
-        let empty = self.grade(&Submission { name: "skeletons".to_owned(), path: skeletons }, None);
-        for exercise in &empty.exercises {
+        let skeletons = self.known(|slug| newest_skeleton(&root, slug).map(|(_, path)| path))?;
+        for exercise in self.grade_texts(&skeletons) {
             if exercise.earned() != Some(0.0) || exercise.outcome != Outcome::Ran {
-                return Err(format!(
-                    "the skeleton earns {:?}: {}",
-                    exercise.earned(),
-                    said(exercise)
-                ));
+                return Err(unexpected("skeleton", &exercise));
             }
         }
         Ok(())
     }
+
+    /// Texts of the repository, one for each exercise. The screen must let them through.
+    fn known(&self, path: impl Fn(&str) -> Result<String, String>) -> Result<Answers, String> {
+        let text = |asked: &Asked| {
+            let slug = asked.exercise.slug;
+            let path = path(slug)?;
+            let text = fs::read_to_string(repository().join(&path))
+                .map_err(|error| format!("cannot read {path}: {error}"))?;
+            screen(slug, &text).map_err(|why| format!("{path} is refused: {why}"))?;
+            Ok((slug, text))
+        };
+        self.exercises.iter().map(text).collect()
+    }
 }
 
-/// The first thing that an exercise's grade says.
-fn said(exercise: &ExerciseGrade) -> String {
+/// What a known answer should not have got, with the first thing that its grade says.
+fn unexpected(what: &str, exercise: &ExerciseGrade) -> String {
     let check = exercise.checks.iter().find(|check| check.verdict != Verdict::Passed);
     format!(
-        "{}: {:?} {}",
+        "the {what} of {} earns {:?}: {:?} {}",
         exercise.exercise,
+        exercise.earned(),
         exercise.outcome,
         check.map_or("", |check| &check.sentence)
     )
-}
-
-/// The folder of the newest edition.
-fn newest(folder: &Path) -> Result<PathBuf, String> {
-    let editions =
-        fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let numbered = editions.flatten().filter_map(|edition| {
-        let number: u32 = edition.file_name().to_str()?.parse().ok()?;
-        Some((number, edition.path()))
-    });
-    numbered
-        .max()
-        .map(|(_, path)| path)
-        .ok_or_else(|| format!("{} has no editions", folder.display()))
 }

@@ -39,6 +39,12 @@ fn read(out: &Path, name: &str) -> String {
     fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
+/// Marks a batch as one that was stopped before its end.
+fn unfinished(out: &Path) {
+    let state = read(out, "batch.toml").replace("finished = true", "finished = false");
+    fs::write(out.join("batch.toml"), state).expect("written");
+}
+
 fn usage(order: &Order) -> String {
     match carry_out(order) {
         Err(Trouble::Usage(sentence)) => sentence,
@@ -163,8 +169,7 @@ fn an_answer_that_changed_since_the_batch_was_killed_is_graded_as_it_is_now() {
     let path = submissions(temporary.path(), THREE);
     let out = temporary.path().join("grades");
     carry_out(&order(&path, &out)).expect("a batch");
-    let state = read(&out, "batch.toml").replace("finished = true", "finished = false");
-    fs::write(out.join("batch.toml"), state).expect("written");
+    unfinished(&out);
     hand_in(&path, "ada", "right");
     assert_eq!(counted(&order(&path, &out)).1, 1);
     assert_eq!(batch(&out).grades[0].earned(), Some(20.0));
@@ -291,8 +296,7 @@ fn a_batch_that_is_not_finished_takes_no_other_seed() {
     let path = submissions(temporary.path(), THREE);
     let out = temporary.path().join("grades");
     carry_out(&order(&path, &out)).expect("a batch");
-    let state = read(&out, "batch.toml").replace("finished = true", "finished = false");
-    fs::write(out.join("batch.toml"), state).expect("written");
+    unfinished(&out);
     let sentence = usage(&Order { seed: Some(8), ..order(&path, &out) });
     assert!(sentence.contains("with seed 7; leave --seed out"), "{sentence}");
 }

@@ -1,40 +1,30 @@
 //! What students get and what they do not.
 
+mod folders;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use folders::root;
 use grader::export::{Tree, export_from, leaks, tree};
 use tempfile::TempDir;
 
-fn root() -> PathBuf {
-    grader::repository()
-}
-
 /// A copy of what an export reads, to be changed.
 fn copy() -> TempDir {
-    let copy = tempfile::tempdir().expect("a folder");
-    for path in ["code", "exercises", "solutions", "tests/src", "tests/rubrics"] {
-        copy_folder(&root().join(path), &copy.path().join(path));
-    }
-    for path in ["Cargo.toml", "Cargo.lock", "LICENSE-APACHE", "LICENSE-MIT", "rustfmt.toml"] {
-        fs::copy(root().join(path), copy.path().join(path)).expect("copied");
-    }
-    copy
-}
-
-fn copy_folder(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder") {
-        let entry = entry.expect("an entry");
-        let (path, to) = (entry.path(), to.join(entry.file_name()));
-        if path.is_dir() {
-            copy_folder(&path, &to);
-        } else {
-            fs::copy(&path, &to).expect("copied");
-        }
-    }
+    folders::copy(&[
+        "code",
+        "exercises",
+        "solutions",
+        "tests/src",
+        "tests/rubrics",
+        "Cargo.toml",
+        "Cargo.lock",
+        "LICENSE-APACHE",
+        "LICENSE-MIT",
+        "rustfmt.toml",
+    ])
 }
 
 /// Every file of a folder.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use exercise_spec::EXERCISES;
+use grader::compile::{Compiled, Compiler};
 use grader::grade::{Outcome, Verdict};
 use grader::judge::Judge;
 use grader::points::Points;
@@ -115,4 +116,21 @@ fn the_same_seed_gives_the_same_grade_and_another_one_asks_otherwise() {
         failed.map(|check| check.numbers).collect::<Vec<_>>()
     };
     assert_ne!(hidden(&first), hidden(&other));
+}
+
+#[test]
+fn a_module_is_kept_for_the_texts_it_was_made_of_and_no_others() {
+    let compiler = Compiler::prepare().expect("a compiler");
+    let module = |path: &str| {
+        let text = fs::read_to_string(repository().join(path)).expect("a file");
+        match compiler.compile_once(&BTreeMap::from([("left_perturbation", text)])) {
+            Compiled::Module(module) => module,
+            _ => panic!("{path} does not compile"),
+        }
+    };
+    let reference = module("solutions/src/left_perturbation.rs");
+    let skeleton = module("exercises/skeletons/1/left_perturbation.rs");
+    assert_ne!(reference, skeleton);
+    assert_eq!(module("solutions/src/left_perturbation.rs"), reference);
+    assert_eq!(module("solutions/src/left_perturbation.rs"), reference);
 }

@@ -1,44 +1,27 @@
 //! New exercises, and what one lacks.
 
+mod folders;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use folders::root;
 use grader::workshop::{Change, apply, check_in, lacks, names, new_in, plan};
 use tempfile::TempDir;
 
-fn root() -> PathBuf {
-    grader::repository()
-}
-
 /// A copy of all that exercises are made of, to be changed.
 fn copy() -> TempDir {
-    let copy = tempfile::tempdir().expect("a folder");
-    let folders = ["exercises", "solutions", "tests/src", "tests/rubrics", "src"];
-    for path in folders {
-        copy_folder(&root().join(path), &copy.path().join(path));
-    }
-    for path in ["tests/Cargo.toml", "grader/points.toml"] {
-        let to = copy.path().join(path);
-        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
-        fs::copy(root().join(path), to).expect("copied");
-    }
-    copy
-}
-
-fn copy_folder(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder") {
-        let entry = entry.expect("an entry");
-        let (path, to) = (entry.path(), to.join(entry.file_name()));
-        let made_by_build = ["api", "generated"].map(|name| root().join("src").join(name));
-        match path.is_dir() {
-            true if made_by_build.contains(&path) => {}
-            true => copy_folder(&path, &to),
-            false => drop(fs::copy(&path, &to).expect("copied")),
-        }
-    }
+    folders::copy(&[
+        "exercises",
+        "solutions",
+        "tests/src",
+        "tests/rubrics",
+        "src",
+        "tests/Cargo.toml",
+        "grader/points.toml",
+    ])
 }
 
 /// Every file of a folder and its text.
@@ -407,11 +390,12 @@ fn with_a_new_exercise() -> PathBuf {
         "tests/rubrics",
         "tests/src",
         "tests/tests",
+        "Cargo.toml",
+        "Cargo.lock",
+        "rustfmt.toml",
+        "tests/Cargo.toml",
     ] {
-        copy_folder(&root().join(path), &copy.join(path));
-    }
-    for path in ["Cargo.toml", "Cargo.lock", "rustfmt.toml", "tests/Cargo.toml"] {
-        fs::copy(root().join(path), copy.join(path)).expect("copied");
+        folders::copy_to(&root().join(path), &copy.join(path));
     }
     new_in(&copy, "epipolar_line", "Where to look", "two_views").expect("made");
     copy

@@ -10,6 +10,7 @@ use std::process::Stdio;
 use serde::Deserialize;
 use tempfile::TempDir;
 
+use super::stamp;
 use super::toolchain::{TARGET, Toolchain};
 use crate::repository;
 
@@ -25,6 +26,7 @@ pub struct Kit {
     has_std: bool,
     linker: Option<PathBuf>,
     named: Vec<(&'static str, OsString)>,
+    stamps: String,
 }
 
 /// What cargo says of a crate that it compiled.
@@ -60,7 +62,7 @@ impl Kit {
             .map_err(|error| format!("cannot lock {}: {error}", run.path().display()))?;
         drop(turn);
         let std = toolchain.root.join("lib/rustlib/src");
-        let mut named = Vec::new();
+        let (mut named, mut stamps) = (Vec::new(), String::new());
         for artifact in &artifacts {
             let is_std = artifact.manifest_path.starts_with(&std);
             for file in artifact.filenames.iter().filter(|file| is_library(file)) {
@@ -71,6 +73,7 @@ impl Kit {
                 fs::hard_link(file, &kept)
                     .or_else(|_| fs::copy(file, &kept).map(drop))
                     .map_err(io)?;
+                stamps += &format!("{} {} ", name.display(), stamp(file));
                 let of = artifact.target.as_ref().map(|target| target.name.replace('-', "_"));
                 if let Some(known) = NAMED.iter().find(|known| of.as_deref() == Some(**known)) {
                     named.push((*known, kept.into_os_string()));
@@ -89,12 +92,18 @@ impl Kit {
             has_std,
             linker: toolchain.std_with_linker.clone(),
             named,
+            stamps,
         })
     }
 
     /// Where the libraries stand.
     pub fn path(&self) -> &Path {
         &self.kit
+    }
+
+    /// Tells these libraries from others.
+    pub fn stamps(&self) -> &str {
+        &self.stamps
     }
 
     /// An empty folder for one compilation; it goes when it is dropped.
