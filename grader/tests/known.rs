@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use exercise_spec::EXERCISES;
+use exercise_spec::{EXERCISES, exercise};
 use grader::compile::{Compiled, Compiler};
 use grader::grade::{Outcome, Verdict};
 use grader::judge::Judge;
@@ -32,7 +32,8 @@ fn as_a_file(slug: &str, index: usize) -> String {
     };
     let right = plain(read(format!("solutions/src/{slug}.rs")));
     let wrong = plain(read(format!("solutions/src/misconceptions/{slug}.rs")))
-        .replace(&format!("use crate::{slug} as right;"), "use super::right;");
+        .replace(&format!("use crate::{slug} as right;"), "use super::right;")
+        .replace("use super::Wrong;", "use super::{Wrong, named::*};");
     let file: syn::File = syn::parse_str(&right).expect("Rust");
     let (mut uses, mut functions) = (String::new(), String::new());
     for item in &file.items {
@@ -44,8 +45,14 @@ fn as_a_file(slug: &str, index: usize) -> String {
             _ => {}
         }
     }
+    let names: String = exercise(slug)
+        .into_iter()
+        .flat_map(|exercise| exercise.misconceptions)
+        .map(|known| format!("pub static {}: () = ();\n", known.name.to_uppercase()))
+        .collect();
     format!(
-        "{uses}\nuse exercise_spec::{{{slug}::Functions, check::Misconception}};\n\
+        "{uses}\nuse exercise_spec::{slug}::Functions;\n\
+         type Misconception = ();\nmod named {{\n{names}}}\n\
          pub struct Wrong {{ functions: Functions }}\n\
          impl Wrong {{ fn new(_: &'static Misconception, functions: Functions) -> Self {{ Self {{ functions }} }} }}\n\
          mod right {{\n{right}\n}}\nmod wrong {{\n{wrong}\n}}\n{functions}"

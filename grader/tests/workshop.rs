@@ -65,7 +65,7 @@ fn a_new_exercise_lacks_what_is_to_be_written_and_nothing_else() {
     let copy = copy();
     let before = read(copy.path());
     let made = new_in(copy.path(), "epipolar_line", "Where to look", "two_views").expect("made");
-    assert_eq!(made.len(), 20, "{made:?}");
+    assert_eq!(made.len(), 21, "{made:?}");
     let lacks = lacks(copy.path(), "epipolar_line");
     let written = |lack: &&String| {
         !lack.contains("is to be written")
@@ -282,10 +282,20 @@ const DAMAGE: [(&str, &str, &str, &str); 27] = [
         "",
         "`&fill_in::EXERCISE,` is missing",
     ),
-    ("exercises/spec/src/fill_in.rs", "slug: \"fill_in\"", "slug: \"other\"", "slug: \"fill_in\""),
+    (
+        "exercises/spec/src/fill_in/checks.rs",
+        "slug: \"fill_in\"",
+        "slug: \"other\"",
+        "slug: \"fill_in\"",
+    ),
     ("exercises/spec/src/fill_in.rs", "fn cheapest_link(", "fn best_link(", "best_link"),
-    ("exercises/spec/src/fill_in.rs", ", \"", ", concat!(\"", "misconceptions that"),
-    ("exercises/spec/src/fill_in.rs", "types: &[\"Layout\"]", "types: &[]", "has no `Layout`"),
+    ("exercises/spec/src/fill_in/checks.rs", ", \"", ", concat!(\"", "misconceptions that"),
+    (
+        "exercises/spec/src/fill_in/checks.rs",
+        "types: &[\"Layout\"]",
+        "types: &[]",
+        "has no `Layout`",
+    ),
     ("exercises/spec/src/fill_in/hints.md", "<!-- ANCHOR: 3 -->", "", "of 3 hints"),
     ("exercises/spec/src/fill_in/hints.md", "?", ".", "the first hint asks nothing"),
     ("exercises/src/fill_in.rs", "todo!", "panic!", "`todo!` stands 0 times"),
@@ -346,6 +356,7 @@ fn whatever_is_taken_from_a_complete_exercise_is_missed() {
     }
     for path in [
         "exercises/spec/src/fill_in.rs",
+        "exercises/spec/src/fill_in/checks.rs",
         "exercises/spec/src/fill_in/hints.md",
         "exercises/src/fill_in.rs",
         "exercises/skeletons/1/fill_in.rs",

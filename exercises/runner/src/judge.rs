@@ -5,8 +5,9 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
 
 use exercise_spec::Exercise;
-use exercise_spec::answer::{Dispatch, Native};
+use exercise_spec::answer::Native;
 use exercise_spec::check::Failure;
+use exercise_spec::declaration::Dispatch;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use crate::folder::Folder;

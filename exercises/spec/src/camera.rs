@@ -1,10 +1,12 @@
 //! A camera as plain data.
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use vislam::reprojection::Pinhole;
 
-use crate::draw::Draw;
+#[cfg(feature = "checks")]
+mod checks;
+#[cfg(feature = "checks")]
+pub use checks::point_in_view;
 
 // ANCHOR: camera
 /// A pinhole camera, in pixels. `camera.pinhole()` is the library's.
@@ -27,22 +29,4 @@ impl Camera {
         let Self { fx, fy, cx, cy } = *self;
         Pinhole { fx, fy, cx, cy }
     }
-
-    /// The camera of the book's worked examples.
-    pub fn of_the_book() -> Self {
-        Self { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 }
-    }
-
-    /// A camera whose two focal lengths differ, so that exchanging them is noticed.
-    pub fn drawn(draw: &mut Draw) -> Self {
-        let fx = draw.uniform(250.0..900.0);
-        let fy = fx * draw.uniform(1.05..1.3);
-        Self { fx, fy, cx: draw.uniform(250.0..700.0), cy: draw.uniform(150.0..500.0) }
-    }
-}
-
-/// A point in camera coordinates between two depths in metres, up to 35 degrees off the axis.
-pub fn point_in_view(draw: &mut Draw, nearest: f64, farthest: f64) -> Vector3<f64> {
-    let depth = draw.uniform(nearest..farthest);
-    depth * Vector3::new(draw.uniform(-0.7..0.7), draw.uniform(-0.7..0.7), 1.0)
 }

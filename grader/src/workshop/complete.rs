@@ -108,8 +108,14 @@ impl Look<'_> {
         }
     }
 
+    /// The declaration.
     fn spec(&self) -> String {
         self.text(&format!("exercises/spec/src/{}.rs", self.name))
+    }
+
+    /// The path of its checks.
+    fn checks(&self) -> String {
+        format!("exercises/spec/src/{}/checks.rs", self.name)
     }
 
     fn declaration(&mut self) {
@@ -118,18 +124,22 @@ impl Look<'_> {
         self.entry("exercises/spec/src/lib.rs", &format!("&{name}::EXERCISE,"));
         let path = format!("exercises/spec/src/{name}.rs");
         let Some(spec) = self.file(&path, "the declaration") else { return };
+        let gated = "#[cfg(feature = \"checks\")]\nmod checks;";
+        self.has(&path, &spec, &[(gated.to_owned(), "so answers are compiled beside the checks")]);
+        if functions(&spec).is_empty() {
+            self.lack(format!("{path}: `signatures!` declares no function"));
+        }
+        let path = self.checks();
+        let Some(checks) = self.file(&path, "the file of checks") else { return };
         self.has(
             &path,
-            &spec,
+            &checks,
             &[
                 (format!("slug: \"{name}\""), "by which everything of it is found"),
                 ("Check::new(".to_owned(), "and an exercise needs checks"),
             ],
         );
-        if functions(&spec).is_empty() {
-            self.lack(format!("{path}: `signatures!` declares no function"));
-        }
-        let known = misconceptions(&spec).len();
+        let known = misconceptions(&checks).len();
         if known < MISCONCEPTIONS {
             self.lack(format!(
                 "{path}: of {MISCONCEPTIONS} misconceptions that an exercise names at least there \
@@ -175,10 +185,12 @@ impl Look<'_> {
             }
         }
         let spec = self.spec();
-        let types = quoted(&spec, "types: &[");
+        let checks = self.text(&self.checks());
+        let types = quoted(&checks, "types: &[");
         for import in imports(&skeleton, name).iter().filter(|import| !types.contains(import)) {
             self.lack(format!(
-                "exercises/spec/src/{name}.rs: `types` has no `{import}`, which the skeleton imports"
+                "{}: `types` has no `{import}`, which the skeleton imports",
+                self.checks()
             ));
         }
         let functions = functions(&spec);
@@ -227,10 +239,9 @@ impl Look<'_> {
         self.entry("solutions/src/lib.rs", &format!("pub mod {name};"));
         self.entry("solutions/src/lib.rs", &format!("{name},"));
         self.entry("solutions/src/misconceptions/mod.rs", &format!("pub mod {name};"));
-        let spec = self.spec();
         let path = format!("solutions/src/{name}.rs");
         if let Some(reference) = self.file(&path, "the reference answer") {
-            for function in functions(&spec) {
+            for function in functions(&self.spec()) {
                 self.has(
                     &path,
                     &reference,
@@ -241,7 +252,8 @@ impl Look<'_> {
         let path = format!("solutions/src/misconceptions/{name}.rs");
         let Some(wrong) = self.file(&path, "the file of wrong answers") else { return };
         let words: Vec<&str> = wrong.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-        for known in misconceptions(&spec).iter().filter(|known| !words.contains(known)) {
+        let checks = self.text(&self.checks());
+        for known in misconceptions(&checks).iter().filter(|known| !words.contains(known)) {
             self.lack(format!("{path}: no wrong answer shows {known}"));
         }
     }
@@ -323,6 +335,7 @@ impl Look<'_> {
         let name = self.name;
         let files = [
             format!("exercises/spec/src/{name}.rs"),
+            self.checks(),
             format!("exercises/spec/src/{name}/hints.md"),
             format!("exercises/src/{name}.rs"),
             format!("solutions/src/{name}.rs"),
@@ -350,9 +363,9 @@ impl Look<'_> {
 /// What stands where something is to be written.
 const PLACEHOLDER: &str = "TODO";
 
-/// What a macro of a declaration encloses.
-fn enclosed<'a>(spec: &'a str, name: &str) -> &'a str {
-    between(spec, &format!("{name}! {{\n"), "\n}\n").unwrap_or_default()
+/// What a macro encloses.
+fn enclosed<'a>(text: &'a str, name: &str) -> &'a str {
+    between(text, &format!("{name}! {{\n"), "\n}\n").unwrap_or_default()
 }
 
 /// Names of the functions that a declaration declares.
@@ -361,9 +374,9 @@ fn functions(spec: &str) -> Vec<&str> {
     lines.filter_map(|line| Some(line.trim().strip_prefix("fn ")?.split_once('(')?.0)).collect()
 }
 
-/// Constants of the misconceptions that a declaration names.
-fn misconceptions(spec: &str) -> Vec<&str> {
-    let lines = enclosed(spec, "misconceptions").lines();
+/// Constants of the misconceptions that checks name.
+fn misconceptions(checks: &str) -> Vec<&str> {
+    let lines = enclosed(checks, "misconceptions").lines();
     let constant = |name: &&str| {
         name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
@@ -371,8 +384,8 @@ fn misconceptions(spec: &str) -> Vec<&str> {
 }
 
 /// The words in quotation marks of a list that begins so.
-fn quoted<'a>(spec: &'a str, begin: &str) -> Vec<&'a str> {
-    between(spec, begin, "]").unwrap_or_default().split('"').skip(1).step_by(2).collect()
+fn quoted<'a>(text: &'a str, begin: &str) -> Vec<&'a str> {
+    between(text, begin, "]").unwrap_or_default().split('"').skip(1).step_by(2).collect()
 }
 
 /// What a skeleton imports of its declaration.

@@ -55,6 +55,10 @@ impl New<'_> {
         let files = [
             (format!("exercises/spec/src/{name}.rs"), include_str!("../../exercise/spec.rs")),
             (
+                format!("exercises/spec/src/{name}/checks.rs"),
+                include_str!("../../exercise/checks.rs"),
+            ),
+            (
                 format!("exercises/spec/src/{name}/hints.md"),
                 include_str!("../../exercise/hints.md"),
             ),

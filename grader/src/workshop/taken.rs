@@ -25,7 +25,14 @@ pub fn by(root: &Path, name: &str) -> Result<Option<String>, String> {
 
 /// A module, a page or a folder of that name.
 fn file(root: &Path, name: &str) -> Option<String> {
-    let folders = ["exercises/spec/src", "solutions/src", "tests/src", "exercises/src", "src"];
+    let folders = [
+        "exercises/spec/src",
+        "exercises/spec/src/checking",
+        "solutions/src",
+        "tests/src",
+        "exercises/src",
+        "src",
+    ];
     let files = folders
         .iter()
         .flat_map(|folder| [".rs", ".md", ""].map(|ending| format!("{folder}/{name}{ending}")));

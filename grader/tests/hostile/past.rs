@@ -51,6 +51,19 @@ fn texts() -> Vec<(&'static str, String, End)> {
             End::Refused,
         ),
         (
+            "cannot find `check` in `exercise_spec`",
+            and("pub type X = exercise_spec::check::Failure;"),
+            End::DoesNotCompile,
+        ),
+        (
+            "EXERCISE",
+            and(
+                "pub fn x() -> usize { (exercise_spec::left_perturbation::EXERCISE.checks)().len() }",
+            ),
+            End::DoesNotCompile,
+        ),
+        ("", and("pub use exercise_spec::left_perturbation::differences;"), End::DoesNotCompile),
+        (
             "unsafe_code",
             and("pub fn x() -> u8 { unsafe { *(8 as *const u8) } }"),
             End::DoesNotCompile,

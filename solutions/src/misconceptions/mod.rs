@@ -11,8 +11,9 @@ pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod stereo_gauge;
 
-use exercise_spec::answer::{Dispatch, Native, Transport};
+use exercise_spec::answer::{Native, Transport};
 use exercise_spec::check::Misconception;
+use exercise_spec::declaration::Dispatch;
 
 /// A wrong answer and what it should be recognized as.
 pub struct Wrong {

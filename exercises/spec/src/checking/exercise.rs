@@ -1,0 +1,45 @@
+//! What an exercise is.
+
+use super::check::{Check, Misconception};
+
+/// An exercise.
+pub struct Exercise {
+    /// The word that leads to everything of it.
+    pub slug: &'static str,
+    /// What its page is called.
+    pub title: &'static str,
+    /// The chapter it belongs to.
+    pub chapter: &'static str,
+    /// Names of the functions to write.
+    pub functions: &'static [&'static str],
+    /// The wrong answers it names.
+    pub misconceptions: &'static [&'static Misconception],
+    /// Its types of arguments and outputs that an answer may import. Everything else of this crate
+    /// belongs to the checks, which know what they expect.
+    pub types: &'static [&'static str],
+    /// Items of the library that would be the answer, and may not be called.
+    pub forbidden: &'static [&'static str],
+    /// Hints as Markdown, from a question to a nudge to the idea.
+    pub hints: &'static str,
+    /// The checks that students have.
+    pub checks: fn() -> Vec<Check>,
+}
+
+impl Exercise {
+    /// The hints one by one. In the file each stands between `<!-- ANCHOR: N -->` and
+    /// `<!-- ANCHOR_END: N -->`, so that its page can show them too.
+    pub fn hint_ladder(&self) -> Vec<String> {
+        let mut hints = Vec::new();
+        let mut lines: Option<Vec<&str>> = None;
+        for line in self.hints.lines() {
+            if line.starts_with("<!-- ANCHOR_END") {
+                hints.extend(lines.take().map(|lines| lines.join("\n")));
+            } else if line.starts_with("<!-- ANCHOR") {
+                lines = Some(Vec::new());
+            } else if let Some(lines) = &mut lines {
+                lines.push(line);
+            }
+        }
+        hints
+    }
+}

@@ -1,0 +1,9 @@
+//! What asks answers. Answers that are graded are compiled without it.
+
+pub mod answer;
+pub mod check;
+pub mod draw;
+mod exercise;
+pub mod picture;
+
+pub use exercise::Exercise;
