@@ -1,6 +1,6 @@
 //! Times of one iteration on the scenes of the chapter.
 //!
-//! `cargo bench -p vislam --bench bundle_adjustment`
+//! `cargo bench -p benches --bench bundle_adjustment`
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use vislam::bundle_adjustment::scenes::Scene;

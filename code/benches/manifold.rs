@@ -1,4 +1,4 @@
-//! What rotations and poses cost: `cargo bench -p vislam --bench manifold`.
+//! What rotations and poses cost: `cargo bench -p benches --bench manifold`.
 //!
 //! Every function is timed over vectors of two kinds: with the small angles that a gyroscope
 //! turns by between two samples, and with angles of any size up to π.

@@ -1,6 +1,6 @@
 //! Time of one reading, with covariance and derivatives by the biases.
 //!
-//! `cargo bench -p vislam --bench preintegration`
+//! `cargo bench -p benches --bench preintegration`
 //!
 //! prints, last, `N ns per sample` for windows of 200 readings: the median of 101 runs over a
 //! hundred windows, for either rule.

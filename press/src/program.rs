@@ -63,14 +63,15 @@ impl<'a> Program<'a> {
         slugs.iter().try_for_each(|slug| files::remove(&folder.join(slug)))
     }
 
-    /// Compiles the program; gives where it lies.
+    /// Compiles the program; gives where it lies. It is not asked for by its package, because its dependencies
+    /// would then have fewer features than `cargo test` gives them, and be compiled once more.
     pub fn compile(&self) -> Result<PathBuf> {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
             .args([
                 "build",
                 "--quiet",
-                "--package",
+                "--bin",
                 &self.package,
                 "--message-format",
                 "json-render-diagnostics",

@@ -106,16 +106,16 @@ fn cargo(order: &Order<'_>, arguments: &[&str]) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// What cargo compiled, by package. Library and exhibits are asked for together: alone, the library could have
-/// its dependencies with fewer features, and they would be compiled once more.
+/// What cargo compiled, by package. Where there are exhibits, the library is compiled for their program as
+/// everywhere else; asked for alone, it could have its dependencies with fewer features.
 fn compiled(order: &Order<'_>) -> Result<BTreeMap<String, Artifact>> {
-    let mut arguments = vec!["build", "--quiet", "--message-format", "json-render-diagnostics"];
-    for package in [&order.settings.library_package, &order.settings.exhibits_package] {
-        if !package.is_empty() {
-            arguments.extend(["--package", package]);
-        }
-    }
-    let messages = cargo(order, &arguments)?;
+    let settings = order.settings;
+    let what = match settings.exhibits_package.as_str() {
+        "" => ["--package", &settings.library_package],
+        program => ["--bin", program],
+    };
+    let arguments = ["build", "--quiet", "--message-format", "json-render-diagnostics"];
+    let messages = cargo(order, &[&arguments[..], &what].concat())?;
     let artifacts = read_lines::<Artifact>(&messages).filter(|artifact| artifact.file().is_some());
     Ok(artifacts.map(|artifact| (artifact.package_id.clone(), artifact)).collect())
 }
