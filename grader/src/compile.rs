@@ -159,12 +159,12 @@ fn shim(slugs: impl Iterator<Item = &'static str>) -> String {
         let functions: String = EXERCISES[number]
             .functions
             .iter()
-            .map(|name| format!("{name}: answers::{slug}::{name}, "))
+            .map(|name| format!("            {name}: answers::{slug}::{name},\n"))
             .collect();
         let _ = writeln!(modules, "    #[path = \"{slug}.rs\"] pub mod {slug};");
         let _ = writeln!(
             arms,
-            "        {number} => exercise_spec::{slug}::Functions {{ {functions}}}.dispatch(function, input),"
+            "        {number} => exercise_spec::{slug}::Functions {{\n{functions}        }}.dispatch(function, input),"
         );
     }
     include_str!("compile/shim.rs.in").replace("@MODULES@", &modules).replace("@ARMS@", &arms)
@@ -183,11 +183,11 @@ fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, S
     if ended.signal == Some(KILLED) {
         return Err("the compiler was killed from outside; is there enough memory?".to_owned());
     }
-    if ended.said.contains(DISK_FULL) {
-        return Err(format!("the compiler could not write: {DISK_FULL}"));
-    }
     if let Some(stranger) = stranger(folder, answers) {
         return Ok(Compiled::Refused(stranger));
+    }
+    if !ended.success && ended.said.contains(DISK_FULL) && is_full(folder) {
+        return Err(format!("the compiler could not write: {DISK_FULL}"));
     }
     if !ended.success {
         return Ok(Compiled::DoesNotCompile(told(ended, seconds(answers))));
@@ -203,6 +203,11 @@ fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, S
     fs::read(&module)
         .map(Compiled::Module)
         .map_err(|error| format!("the module cannot be read: {error}"))
+}
+
+/// Whether a disk has no room for what a compiler writes. An answer can make the compiler say so.
+fn is_full(folder: &Path) -> bool {
+    fs::write(folder.join("probe"), vec![0; 2 * LARGEST_MODULE as usize]).is_err()
 }
 
 /// Processor time that the compilation of answers may take.
@@ -225,8 +230,16 @@ fn told(ended: &Ended, seconds: u64) -> String {
              constant, a macro, a type, a table or an expression that has no end? {said}"
         );
     }
+    if said.contains("--> lib.rs:") {
+        return format!("{CALLED}\n\n{said}");
+    }
     said
 }
+
+/// What an error in the file that calls the answers means.
+const CALLED: &str = "The grader calls each function as the skeleton declares it. One of them is missing, is not \
+    `pub`, or takes or returns something else. Take its first line from the skeleton. The compiler shows below \
+    where the grader, in its own file lib.rs, calls the function.";
 
 /// The first file or variable that the compiler read and that is not part of the tree.
 fn stranger(folder: &Path, answers: &Answers) -> Option<String> {

@@ -77,6 +77,9 @@ pub struct CheckGrade {
     pub verdict: Verdict,
     /// What is wrong, in words of the subject; empty when it passed.
     pub sentence: String,
+    /// The same without the words of the answer, if it has said any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quiet: Option<String>,
     /// Numbers expected and obtained; may be empty.
     pub numbers: String,
     /// Name of the misconception that was recognized.

@@ -225,6 +225,7 @@ impl Judge {
             weight: self.points.weight(asked.exercise.slug, check.name, hidden),
             verdict,
             sentence: harmless_line(&told(|failure| &failure.sentence, LONGEST[0]), LONGEST[0]),
+            quiet: failure.as_ref().and_then(|failure| failure.quiet.clone()),
             numbers: told(|failure| &failure.numbers, LONGEST[1]),
             misconception: failure
                 .as_ref()

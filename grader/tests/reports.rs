@@ -230,6 +230,27 @@ fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {
     }
 }
 
+#[test]
+fn a_hint_about_a_hidden_check_repeats_nothing_of_the_answer() {
+    let mut panicked = check("deep", true, Verdict::Failed);
+    panicked.sentence = "the answer panicked: fx 843.0307".to_owned();
+    panicked.quiet = Some("the answer panicked".to_owned());
+    let mut returned = check("deeper", true, Verdict::Failed);
+    returned.sentence =
+        "It is 0.8430307e3 and not 12: 8430×3 numbers came back. See camera 0.".to_owned();
+    let grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![panicked, returned])]);
+    for (detail, told) in [(Detail::Full, true), (Detail::Hint, false)] {
+        let junit = junit::xml(&grade, detail).expect("XML");
+        let reports = [markdown::feedback(&grade, detail), gradescope::json(&grade, detail), junit];
+        for report in reports {
+            assert_eq!(report.contains("843"), told, "{detail:?} {report}");
+            assert!(report.contains("The answer panicked"), "{report}");
+            assert!(report.contains("and not 12: "), "{report}");
+            assert!(report.contains("numbers came back. See camera 0."), "{report}");
+        }
+    }
+}
+
 // Texts that wish a report ill.
 
 #[test]

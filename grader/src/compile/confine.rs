@@ -53,7 +53,7 @@ impl Sandbox {
         match probe.output() {
             Ok(output) if output.status.success() => Self::Bubblewrap("bwrap".into()),
             Ok(output) => Self::Nothing(format!(
-                "bubblewrap is not allowed to make namespaces: {}",
+                "bubblewrap may not make namespaces ({})",
                 String::from_utf8_lossy(&output.stderr).trim()
             )),
             Err(_) => Self::Nothing("bubblewrap is not installed".to_owned()),
@@ -84,8 +84,12 @@ impl Sandbox {
         let mut all: Vec<OsString> = limits.words();
         if let Self::Bubblewrap(bubblewrap) = self {
             all.push(bubblewrap.into());
-            let alone = "--unshare-all --die-with-parent --new-session --cap-drop ALL --proc /proc --dev /dev --tmpfs /tmp";
+            let alone = "--unshare-all --die-with-parent --new-session --cap-drop ALL --proc /proc --tmpfs /tmp";
             all.extend(alone.split(' ').map(OsString::from));
+            // No terminal is among these: who reads one waits for ever.
+            for device in ["/dev/null", "/dev/zero", "/dev/urandom"] {
+                all.extend(["--dev-bind".into(), device.into(), device.into()]);
+            }
             let system =
                 ["/usr", "/bin", "/sbin", "/lib", "/lib64", "/etc/alternatives"].map(Path::new);
             for path in system.iter().chain(readable) {

@@ -17,7 +17,7 @@ use crate::text::{harmless, harmless_line};
 pub enum Detail {
     /// Sentences and numbers.
     Full,
-    /// Sentences alone.
+    /// Sentences alone, without words and long numbers that came from the answer.
     Hint,
     /// Whether it passed.
     None,
@@ -46,15 +46,17 @@ pub struct Told {
 impl Detail {
     /// What a student is told of a check.
     pub fn of_check(self, check: &CheckGrade) -> Told {
-        let told = !check.hidden || self != Self::None;
-        let counted = !check.hidden || self == Self::Full;
-        match check.verdict {
-            Verdict::Passed => Told::new("", ""),
-            Verdict::CouldNotGrade => Told::new(COULD_NOT_GRADE, ""),
-            Verdict::Failed => Told::new(
-                if told { &check.sentence } else { "" },
-                if counted { &check.numbers } else { "" },
-            ),
+        let all = || Told::new(&check.sentence, &check.numbers);
+        match (check.verdict, self) {
+            (Verdict::Passed, _) => Told::new("", ""),
+            (Verdict::CouldNotGrade, _) => Told::new(COULD_NOT_GRADE, ""),
+            (Verdict::Failed, _) if !check.hidden => all(),
+            (Verdict::Failed, Self::Full) => all(),
+            // What an answer says of a hidden check may be the instance itself.
+            (Verdict::Failed, Self::Hint) => {
+                Told::new(&rounded(check.quiet.as_ref().unwrap_or(&check.sentence)), "")
+            }
+            (Verdict::Failed, Self::None) => Told::new("", ""),
         }
     }
 }
@@ -70,7 +72,9 @@ impl Told {
         match outcome {
             Outcome::Ran => None,
             Outcome::Missing => Some(Self::new("There is no such file, so it earns nothing.", "")),
-            Outcome::Refused(why) => Some(Self::new(&format!("The file is refused: {why}"), "")),
+            Outcome::Refused(why) => {
+                Some(Self::new("The file is refused, so it earns nothing. What has to go:", why))
+            }
             Outcome::DoesNotCompile(why) => {
                 let sentence = "It does not compile, so it earns nothing. What the compiler says:";
                 Some(Self::new(sentence, why))
@@ -87,6 +91,22 @@ impl Told {
             (false, false) => format!("{}\n\n{}", self.sentence, self.page),
         }
     }
+}
+
+/// A sentence in which a number has two digits at most, since an answer may have returned it.
+fn rounded(sentence: &str) -> String {
+    let mut shown = String::new();
+    let mut rest = sentence;
+    while let Some(at) = rest.find(|letter: char| letter.is_ascii_digit()) {
+        let (before, number) = rest.split_at(at);
+        let end = number.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(number.len());
+        let digits = number[..end].trim_end_matches('.');
+        let many = digits.bytes().filter(u8::is_ascii_digit).count() > 2;
+        shown += before;
+        shown += if many { "…" } else { digits };
+        rest = &number[digits.len()..];
+    }
+    shown + rest
 }
 
 fn capital(sentence: &str) -> String {

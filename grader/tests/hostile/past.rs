@@ -44,6 +44,17 @@ fn texts() -> Vec<(&'static str, String, End)> {
         ),
         ("", and("#[path = \"/usr/bin/env\"]\nmod x;"), End::Never),
         ("", and("mod x;"), End::DoesNotCompile),
+        ("", and("pub const X: &[u8] = include_bytes!(\"/dev/ptmx\");"), End::Never),
+        (
+            "The grader calls each function as the skeleton declares it.",
+            and("").replace("pub fn forward_motion", "fn forward_motion"),
+            End::DoesNotCompile,
+        ),
+        (
+            "No space left on device",
+            and("compile_error!(\"No space left on device\");"),
+            End::DoesNotCompile,
+        ),
         ("reads the variable PATH", and("pub const X: &str = env!(\"PATH\");"), End::Refused),
         (
             "reads the variable NOBODY",

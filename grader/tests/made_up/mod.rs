@@ -49,6 +49,7 @@ pub fn check(name: &str, hidden: bool, verdict: Verdict) -> CheckGrade {
         } else {
             String::new()
         },
+        quiet: None,
         numbers: if failed {
             "expected:\n  [0]   1.0\nobtained:\n  [0]  -1.0*".to_owned()
         } else {

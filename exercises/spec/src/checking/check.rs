@@ -65,6 +65,8 @@ impl Check {
 pub struct Failure {
     /// What is wrong.
     pub sentence: String,
+    /// The same without the words of the answer, if it has said any. They could be its input.
+    pub quiet: Option<String>,
     /// Numbers expected and obtained, in lines; may be empty.
     pub numbers: String,
     /// The misconception that gives these numbers, if one does.
@@ -78,6 +80,7 @@ impl Failure {
     pub fn new(sentence: impl Into<String>) -> Self {
         Self {
             sentence: sentence.into(),
+            quiet: None,
             numbers: String::new(),
             misconception: None,
             picture: None,
@@ -87,6 +90,11 @@ impl Failure {
     /// A failure that is known.
     pub fn known(misconception: &'static Misconception) -> Self {
         Self { misconception: Some(misconception), ..Self::new(misconception.sentence) }
+    }
+
+    /// The same with a sentence that repeats nothing of what the answer said.
+    pub fn or_quietly(self, sentence: impl Into<String>) -> Self {
+        Self { quiet: Some(sentence.into()), ..self }
     }
 
     /// The same with lines of numbers.
@@ -117,15 +125,22 @@ impl Failure {
         if self.misconception.is_some() || earlier().is_ok() {
             return self;
         }
-        let sentence =
-            format!("{} And `{function}` is not right yet: see to it first.", self.sentence);
-        Self { sentence, ..self }
+        let first = |sentence: &String| {
+            format!("{sentence} And `{function}` is not right yet: see to it first.")
+        };
+        Self { sentence: first(&self.sentence), quiet: self.quiet.as_ref().map(first), ..self }
     }
 }
 
 impl From<Fault> for Failure {
     fn from(fault: Fault) -> Self {
-        Self::new(fault.to_string())
+        let failure = Self::new(fault.to_string());
+        match fault {
+            Fault::NotWritten(_) => failure.or_quietly("not written yet"),
+            Fault::Panicked { .. } => failure.or_quietly("the answer panicked"),
+            Fault::Output(_) => failure.or_quietly("the output cannot be read"),
+            Fault::Stopped(_) => failure,
+        }
     }
 }
 
