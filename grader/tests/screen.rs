@@ -588,5 +588,11 @@ fn a_long_answer_is_read_in_a_moment() {
     let text = "fn f() { let x = 1 + 1; }\n".repeat(9_800);
     let begun = std::time::Instant::now();
     assert_eq!(screen("fill_in", &text), Ok(()));
+    for part in ["#[cfg(test)] ", "#[cfg(test)] use a;", "marginalize::", "use {a::{b,", "super::"]
+    {
+        let _ = screen("fill_in", &part.repeat(250_000 / part.len()));
+    }
+    let branches = "marginalize, ".repeat(19_000);
+    assert!(screen("fill_in", &format!("use vislam::{{{branches}}};")).is_err());
     assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
 }

@@ -4,6 +4,9 @@ use std::collections::BTreeSet;
 
 use super::tokens::Tokens;
 
+/// As many parts of a path are followed. None is so long.
+const SEGMENTS: usize = 100;
+
 /// What a file calls by names.
 #[derive(Debug, Default)]
 pub struct Names {
@@ -77,8 +80,8 @@ impl Names {
         match tokens.word(first) {
             _ if absolute => Root::Foreign,
             "self" | "Self" | "super" | "crate" => Root::Own,
-            name if self.has(name) => Root::Own,
             "vislam" | "nalgebra" | "exercise_spec" | "std" | "core" => Root::Foreign,
+            name if self.has(name) => Root::Own,
             name if self.imported.contains(name) => Root::Foreign,
             _ if tokens.place(at).import.is_some() => Root::Foreign,
             _ => Root::Unknown,
@@ -106,8 +109,10 @@ fn first(tokens: &Tokens, at: usize) -> usize {
         return first;
     }
     let mut first = at;
-    while tokens.follows_path(first) && first >= 3 && is_segment(tokens, first - 3) {
-        first -= 3;
+    for _ in 0..SEGMENTS {
+        if tokens.follows_path(first) && first >= 3 && is_segment(tokens, first - 3) {
+            first -= 3;
+        }
     }
     first
 }

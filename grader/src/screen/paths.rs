@@ -91,12 +91,16 @@ fn whole(tokens: &Tokens, at: usize) -> Vec<String> {
 }
 
 fn above(tokens: &Tokens, at: usize) -> Vec<String> {
-    let mut first = at;
-    while tokens.follows_path(first) && first >= 3 && tokens.word(first - 3) == "super" {
-        first -= 3;
+    let (mut first, mut count) = (at, 1);
+    let modules = tokens.place(at).modules;
+    while count <= modules
+        && tokens.follows_path(first)
+        && first >= 3
+        && tokens.word(first - 3) == "super"
+    {
+        (first, count) = (first - 3, count + 1);
     }
-    let count = 1 + (at - first) / 3;
-    if count <= tokens.place(at).modules {
+    if count <= modules {
         return Vec::new();
     }
     let open = if first > 0 && tokens.keyword(first - 1) == "in" { first - 1 } else { first };

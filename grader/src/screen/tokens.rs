@@ -40,8 +40,8 @@ pub struct Tokens {
 impl Tokens {
     /// # Errors
     ///
-    /// When the compiler would read the text otherwise, when it has no tokens, or too many brackets
-    /// in one another.
+    /// When the compiler may read the text otherwise, when it has no tokens, or too many brackets in
+    /// one another.
     pub fn of(text: &str) -> Result<Self, String> {
         read_alike(text)?;
         let list = flat(text);
