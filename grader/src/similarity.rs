@@ -7,7 +7,7 @@
 //! gives are numbered by where they first occur in a run, so that new names change nothing.
 
 use std::collections::hash_map::DefaultHasher;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::hash::{Hash, Hasher};
@@ -17,6 +17,7 @@ use exercise_spec::Exercise;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use crate::report::markdown::escaped;
+use crate::screen::without_shebang;
 
 /// Tokens of a run.
 pub const GRAM: usize = 12;
@@ -28,7 +29,7 @@ const FEWEST: usize = 8;
 const MOST: usize = 2_048;
 /// Share from which two answers are told.
 const SHARE: f64 = 0.5;
-/// As many pairs as are told of an exercise.
+/// As many pairs as are told in a table.
 const PAIRS: usize = 40;
 
 /// The answers of a batch as fingerprints.
@@ -121,6 +122,7 @@ impl Similarity {
              out.\n",
             100.0 * SHARE
         );
+        text += &self.over_exercises();
         for exercise in &self.exercises {
             let _ = write!(text, "\n## {}\n\n", escaped(exercise.title, 80));
             if let Some((half, count)) = exercise.usual() {
@@ -129,32 +131,66 @@ impl Similarity {
                     "Of {count} answers, half share at least {half:.0} % with the reference.\n\n"
                 );
             }
-            let mut pairs = self.with_reference(exercise.slug);
-            pairs.extend(self.within(exercise.slug));
-            text += &match pairs.is_empty() {
-                true => "Nothing to look at.\n".to_owned(),
-                false => table(&pairs),
-            };
+            let lists = [self.with_reference(exercise.slug), self.within(exercise.slug)];
+            if lists.iter().all(Vec::is_empty) {
+                text += "Nothing to look at.\n";
+                continue;
+            }
+            text += "| One | Other | Shared |\n| --- | --- | --: |\n";
+            for pairs in lists {
+                text += &cut(pairs.iter().map(row).collect());
+            }
         }
         text
     }
+
+    /// In how many exercises every two submissions are alike, most first.
+    fn over_exercises(&self) -> String {
+        let mut counts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        for exercise in &self.exercises {
+            for (one, other, ..) in exercise.to_one_another() {
+                *counts.entry((one, other)).or_default() += 1;
+            }
+        }
+        let name = |index: usize| self.names[index].as_str();
+        let named = |((one, other), count)| (count, name(one), name(other));
+        let mut pairs: Vec<(usize, &str, &str)> = counts.into_iter().map(named).collect();
+        pairs.sort_by(|a, b| b.0.cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        if pairs.is_empty() {
+            return String::new();
+        }
+        let of = self.exercises.len();
+        let row = |(count, one, other): &(usize, &str, &str)| {
+            format!("| {} | {} | {count} of {of} |\n", escaped(one, 80), escaped(other, 80))
+        };
+        let rows = cut(pairs.iter().map(row).collect());
+        format!(
+            "\n## Over all exercises\n\n| One | Other | Alike in |\n| --- | --- | --: |\n{rows}"
+        )
+    }
 }
 
-fn table(pairs: &[Pair]) -> String {
-    let mut text = "| One | Other | Shared |\n| --- | --- | --: |\n".to_owned();
-    for pair in pairs {
-        let (one, other) = (escaped(&pair.one, 80), escaped(&pair.other, 80));
-        let (percent, count) = (100.0 * pair.share, pair.shared);
-        let _ = writeln!(text, "| {one} | {other} | {percent:.0} % ({count} fingerprints) |");
+fn row(pair: &Pair) -> String {
+    let (one, other) = (escaped(&pair.one, 80), escaped(&pair.other, 80));
+    let (percent, count) = (100.0 * pair.share, pair.shared);
+    format!("| {one} | {other} | {percent:.0} % ({count} fingerprints) |\n")
+}
+
+/// The first rows, and how many more there are.
+fn cut(mut rows: Vec<String>) -> String {
+    let others = rows.len().saturating_sub(PAIRS);
+    rows.truncate(PAIRS);
+    if others > 0 {
+        rows.push(format!("| and {others} more | | |\n"));
     }
-    text
+    rows.concat()
 }
 
 fn sorted(mut pairs: Vec<Pair>) -> Vec<Pair> {
     pairs.sort_by(|a, b| {
-        b.share.total_cmp(&a.share).then(b.shared.cmp(&a.shared)).then(a.one.cmp(&b.one))
+        let names = (&a.one, &a.other).cmp(&(&b.one, &b.other));
+        b.share.total_cmp(&a.share).then(b.shared.cmp(&a.shared)).then(names)
     });
-    pairs.truncate(PAIRS);
     pairs
 }
 
@@ -250,7 +286,7 @@ enum Token {
 
 /// The tokens of a text in a row, without comments and attributes. Nothing where it has none.
 fn tokens(text: &str) -> Option<Vec<Token>> {
-    let stream: TokenStream = text.parse().ok()?;
+    let stream: TokenStream = without_shebang(text).unwrap_or(text).parse().ok()?;
     let mut row = Vec::new();
     let mut open = vec![(stream.into_iter().peekable(), "")];
     while let Some((inner, close)) = open.last_mut() {

@@ -21,11 +21,24 @@ const HOOK: &str =
     "changes what happens after a panic, and the grader reads panics itself. Leave it out.";
 const LIMIT: &str = "changes a limit or a part of the compiler, and the grader compiles all \
     answers alike. Leave it out.";
+const IN_MACRO: &str = "`mod` in a macro can become a module in another file, and each exercise is \
+    one file. Write the module without the macro.";
+const UP: &str =
+    "`super` leads out of the answer here, and each answer stands alone. Leave it out.";
+const VISIBLE: &str = "`pub(super)` leads out of the answer here, and each answer stands alone. \
+    Write `pub`, or nothing, as in `pub fn` and `fn`.";
 const SPEC: &str = "`exercise_spec`: an answer takes the types of its arguments from it and \
     nothing else, and by a `use` as in the skeleton. Take the lines of the skeleton.";
 
 fn refusal(text: &str) -> String {
     screen("fill_in", text).expect_err(text)
+}
+
+fn the_librarys(name: &str) -> String {
+    format!(
+        "line 1: `{name}` of the library does what this exercise asks for. Write it yourself, of \
+            the parts that its page names."
+    )
 }
 
 /// Each text, in the third line of a file, is refused with one sentence.
@@ -114,13 +127,28 @@ fn the_environment_of_the_compiler_is_refused_and_a_variable_of_that_name_is_not
         "fn f(env: f64) -> bool { env != 1.0 }",
         "struct S { include: bool }",
         "fn f(s: S) -> bool { s.include }",
+        "macro_rules! m { ($x:expr) => { $x } } fn f(env: f64) { println!(\"{}\", env); }",
+        "macro_rules! m { ($x:expr) => { $x } } fn f(s: S) { format!(\"{}\", s.env); m!(s.env); }",
+        "macro_rules! m { ($env:expr) => { $env } } fn f(env: f64) { assert!(true); m!(env); }",
+        "macro_rules! m { () => {} } fn f(asm: bool) { if !(asm) { assert!(matches!(asm, true)); } }",
+        "mod setup { pub fn env() {} } fn f() { setup::env(); }",
     ]);
+    for text in [
+        "macro_rules! m { ($a:tt $b:tt) => { $a ! $b } } m!(env (1));",
+        "macro_rules! m { ($a:tt $b:tt $c:tt $d:tt) => { $d $b $c } } m!(f!(1) env);",
+        "macro_rules! m { ($($a:tt)*) => { n!(! $($a)*) } } m!(env (1));",
+    ] {
+        refused(&[(text, &sentence)]);
+    }
+    // A macro of that name is not Rust's.
+    for name in ["macro_rules! println", "use inner::m as println; macro_rules! m"] {
+        let text = format!("{name} {{ ($a:tt $b:tt) => {{ $b $a (1) }} }} println!(! env);");
+        refused(&[(&text, &sentence)]);
+    }
 }
 
 #[test]
 fn a_module_in_another_file_is_refused() {
-    let in_macro = "`mod` in a macro can become a module in another file, and each exercise is one \
-        file. Write the module without the macro.";
     let told = |name: &str| {
         format!(
             "`mod {name};` reads another file, and each exercise is one file. Put the content of \
@@ -129,20 +157,21 @@ fn a_module_in_another_file_is_refused() {
     };
     refused(&[
         ("mod helper;", &told("helper")),
-        (
-            "pub(super) mod helper;",
-            &format!(
-                "{}\nline 3: `super` leads out of the answer here, and each answer stands \
-            alone. Leave it out.",
-                told("helper")
-            ),
-        ),
-        ("macro_rules! m { ($name:ident) => { mod $name; } }", in_macro),
-        ("macro_rules! m { ($a:tt $b:tt $c:tt) => { $b $a $c } } m!(helper mod ;);", in_macro),
+        ("pub(super) mod helper;", &format!("{}\nline 3: {VISIBLE}", told("helper"))),
+        ("macro_rules! m { ($name:ident) => { mod $name; } }", IN_MACRO),
+        ("macro_rules! m { ($body:tt) => { mod helper $body } }", IN_MACRO),
+        ("macro_rules! m { ($a:tt $b:tt $c:tt $d:tt) => { $a $b $d } } m!(mod a {} ;);", IN_MACRO),
+        ("#[cfg(test)] mod helper;", &told("helper")),
+        ("macro_rules! m { ($a:tt $b:tt $c:tt) => { $b $a $c } } m!(helper mod ;);", IN_MACRO),
         ("#[path = \"/etc/x.rs\"] mod helper { }", &format!("`#[path]` {FILES}")),
         ("#[cfg_attr(all(), path = \"x\")] mod helper { }", &format!("`#[path]` {FILES}")),
     ]);
-    passes(&["mod helper { pub fn f() {} }", "fn f() { let mut path = 1; path = 2; }"]);
+    passes(&[
+        "macro_rules! m { ($($x:ident)*) => { #[cfg(test)] mod cases { $(fn $x() {})* } } } m!(a b);",
+        "macro_rules! m { ($name:ident) => { mod $name { pub fn f() {} } } }",
+        "mod helper { pub fn f() {} }",
+        "fn f() { let mut path = 1; path = 2; }",
+    ]);
 }
 
 #[test]
@@ -156,6 +185,15 @@ fn unsafe_and_foreign_code_are_refused() {
         ("macro_rules! m { () => { unsafe { } } }", no_unsafe),
         ("extern \"C\" fn f() {}", no_extern),
         ("extern crate alloc;", no_extern),
+        (
+            "extern crate nalgebra as na;",
+            "`extern crate`: `nalgebra` is there without it. Leave the line out; write `use \
+                nalgebra as na;`.",
+        ),
+        (
+            "extern crate vislam;",
+            "`extern crate`: `vislam` is there without it. Leave the line out.",
+        ),
         (
             "core::arch::global_asm!(\"\");",
             &format!(
@@ -263,6 +301,11 @@ fn only_data_are_taken_from_the_declaration_of_the_exercises() {
         "use exercise_spec::left_perturbation::*;",
         "use exercise_spec::left_perturbation::left_jacobian;",
         "use exercise_spec::left_perturbation::Case;",
+        "#[cfg(test)] struct S(f64); use exercise_spec::left_perturbation::Case;",
+        "struct S(#[cfg(test)] fn(f64) -> f64, exercise_spec::left_perturbation::Case);",
+        "#[cfg(all())] mod tests { use exercise_spec::left_perturbation::Case; }",
+        "macro_rules! m { ($a:tt $b:tt $($c:tt)*) => { $($c)* } } m!(#[cfg(test)] use \
+            exercise_spec::left_perturbation::Case;);",
         "use exercise_spec::left_perturbation::EXERCISE;",
         "fn f() { exercise_spec::EXERCISES.len(); }",
         "macro_rules! m { ($a:ident :: $b:ident $c:ident) => { use $a::$c::Native; } } \
@@ -274,6 +317,10 @@ fn only_data_are_taken_from_the_declaration_of_the_exercises() {
     passes(&[
         "use exercise_spec::left_perturbation::{Camera, Side as Which};",
         "use ::exercise_spec::camera::Camera;",
+        "#[cfg(test)] mod tests { use exercise_spec::left_perturbation::Case; }",
+        "#[cfg(test)] #[allow(x)] pub(crate) mod tests { use exercise_spec::fill_in::EXERCISE; }",
+        "#[cfg(test)] use exercise_spec::{left_perturbation::{Case, Side}}; fn f() {}",
+        "fn f(side: Side) -> bool { matches!(side, exercise_spec::left_perturbation::Side::Left) }",
         "use exercise_spec::{camera::Camera, fill_in::Layout};",
         "fn f(layout: exercise_spec::fill_in::Layout) {}",
     ]);
@@ -281,18 +328,28 @@ fn only_data_are_taken_from_the_declaration_of_the_exercises() {
 
 #[test]
 fn paths_out_of_the_answer_are_refused() {
-    let up = "`super` leads out of the answer here, and each answer stands alone. Leave it out.";
     refused(&[
         (
             "use crate::call;",
             "`crate::` leads out of the answer, and each answer stands alone. Write `self::`, or \
                 `super::` in a module of it.",
         ),
-        ("use super::other;", up),
-        ("mod tests { use super::super::other; }", up),
+        ("use super::other;", UP),
+        ("mod tests { use super::super::other; }", UP),
+        ("struct r#mod; impl Up for r#mod where { fn up() { super::f() } }", UP),
+        (
+            "macro_rules! m { (mod a { $($x:tt)* }) => { $($x)* } } m!(mod a { super::f(); });",
+            &format!("{IN_MACRO}\nline 3: {UP}"),
+        ),
+        ("#[macro_use] mod a { macro_rules! m { () => { super::f() } } }", UP),
+        ("pub(super) fn f() {}", VISIBLE),
+        ("pub(in super) fn f() {}", VISIBLE),
     ]);
     passes(&[
         "mod tests { use super::*; }",
+        "mod a { pub(super) fn f() {} }",
+        "#[cfg(test)] mod tests { fn f() { std::fs::read(\"x\"); } }",
+        "macro_rules! m { () => { mod a { use super::*; } } }",
         "pub(crate) fn f() {}",
         "mod a { mod b { use super::super::f; } }",
     ]);
@@ -300,12 +357,6 @@ fn paths_out_of_the_answer_are_refused() {
 
 #[test]
 fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
-    let told = |name: &str| {
-        format!(
-            "line 1: `{name}` of the library does what this exercise asks for. Write it yourself, \
-                of the parts that its page names."
-        )
-    };
     for (slug, text, name) in [
         ("fill_in", "use vislam::marginalization::marginalize as m;", "marginalize"),
         ("fill_in", "fn f() { vislam::marginalization::r#marginalize(); }", "marginalize"),
@@ -315,8 +366,81 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
         ("null_space", "fn f(m: DMatrix<f64>) { m.clone().svd::<f64>(true, true); }", "svd"),
         ("outlier_rescue", "use vislam::least_squares::*; fn f(kernel: Kernel) {}", "Kernel"),
         ("along_or_across", "use vislam::two_views::skew;", "two_views"),
+        (
+            "left_perturbation",
+            "fn f() { let jacobians = camera.pinhole().jacobians(); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "type P = vislam::reprojection::Pinhole; fn f() { P::jacobians(); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "use vislam::reprojection::Pinhole as P; fn jacobians() { P::jacobians(); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "fn f() { <vislam::reprojection::Pinhole>::jacobians(); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "#[cfg(test)] fn jacobians() {} fn f(c: Camera) { c.pinhole().jacobians(); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "use vislam::{bundle_adjustment as b, manifold};",
+            "bundle_adjustment",
+        ),
+        (
+            "left_perturbation",
+            "fn f() { vislam::observability::pixel_by_state(); }",
+            "observability",
+        ),
+        (
+            "outlier_rescue",
+            "mod parts { pub use vislam::least_squares::*; } fn f() { parts::Kernel::Huber(1.0); }",
+            "Kernel",
+        ),
+        (
+            "outlier_rescue",
+            "mod robust { pub struct Kernel; } use vislam::{least_squares::{{Kernel}}};",
+            "Kernel",
+        ),
+        (
+            "outlier_rescue",
+            "struct Kernel; mod a { use ::vislam::least_squares::Kernel as Known; }",
+            "Kernel",
+        ),
+        ("residual_jacobian", "use vislam::observability::Window as Whole;", "observability"),
+        (
+            "scale_and_gravity",
+            "fn f() { vislam::observability::Similarity { scale }; }",
+            "observability",
+        ),
+        ("scale_null_space", "use vislam::observability::{Direction, Window};", "observability"),
+        ("stereo_gauge", "use vislam::observability::Spectrum;", "observability"),
+        ("noise_growth", "use vislam::preintegration::{Block, Turning};", "preintegration"),
+        (
+            "noise_growth",
+            "use vislam::*; fn f() { preintegration::preintegrate(); }",
+            "preintegration",
+        ),
+        (
+            "null_space",
+            "fn f() { nalgebra::linalg::Bidiagonal::new(square).unpack(); }",
+            "Bidiagonal",
+        ),
+        ("null_space", "fn f() { square.try_svd(true, false, f64::EPSILON, 0); }", "try_svd"),
+        ("null_space", "fn f() { square.svd_unordered(true, false); }", "svd_unordered"),
+        ("null_space", "fn f() { square.symmetric_eigen(); }", "symmetric_eigen"),
+        ("null_space", "use nalgebra::*; fn f() { ColPivQR::new(square); }", "ColPivQR"),
     ] {
-        assert_eq!(screen(slug, text), Err(told(name)), "{text}");
+        assert_eq!(screen(slug, text), Err(the_librarys(name)), "{text}");
     }
 }
 
@@ -334,9 +458,62 @@ fn what_an_answer_calls_so_itself_is_not_the_librarys() {
         ("left_perturbation", "struct S { jacobians: f64 } fn f(s: S) -> f64 { s.jacobians }"),
         ("null_space", "fn f() { let qr = 1.0; let svd = qr; }"),
         ("stereo_gauge", "use vislam::manifold::marginalize;"),
+        (
+            "outlier_rescue",
+            "mod robust { pub struct Kernel; } use robust::Kernel; fn f() { Kernel::new(); }",
+        ),
+        ("outlier_rescue", "struct Kernel; #[cfg(test)] mod tests { use super::{Kernel, f}; }"),
+        ("outlier_rescue", "struct Kernel; mod tests { use super::{Kernel, f}; }"),
+        ("outlier_rescue", "#[cfg(test)] mod tests { use vislam::least_squares::Kernel; }"),
+        ("outlier_rescue", "enum State { Problem, Fine } use State::*; fn f() { State::Problem; }"),
+        ("null_space", "mod turns { pub struct GivensRotation; } use self::turns::GivensRotation;"),
+        ("null_space", "use nalgebra::*; fn f() { let qr = |x: f64| x; qr(1.0); }"),
+        (
+            "residual_jacobian",
+            "mod window { pub fn predict() {} } pub use window::predict; fn f() { window::predict(); }",
+        ),
+        (
+            "residual_jacobian",
+            "trait Model { fn predict(); } fn f<T: Model>() { T::predict(); <T as Model>::predict(); }",
+        ),
+        (
+            "residual_jacobian",
+            "fn f(predict: f64) { println!(\"{}\", predict); assert!(!(predict > 1.0)); }",
+        ),
+        (
+            "residual_jacobian",
+            "macro_rules! m { ($predict:expr) => { $predict } } fn f(predict: f64) { vec![predict]; }",
+        ),
     ] {
         assert_eq!(screen(slug, text), Ok(()), "{text}");
     }
+}
+
+#[test]
+fn a_name_that_a_macro_is_given_could_be_the_librarys() {
+    let told = |name: &str| {
+        format!(
+            "line 1: `{name}` stands in a macro of yours, and the library has a `{name}` that does \
+                what this exercise asks for. If this is something else, give it another name."
+        )
+    };
+    for (slug, text, name) in [
+        (
+            "left_perturbation",
+            "macro_rules! ask { ($of:expr, $m:ident) => { $of.$m() } } fn f() { ask!(p, jacobians); }",
+            "jacobians",
+        ),
+        (
+            "left_perturbation",
+            "macro_rules! ask { ($($x:tt)*) => { $($x)* } } fn f() { ask!(p, fn jacobians); }",
+            "jacobians",
+        ),
+        ("outlier_rescue", "macro_rules! kernel { () => { Kernel } }", "Kernel"),
+    ] {
+        assert_eq!(screen(slug, text), Err(told(name)), "{text}");
+    }
+    let own = "macro_rules! m { ($x:path) => { $x() } } fn predict() {} fn f() { m!(predict); }";
+    assert_eq!(screen("residual_jacobian", own), Ok(()));
 }
 
 #[test]
@@ -349,6 +526,27 @@ fn comments_strings_and_lifetimes_are_not_words() {
         "// nothing but this",
         "this is no ; Rust [ but ] tokens",
     ]);
+}
+
+#[test]
+fn a_first_line_that_the_compiler_drops_is_refused() {
+    let refusal = "line 1: leave out the line that begins with `#!`.";
+    for first in ["#!x /*", "#!x [\"", "#!", "#! [allow(x)]", "#!\u{a0}[", "#!/**/["] {
+        for mark in ["", "\u{feff}"] {
+            let text = format!("{mark}{first}\nfn f() {{ std::process::exit(0) }}\n// */ \"]\n");
+            assert_eq!(screen("fill_in", &text), Err(refusal.to_owned()), "{text}");
+        }
+    }
+    let said = self::refusal("\n---\n/*\n---\nfn f() { unsafe {} }\n// */");
+    assert_eq!(said, "line 2: leave out the lines of `---` and what is between them.");
+    passes(&["#![allow(x)]\nfn f() {}", "\u{feff}#![allow(x)]", "\u{feff}\nfn f() {}", "\n#!x\n"]);
+}
+
+#[test]
+fn letters_of_other_alphabets_are_names_and_the_sign_of_the_kelvin_is_a_letter() {
+    let text = "use vislam::least_squares::\u{212a}ernel as Known;";
+    assert_eq!(screen("outlier_rescue", text), Err(the_librarys("Kernel")));
+    passes(&["fn f(σ: f64) -> f64 { let Δφ = σ; Δφ }"]);
 }
 
 #[test]
@@ -390,5 +588,11 @@ fn a_long_answer_is_read_in_a_moment() {
     let text = "fn f() { let x = 1 + 1; }\n".repeat(9_800);
     let begun = std::time::Instant::now();
     assert_eq!(screen("fill_in", &text), Ok(()));
+    for part in ["#[cfg(test)] ", "#[cfg(test)] use a;", "marginalize::", "use {a::{b,", "super::"]
+    {
+        let _ = screen("fill_in", &part.repeat(250_000 / part.len()));
+    }
+    let branches = "marginalize, ".repeat(19_000);
+    assert!(screen("fill_in", &format!("use vislam::{{{branches}}};")).is_err());
     assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
 }

@@ -107,6 +107,56 @@ fn two_who_share_an_answer_are_told_and_a_third_is_not() {
 }
 
 #[test]
+fn a_first_line_that_the_compiler_drops_does_not_hide_an_answer() {
+    let text = reference("left_perturbation");
+    for first in ["#!x /*", "\u{feff}#!x [\""] {
+        let hidden = format!("{first}\n{text}\n// */ \"]\n");
+        let alike =
+            compared("left_perturbation", &[("hid", &hidden)]).with_reference("left_perturbation");
+        assert_eq!(pairs(&alike), [("hid", "the reference")]);
+    }
+}
+
+#[test]
+fn equal_pairs_stand_in_the_order_of_their_names_and_a_long_list_says_how_many_more() {
+    let text = reference("left_perturbation");
+    let names: Vec<String> = (0..24).map(|number| format!("s{number:02}")).collect();
+    let mut answers: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), OTHER)).collect();
+    // Half of the class, so that it is not what most have.
+    answers.iter_mut().take(12).for_each(|answer| answer.1 = &text);
+    answers.reverse();
+    let similarity = compared("left_perturbation", &answers);
+    let within = similarity.within("left_perturbation");
+    assert_eq!(within.len(), 2 * 66);
+    let key =
+        |pair: &Pair| (-pair.share, -(pair.shared as f64), pair.one.clone(), pair.other.clone());
+    assert!(within.is_sorted_by(|a, b| key(a) <= key(b)), "{within:?}");
+    let report = similarity.markdown();
+    assert_eq!(report.matches("| and 92 more | | |").count(), 2, "{report}");
+    assert_eq!(report, compared("left_perturbation", &answers).markdown());
+}
+
+#[test]
+fn those_who_are_alike_in_many_exercises_stand_on_top() {
+    let mut similarity = Similarity::new(EXERCISES, &repository());
+    let texts: Vec<(&str, String)> =
+        EXERCISES.iter().map(|it| (it.slug, reference(it.slug))).collect();
+    let text = |slug: &str| texts.iter().find(|(of, _)| *of == slug).map(|(_, text)| text.as_str());
+    similarity.add("anna", text);
+    similarity.add("cem", |slug| text(slug).filter(|_| slug == "fill_in"));
+    similarity.add("hugo", |slug| text(slug).filter(|_| slug != "null_space"));
+    let report = similarity.markdown();
+    let top: Vec<&str> = report
+        .lines()
+        .skip_while(|line| *line != "## Over all exercises")
+        .filter(|line| line.contains(" of 10 "))
+        .collect();
+    let alike =
+        ["| anna | hugo | 9 of 10 |", "| anna | cem | 1 of 10 |", "| cem | hugo | 1 of 10 |"];
+    assert_eq!(top, alike, "{report}");
+}
+
+#[test]
 fn what_the_skeleton_has_does_not_count() {
     for exercise in EXERCISES {
         let text = skeleton(exercise.slug);

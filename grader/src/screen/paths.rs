@@ -34,7 +34,7 @@ pub fn findings(tokens: &Tokens) -> Vec<(usize, String)> {
         };
         sentences.into_iter().map(move |sentence| (tokens.line(at), sentence))
     };
-    (0..tokens.len()).flat_map(at_line).collect()
+    (0..tokens.len()).filter(|at| !tokens.place(*at).test).flat_map(at_line).collect()
 }
 
 fn library(tokens: &Tokens, at: usize) -> Vec<String> {
@@ -51,7 +51,7 @@ fn declaration(tokens: &Tokens, at: usize) -> Vec<String> {
     let is_type = |name: &str| EXERCISES.iter().any(|it| it.types.contains(&name));
     let allowed = |path: &Vec<String>| path.get(1).is_some_and(|name| is_type(name));
     let paths = paths(tokens, at, 3);
-    if !tokens.in_macro(at) && !paths.is_empty() && paths.iter().all(allowed) {
+    if !tokens.place(at).in_macro() && !paths.is_empty() && paths.iter().all(allowed) {
         return Vec::new();
     }
     let sentence = "`exercise_spec`: an answer takes the types of its arguments from it and \
@@ -91,18 +91,27 @@ fn whole(tokens: &Tokens, at: usize) -> Vec<String> {
 }
 
 fn above(tokens: &Tokens, at: usize) -> Vec<String> {
-    let mut first = at;
-    while tokens.follows_path(first) && first >= 3 && tokens.word(first - 3) == "super" {
-        first -= 3;
+    let (mut first, mut count) = (at, 1);
+    let modules = tokens.place(at).modules;
+    while count <= modules
+        && tokens.follows_path(first)
+        && first >= 3
+        && tokens.word(first - 3) == "super"
+    {
+        (first, count) = (first - 3, count + 1);
     }
-    let count = 1 + (at - first) / 3;
-    if count <= tokens.modules(at) {
+    if count <= modules {
         return Vec::new();
     }
-    vec![
+    let open = if first > 0 && tokens.keyword(first - 1) == "in" { first - 1 } else { first };
+    let is_visibility = open >= 2 && tokens.is(open - 1, '(') && tokens.keyword(open - 2) == "pub";
+    let sentence = if is_visibility {
+        "`pub(super)` leads out of the answer here, and each answer stands alone. Write `pub`, or \
+            nothing, as in `pub fn` and `fn`."
+    } else {
         "`super` leads out of the answer here, and each answer stands alone. Leave it out."
-            .to_owned(),
-    ]
+    };
+    vec![sentence.to_owned()]
 }
 
 /// What stands behind `root::`, of every branch where it is a tree. Nothing when no path follows.

@@ -1,59 +1,55 @@
 //! An answer as a flat list of tokens that know where they stand.
 
-use std::collections::BTreeSet;
-
 use proc_macro2::extra::invalidate_current_thread_spans;
 use proc_macro2::token_stream::IntoIter;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+
+use super::names::Names;
+use super::places::{self, Place};
 
 /// How deep brackets may be nested.
 const NESTED: usize = 100;
 
 /// One token. Brackets are marks of their own.
 #[derive(Debug)]
-struct Token {
+pub struct Token {
     kind: Kind,
     line: usize,
-    place: Place,
+    pub(super) place: Place,
 }
 
 #[derive(Debug)]
 enum Kind {
     /// An identifier or keyword, without the `r#` of raw ones.
-    Word(String),
+    Word {
+        text: String,
+        raw: bool,
+    },
     Mark(char),
     /// A number, a string or the name of a lifetime.
     Other,
 }
 
-/// What is around a token.
-#[derive(Debug, Clone, Copy, Default)]
-struct Place {
-    attribute: bool,
-    import: bool,
-    call_of_macro: bool,
-    modules: usize,
-}
-
 /// All tokens of an answer.
 #[derive(Debug)]
 pub struct Tokens {
-    list: Vec<Token>,
-    defined: BTreeSet<String>,
-    has_foreign_glob: bool,
+    pub(super) list: Vec<Token>,
+    names: Names,
 }
 
 impl Tokens {
     /// # Errors
     ///
-    /// When the text has no tokens, or too many brackets in one another.
+    /// When the compiler may read the text otherwise, when it has no tokens, or too many brackets in
+    /// one another.
     pub fn of(text: &str) -> Result<Self, String> {
+        read_alike(text)?;
         let list = flat(text);
         // The parser keeps every text for its spans until it is told to let go.
         invalidate_current_thread_spans();
-        let mut tokens = Self { list: list?, defined: BTreeSet::new(), has_foreign_glob: false };
-        tokens.mark_imports();
-        tokens.defined = tokens.definitions();
+        let mut tokens = Self { list: list?, names: Names::default() };
+        places::mark(&mut tokens);
+        tokens.names = Names::of(&tokens);
         Ok(tokens)
     }
 
@@ -65,7 +61,15 @@ impl Tokens {
     /// The word at a place, or nothing where there is none.
     pub fn word(&self, at: usize) -> &str {
         match self.list.get(at).map(|token| &token.kind) {
-            Some(Kind::Word(word)) => word,
+            Some(Kind::Word { text, .. }) => text,
+            _ => "",
+        }
+    }
+
+    /// The word at a place that can be a keyword, which a raw one cannot.
+    pub fn keyword(&self, at: usize) -> &str {
+        match self.list.get(at).map(|token| &token.kind) {
+            Some(Kind::Word { text, raw: false }) => text,
             _ => "",
         }
     }
@@ -77,9 +81,19 @@ impl Tokens {
             .is_some_and(|token| matches!(token.kind, Kind::Mark(found) if found == mark))
     }
 
+    /// Whether a mark stands before a place.
+    pub fn follows(&self, at: usize, mark: char) -> bool {
+        at > 0 && self.is(at - 1, mark)
+    }
+
     /// Whether a bracket opens at a place.
     pub fn opens(&self, at: usize) -> bool {
         ['(', '[', '{'].iter().any(|mark| self.is(at, *mark))
+    }
+
+    /// Whether a bracket closes at a place.
+    pub fn closes(&self, at: usize) -> bool {
+        [')', ']', '}'].iter().any(|mark| self.is(at, *mark))
     }
 
     /// Whether `::` stands at a place.
@@ -97,74 +111,39 @@ impl Tokens {
         self.list.get(at).map_or(0, |token| token.line)
     }
 
-    /// Whether it is part of an attribute.
-    pub fn in_attribute(&self, at: usize) -> bool {
-        self.place(at).attribute
-    }
-
-    /// Whether it is part of a `use`.
-    pub fn in_import(&self, at: usize) -> bool {
-        self.place(at).import
-    }
-
-    /// Whether it is given to a macro, or part of one.
-    pub fn in_macro(&self, at: usize) -> bool {
-        self.place(at).call_of_macro
-    }
-
-    /// In how many modules of the file it is.
-    pub fn modules(&self, at: usize) -> usize {
-        self.place(at).modules
-    }
-
-    /// Whether the file gives this name to something of its own.
-    pub fn defines(&self, name: &str) -> bool {
-        self.defined.contains(name)
-    }
-
-    /// Whether the file defines macros.
-    pub fn has_macros(&self) -> bool {
-        (0..self.len()).any(|at| self.word(at) == "macro_rules")
-    }
-
-    /// Whether the file imports whatever another crate has.
-    pub fn has_foreign_glob(&self) -> bool {
-        self.has_foreign_glob
-    }
-
-    fn place(&self, at: usize) -> Place {
+    /// What is around a token.
+    pub fn place(&self, at: usize) -> Place {
         self.list.get(at).map(|token| token.place).unwrap_or_default()
     }
 
-    fn mark_imports(&mut self) {
-        let mut at = 0;
-        while at < self.len() {
-            // `use<…>` among the bounds of a type is no import.
-            if self.word(at) == "use" && !self.is(at + 1, '<') {
-                let root = if self.separates(at + 1) { at + 3 } else { at + 1 };
-                let own = ["self", "super", "crate"].contains(&self.word(root));
-                while at < self.len() && !self.is(at, ';') {
-                    self.has_foreign_glob |= !own && self.is(at, '*');
-                    self.list[at].place.import = true;
-                    at += 1;
-                }
-            }
-            at += 1;
-        }
+    /// What the file calls by names.
+    pub fn names(&self) -> &Names {
+        &self.names
     }
+}
 
-    fn definitions(&self) -> BTreeSet<String> {
-        const INTRODUCE: [&str; 11] = [
-            "fn", "struct", "enum", "type", "trait", "const", "static", "mod", "union", "let",
-            "mut",
-        ];
-        let is_definition = |at: &usize| {
-            let introduced = *at > 0 && INTRODUCE.contains(&self.word(at - 1));
-            introduced || self.is(at + 1, ':') && !self.separates(at + 1)
-        };
-        let words = (0..self.len()).filter(|at| !self.word(*at).is_empty());
-        words.filter(is_definition).map(|at| self.word(at).to_owned()).collect()
+/// The compiler drops a first line `#!…`, and what is between lines `---` at the beginning. What
+/// reads tokens here does not, so that such a line could open a comment for the one and not for
+/// the other.
+fn read_alike(text: &str) -> Result<(), String> {
+    if without_shebang(text).is_some() {
+        return Err("line 1: leave out the line that begins with `#!`.".to_owned());
     }
+    let begin = text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
+    if begin.starts_with("---") {
+        let line = 1 + text[..text.len() - begin.len()].matches('\n').count();
+        return Err(format!("line {line}: leave out the lines of `---` and what is between them."));
+    }
+    Ok(())
+}
+
+/// The rest of a text whose first line begins with `#!` and is no attribute.
+pub fn without_shebang(text: &str) -> Option<&str> {
+    let rest = text.strip_prefix('\u{feff}').unwrap_or(text).strip_prefix("#!")?;
+    if rest.starts_with('[') {
+        return None;
+    }
+    Some(rest.find('\n').map_or("", |end| &rest[end..]))
 }
 
 /// The tokens one after the other. It keeps its own stack, because an answer may nest brackets as
@@ -177,34 +156,30 @@ fn flat(text: &str) -> Result<Vec<Token>, String> {
             error.span().start().line
         )
     })?;
+    let token = |kind, line| Token { kind, line, place: Place::default() };
     let mut list: Vec<Token> = Vec::new();
-    let mut stack: Vec<(IntoIter, char, Place)> = vec![(stream.into_iter(), ' ', Place::default())];
-    while let Some((rest, close, place)) = stack.last_mut() {
-        let (close, place) = (*close, *place);
+    let mut stack: Vec<(IntoIter, char)> = vec![(stream.into_iter(), ' ')];
+    while let Some((rest, close)) = stack.last_mut() {
+        let close = *close;
         let Some(tree) = rest.next() else {
             stack.pop();
             let line = list.last().map_or(1, |token| token.line);
-            list.push(Token { kind: Kind::Mark(close), line, place });
+            list.push(token(Kind::Mark(close), line));
             continue;
         };
         let line = tree.span().start().line;
-        match tree {
-            TokenTree::Group(group) => {
-                let (open, close) = brackets(&group);
-                let inside = inside(&list, open, place);
-                list.push(Token { kind: Kind::Mark(open), line, place });
-                stack.push((group.stream().into_iter(), close, inside));
-                if stack.len() > NESTED {
-                    return Err(format!(
-                        "line {line}: more than {NESTED} brackets are open here, one in the \
-                            other. Give parts of it names of their own."
-                    ));
-                }
-            }
-            tree => {
-                let kind = kind(&tree, list.last());
-                list.push(Token { kind, line, place });
-            }
+        let TokenTree::Group(group) = tree else {
+            list.push(token(kind(&tree, list.last()), line));
+            continue;
+        };
+        let (open, close) = brackets(&group);
+        list.push(token(Kind::Mark(open), line));
+        stack.push((group.stream().into_iter(), close));
+        if stack.len() > NESTED {
+            return Err(format!(
+                "line {line}: more than {NESTED} brackets are open here, one in the other. Give \
+                    parts of it names of their own."
+            ));
         }
     }
     Ok(list)
@@ -215,8 +190,13 @@ fn kind(tree: &TokenTree, before: Option<&Token>) -> Kind {
     match tree {
         TokenTree::Ident(_) if is_lifetime => Kind::Other,
         TokenTree::Ident(ident) => {
-            let word = ident.to_string();
-            Kind::Word(word.strip_prefix("r#").map_or(word.clone(), str::to_owned))
+            // The compiler takes the sign of the kelvin for the letter. It is the only one that
+            // becomes a letter of ASCII by the normalization of names, NFC.
+            let text = ident.to_string().replace('\u{212a}', "K");
+            match text.strip_prefix("r#") {
+                Some(text) => Kind::Word { text: text.to_owned(), raw: true },
+                None => Kind::Word { text, raw: false },
+            }
         }
         TokenTree::Punct(punct) => Kind::Mark(punct.as_char()),
         _ => Kind::Other,
@@ -229,27 +209,5 @@ fn brackets(group: &Group) -> (char, char) {
         Delimiter::Brace => ('{', '}'),
         Delimiter::Bracket => ('[', ']'),
         Delimiter::None => (' ', ' '),
-    }
-}
-
-/// The place inside a bracket that opens after these tokens.
-fn inside(before: &[Token], open: char, around: Place) -> Place {
-    let mark = |back: usize| match before.iter().nth_back(back).map(|token| &token.kind) {
-        Some(Kind::Mark(mark)) => *mark,
-        _ => ' ',
-    };
-    let word = |back: usize| match before.iter().nth_back(back).map(|token| &token.kind) {
-        Some(Kind::Word(word)) => word.as_str(),
-        _ => "",
-    };
-    let attribute = open == '[' && (mark(0) == '#' || mark(0) == '!' && mark(1) == '#');
-    let macro_call = mark(0) == '!' && !word(1).is_empty();
-    let macro_rules = !word(0).is_empty() && mark(1) == '!' && word(2) == "macro_rules";
-    let module = open == '{' && !word(0).is_empty() && word(1) == "mod";
-    Place {
-        attribute: around.attribute || attribute,
-        call_of_macro: around.call_of_macro || macro_call || macro_rules,
-        modules: around.modules + usize::from(module),
-        ..around
     }
 }

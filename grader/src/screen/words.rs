@@ -1,5 +1,6 @@
 //! Words that an answer may not say.
 
+use super::names::Root;
 use super::tokens::Tokens;
 
 const FILES: &str = "reads a file while it is compiled, and an answer is compiled without any \
@@ -81,12 +82,12 @@ const IN_ATTRIBUTES: &[(&str, &str)] = &[
 
 /// What it says and may not, with the lines.
 pub fn findings(tokens: &Tokens) -> Vec<(usize, String)> {
-    let has_macros = tokens.has_macros();
-    let finding = |at| Some((tokens.line(at), finding(tokens, at, has_macros)?));
+    let is_loose = (0..tokens.len()).any(|at| is_loose(tokens, at));
+    let finding = |at| Some((tokens.line(at), finding(tokens, at, is_loose)?));
     (0..tokens.len()).filter_map(finding).collect()
 }
 
-fn finding(tokens: &Tokens, at: usize, has_macros: bool) -> Option<String> {
+fn finding(tokens: &Tokens, at: usize, is_loose: bool) -> Option<String> {
     if tokens.is(at, '$') {
         return built(tokens, at);
     }
@@ -94,6 +95,9 @@ fn finding(tokens: &Tokens, at: usize, has_macros: bool) -> Option<String> {
     let why = |table: &[(&str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, why)| *why)
     };
+    if word == "extern" && tokens.keyword(at + 1) == "crate" && is_there(tokens.word(at + 2)) {
+        return Some(of_a_crate(tokens, at));
+    }
     if let Some(why) = why(ANYWHERE) {
         return Some(format!("`{word}` {why}"));
     }
@@ -101,16 +105,49 @@ fn finding(tokens: &Tokens, at: usize, has_macros: bool) -> Option<String> {
         return Some(format!("`{word}!` {why}"));
     }
     if let Some(why) = why(MACROS_OR_NAMES) {
-        let called = tokens.is(at + 1, '!') && tokens.opens(at + 2);
-        let named =
-            tokens.follows_path(at) || tokens.in_import(at) || has_macros && tokens.in_macro(at);
-        return (called || named).then(|| format!("`{word}!` {why}"));
+        return is_macro(tokens, at, is_loose).then(|| format!("`{word}!` {why}"));
     }
-    if tokens.in_attribute(at) {
+    if tokens.place(at).attribute {
         return in_attribute(tokens, at)
             .or_else(|| Some(format!("`#[{word}]` {}", why(IN_ATTRIBUTES)?)));
     }
-    (word == "mod").then(|| module(tokens, at)).flatten()
+    (tokens.keyword(at) == "mod").then(|| module(tokens, at)).flatten()
+}
+
+/// Whether a word that may be a variable is a macro here, or could become one.
+fn is_macro(tokens: &Tokens, at: usize, is_loose: bool) -> bool {
+    let place = tokens.place(at);
+    let called = tokens.is(at + 1, '!') && tokens.opens(at + 2);
+    let named = (tokens.follows_path(at) || place.import.is_some())
+        && tokens.names().root(tokens, at) != Root::Own;
+    let in_macro = place.rules || place.given && is_loose;
+    let hidden = in_macro && !tokens.follows(at, '.') && !tokens.follows(at, '$');
+    called || named || hidden
+}
+
+/// Whether `!` stands where a macro can put it behind a name that it is given.
+fn is_loose(tokens: &Tokens, at: usize) -> bool {
+    if !tokens.is(at, '!') || at < 2 {
+        return false;
+    }
+    let behind_a_name = !tokens.word(at - 1).is_empty() && !tokens.is(at - 2, '$');
+    let place = tokens.place(at);
+    place.given || place.rules && !behind_a_name
+}
+
+fn is_there(name: &str) -> bool {
+    ["core", "nalgebra", "std", "vislam"].contains(&name)
+}
+
+fn of_a_crate(tokens: &Tokens, at: usize) -> String {
+    let name = tokens.word(at + 2);
+    let sentence = format!("`extern crate`: `{name}` is there without it. Leave the line out");
+    match tokens.word(at + 4) {
+        other if tokens.keyword(at + 3) == "as" && !other.is_empty() => {
+            format!("{sentence}; write `use {name} as {other};`.")
+        }
+        _ => format!("{sentence}."),
+    }
 }
 
 /// `path = …` and `feature(…)`; with other marks behind them both are harmless.
@@ -124,7 +161,10 @@ fn in_attribute(tokens: &Tokens, at: usize) -> Option<String> {
 
 /// A module that is another file, or could become one in a macro.
 fn module(tokens: &Tokens, at: usize) -> Option<String> {
-    if tokens.in_macro(at) {
+    let place = tokens.place(at);
+    let name = if tokens.is(at + 1, '$') { at + 2 } else { at + 1 };
+    let has_body = tokens.is(name + 1, '{');
+    if place.given || place.rules && !has_body {
         let sentence = "`mod` in a macro can become a module in another file, and each exercise \
             is one file. Write the module without the macro.";
         return Some(sentence.to_owned());

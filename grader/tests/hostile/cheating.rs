@@ -8,7 +8,7 @@ use exercise_spec::left_perturbation::{EXERCISE, Functions};
 use solutions::left_perturbation as known;
 
 use crate::corpus::Want::{Refused, Runs};
-use crate::corpus::{ALONG, FILL, Hostile, LEFT, every, right_after, row};
+use crate::corpus::{ALONG, FILL, Hostile, LEFT, every, right_after, right_and, row};
 
 /// The one that knows all public instances by heart.
 pub const BY_HEART: &str = "knows the public instances by heart";
@@ -16,6 +16,7 @@ pub const BY_HEART: &str = "knows the public instances by heart";
 pub fn all() -> Vec<Hostile> {
     let mut all = keeping();
     all.extend(asking());
+    all.extend(asking_the_library());
     all.extend(values());
     for exercise in exercise_spec::EXERCISES {
         let name = format!("says the same to {}", exercise.slug).leak();
@@ -130,6 +131,68 @@ fn asking() -> Vec<Hostile> {
             ),
             Refused,
             types_alone,
+        ),
+        row(
+            "asks the checks behind a first line that the compiler drops",
+            LEFT,
+            format!(
+                "#!x /*\npub use exercise_spec::left_perturbation::left_jacobian;\n{}\n// */\n",
+                every(LEFT, "Default::default()", "")
+            ),
+            Refused,
+            "leave out the line that begins with `#!`",
+        ),
+    ]
+}
+
+fn asking_the_library() -> Vec<Hostile> {
+    vec![
+        row(
+            "asks the library and calls what it says by the same name",
+            LEFT,
+            every(
+                LEFT,
+                "let jacobians = camera.pinhole().jacobians(&pose, &point); jacobians.unwrap()",
+                "",
+            ),
+            Refused,
+            "`jacobians` of the library",
+        ),
+        row(
+            "asks the library by another name of a type",
+            LEFT,
+            every(
+                LEFT,
+                "P::jacobians(&camera.pinhole(), &pose, &point).unwrap()",
+                "type P = vislam::reprojection::Pinhole;",
+            ),
+            Refused,
+            "`jacobians` of the library",
+        ),
+        row(
+            "asks the library by a macro that is given the name",
+            LEFT,
+            every(
+                LEFT,
+                "ask!(camera.pinhole(), jacobians)",
+                "macro_rules! ask { ($of:expr, $method:ident) => { $of.$method() } }",
+            ),
+            Refused,
+            "`jacobians` stands in a macro of yours",
+        ),
+        row(
+            "asks another module of the library",
+            LEFT,
+            right_and(LEFT, "use vislam::bundle_adjustment::{Camera as _, PosedPinhole};"),
+            Refused,
+            "`bundle_adjustment` of the library",
+        ),
+        row(
+            "asks the library with the sign of the kelvin",
+            "outlier_rescue",
+            right_and("outlier_rescue", "use vislam::least_squares::\u{212a}ernel as Known;"),
+            Refused,
+            "`Kernel` of the library",
         ),
         row(
             "asks the library",

@@ -139,6 +139,17 @@ fn modules() -> Vec<Hostile> {
             "each answer stands alone",
         ),
         row(
+            "climbs out of what looks like a module",
+            LEFT,
+            right_and(
+                LEFT,
+                "pub struct r#mod;\ntrait Up { fn up(); }\nimpl Up for r#mod where { fn up() { \
+                    super::allocate(9); } }",
+            ),
+            Refused,
+            "each answer stands alone",
+        ),
+        row(
             "names the hidden checks",
             LEFT,
             right_and(LEFT, "use book_tests::hidden_checks;"),

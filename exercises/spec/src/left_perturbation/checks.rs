@@ -19,7 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Side"],
-    forbidden: &["jacobians", "project_with_jacobians"],
+    forbidden: &["bundle_adjustment", "jacobians", "observability", "project_with_jacobians"],
     hints: include_str!("hints.md"),
     checks,
 };

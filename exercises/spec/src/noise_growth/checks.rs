@@ -21,7 +21,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Densities", "Exponents", "Reading", "Source"],
-    forbidden: &["error_dynamics", "Preintegrator", "preintegrate", "preintegrate_stamped"],
+    forbidden: &["observability", "preintegration"],
     hints: include_str!("hints.md"),
     checks,
 };

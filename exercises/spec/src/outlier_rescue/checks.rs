@@ -24,7 +24,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Match"],
-    forbidden: &["Kernel", "ReprojFactor", "TinyBa", "Problem"],
+    forbidden: &["Kernel", "Problem", "ReprojFactor", "bundle_adjustment"],
     hints: include_str!("hints.md"),
     checks,
 };

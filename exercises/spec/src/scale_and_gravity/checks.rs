@@ -25,7 +25,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Deltas", "Interval", "State", "Vector9", "Window"],
-    forbidden: &["imu_residual", "linearize", "predict", "transformed"],
+    forbidden: &["imu_residual", "linearize", "observability", "predict"],
     hints: include_str!("hints.md"),
     checks,
 };

@@ -19,7 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Scene"],
-    forbidden: &["scale_direction", "two_views", "bundle_adjustment"],
+    forbidden: &["bundle_adjustment", "observability", "two_views"],
     hints: include_str!("hints.md"),
     checks,
 };

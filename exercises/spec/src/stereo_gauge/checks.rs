@@ -19,13 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Scene"],
-    forbidden: &[
-        "StereoPinhole",
-        "StereoFactor",
-        "StereoProjection",
-        "two_views",
-        "bundle_adjustment",
-    ],
+    forbidden: &["bundle_adjustment", "observability", "two_views"],
     hints: include_str!("hints.md"),
     checks,
 };
