@@ -591,3 +591,15 @@ fn an_archive_is_matched_without_its_ending_and_cannot_be_graded() {
     assert_eq!((last.submission.as_str(), last.student.as_deref()), ("zoe.tar.gz", Some("Zoe")));
     assert_eq!(last.earned(), None);
 }
+
+#[test]
+fn a_seed_that_is_none_is_told_what_a_seed_is() {
+    for seed in ["-1", "seven", "18446744073709551616"] {
+        let run =
+            Command::new(env!("CARGO_BIN_EXE_grade")).args(["run", ".", "--seed", seed]).output();
+        let run = run.expect("the program");
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(2));
+        assert!(said.contains("a seed is a whole number from 0 to 18446744073709551615"), "{said}");
+    }
+}
