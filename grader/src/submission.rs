@@ -447,7 +447,8 @@ fn packed(root: &Path) -> Option<PathBuf> {
     let archive_in = |folder: PathBuf| {
         let folder = is_real_folder(&folder).then_some(folder)?;
         let paths = fs::read_dir(folder).ok()?.flatten().take(LISTED).map(|entry| entry.path());
-        paths.filter(|path| is_archive(path)).min()
+        let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
+        paths.filter(seen).filter(|path| is_archive(path)).min()
     };
     nested(root)
         .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>())

@@ -502,3 +502,12 @@ fn submissions_without_an_answer_are_listed() {
     grades[1].exercises.iter_mut().for_each(|exercise| exercise.outcome = Outcome::Missing);
     assert!(terminal(&grades).contains("\nNo answer found in:\n  brook\n"));
 }
+
+#[test]
+fn a_reason_that_all_exercises_have_stands_once() {
+    let why = || Outcome::CouldNotGrade("unpack it".to_owned());
+    let all = (0..3).map(|at| exercise(at, why(), vec![])).collect();
+    let shown = terminal(&[grade("ada", all), every_kind_graded("brook")]);
+    assert_eq!(shown.matches("unpack it").count(), 1, "{shown}");
+    assert!(shown.contains("\n  ada: unpack it\n"), "{shown}");
+}

@@ -83,15 +83,11 @@ impl Terminal {
             row.push(mark);
         }
         self.table.add_row(row);
-        let line = |exercise: &ExerciseGrade| {
-            let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
-            harmless_line(&line, SENTENCE)
-        };
         if grade.is_empty() && self.empty.len() <= LINES {
             self.empty.push(name(grade));
         }
         if self.ungraded.len() <= LINES {
-            self.ungraded.extend(grade.ungraded().map(line));
+            self.ungraded.extend(reasons(grade));
         }
     }
 
@@ -182,6 +178,22 @@ fn one(grade: &Grade) -> String {
         let _ = write!(text, "\n{}", wrapped(notice, ""));
     }
     text
+}
+
+/// Why a submission could not be graded: a line for each exercise, or one when all have one reason.
+fn reasons(grade: &Grade) -> Vec<String> {
+    let whole = |why: &String| {
+        grade.ungraded().count() == grade.exercises.len()
+            && grade.ungraded().all(|exercise| why_not(exercise) == *why)
+    };
+    if let Some(why) = grade.ungraded().next().map(why_not).filter(whole) {
+        return vec![harmless_line(&format!("{}: {why}", who(grade)), SENTENCE)];
+    }
+    let line = |exercise: &ExerciseGrade| {
+        let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
+        harmless_line(&line, SENTENCE)
+    };
+    grade.ungraded().map(line).collect()
 }
 
 fn remark(exercise: &ExerciseGrade) -> String {
