@@ -122,10 +122,14 @@ impl Roster {
                 None => matches.differences.unknown.push(submission.name.clone()),
             }
         }
-        let absent: Vec<&String> =
+        let mut absent: Vec<&String> =
             self.rows.keys().filter(|row| !claims.contains_key(row)).collect();
         for submission in submissions.iter().filter(|it| self.row(it, &folders).is_none()) {
-            matches.differences.doubtful.extend(other_capitals(submission, &absent));
+            let folder = folder_of(submission).to_lowercase();
+            // Nobody can say of such a row that nothing was handed in.
+            for row in absent.extract_if(.., |row| row.to_lowercase() == folder) {
+                matches.differences.doubtful.push(other_capitals(row, submission));
+            }
         }
         for (row, submissions) in claims {
             match submissions.as_slice() {
@@ -175,13 +179,11 @@ fn contested(row: &str, submissions: &[&Submission]) -> String {
 }
 
 /// That a folder without a row would have one if capitals did not count.
-fn other_capitals(submission: &Submission, absent: &[&String]) -> Option<String> {
-    let folder = folder_of(submission);
-    let row = absent.iter().find(|row| row.to_lowercase() == folder.to_lowercase())?;
-    Some(format!(
+fn other_capitals(row: &str, submission: &Submission) -> String {
+    format!(
         "`{row}` differs in capitals from the folder {}: write the one as the other",
         submission.name
-    ))
+    )
 }
 
 /// The text of a file that a spreadsheet may have written in another encoding.

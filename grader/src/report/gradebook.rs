@@ -99,6 +99,9 @@ impl<W: Write> Gradebook<W> {
 
 fn status(grade: &Grade) -> String {
     let ungraded: Vec<&str> = grade.ungraded().map(|exercise| &*exercise.exercise).collect();
+    if ungraded.len() == grade.exercises.len() && !ungraded.is_empty() {
+        return "could not be graded".to_owned();
+    }
     if !ungraded.is_empty() {
         return cell(&format!("could not be graded: {}", ungraded.join(" ")));
     }
