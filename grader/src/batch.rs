@@ -22,7 +22,7 @@ use crate::judge::Judge;
 use crate::points::{Points, unknown};
 use crate::report::Detail;
 use crate::repository;
-use crate::roster::Roster;
+use crate::roster::{Matches, Roster};
 use crate::submission::{self, Submission};
 use crate::text::harmless;
 use kept::Kept;
@@ -32,6 +32,8 @@ use kept::Kept;
 pub struct Order {
     /// Submissions, or folders of submissions.
     pub submissions: Vec<PathBuf>,
+    /// Whether each of these paths is one submission, whatever it holds.
+    pub single: bool,
     /// Slugs of the exercises to grade; all when there is none.
     pub exercises: Vec<String>,
     /// Seed of the hidden instances.
@@ -137,7 +139,7 @@ pub fn carry_out_with<J: Judging>(
     prepare: impl FnOnce(Points, u64, &[&'static Exercise]) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
     let plan = Plan::of(order)?;
-    let mut kept = Kept::open(&order.out, order.seed)?;
+    let mut kept = Kept::open(&order.out, order.seed, &plan.slugs())?;
     let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
         .map_err(Trouble::CouldNotGrade)?;
     let canaries = Canaries::default();
@@ -176,9 +178,12 @@ struct Plan {
     submissions: Vec<Submission>,
     exercises: Vec<&'static Exercise>,
     points: Points,
-    roster: Option<Roster>,
+    roster: Roster,
+    matches: Matches,
     detail: Detail,
     jobs: usize,
+    /// How many submissions had their grade already.
+    had: AtomicUsize,
 }
 
 impl Plan {
@@ -195,14 +200,25 @@ impl Plan {
                 Ok(jobs)
             }
         });
+        let exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
+        let points = points.map_err(Trouble::Usage)?;
+        let roster = roster.map_err(Trouble::Usage)?;
+        let submissions = submissions(order).map_err(Trouble::Usage)?;
+        let matches = roster.as_ref().map(|roster| roster.matched(&submissions));
         Ok(Self {
-            exercises: exercises(&order.exercises).map_err(Trouble::Usage)?,
-            points: points.map_err(Trouble::Usage)?,
-            roster: roster.map_err(Trouble::Usage)?,
-            submissions: submissions(order).map_err(Trouble::Usage)?,
+            submissions,
+            exercises,
+            points,
+            roster: roster.unwrap_or_default(),
+            matches: matches.unwrap_or_default(),
             detail: order.detail,
             jobs: jobs.map_err(Trouble::Usage)?,
+            had: AtomicUsize::new(0),
         })
+    }
+
+    fn slugs(&self) -> Vec<&'static str> {
+        self.exercises.iter().map(|exercise| exercise.slug).collect()
     }
 
     /// Grades what has no grade yet.
@@ -239,11 +255,12 @@ impl Plan {
         canaries: &Canaries,
         submission: &Submission,
     ) -> Result<(), Trouble> {
-        let student = self.roster.as_ref().and_then(|roster| roster.student(submission));
+        let student = self.roster.student(&self.matches, &submission.name);
         let student = student.map(str::to_owned);
         let former = kept.grade(&submission.name).filter(|grade| grade.earned().is_some());
         let key = former.as_ref().and_then(|_| calmly(|| judge.key(submission)).ok()?.ok());
         if let Some(former) = former.filter(|grade| Some(&grade.key) == key.as_ref()) {
+            self.had.fetch_add(1, Ordering::Relaxed);
             if former.student == student {
                 return Ok(());
             }
@@ -289,14 +306,16 @@ fn exercises(slugs: &[String]) -> Result<Vec<&'static Exercise>, String> {
 
 /// The submissions of an order, by name. The folder of the grades may lie among them.
 fn submissions(order: &Order) -> Result<Vec<Submission>, String> {
-    let mut found = submission::find(&order.submissions)?;
+    let mut found = match order.single {
+        true => submission::single(&order.submissions)?,
+        false => submission::find(&order.submissions)?,
+    };
     if let Ok(out) = order.out.canonicalize() {
         found.retain(|submission| submission.path.canonicalize().ok().as_ref() != Some(&out));
     }
     if found.is_empty() {
         return Err("there is no submission to grade; name a folder that holds some".to_owned());
     }
-    found.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(found)
 }
 
@@ -349,7 +368,7 @@ fn readable(mut grade: Grade) -> Grade {
     grade.notices.iter_mut().for_each(|notice| shorten(notice, LINE));
     for exercise in &mut grade.exercises {
         match &mut exercise.outcome {
-            Outcome::Ran | Outcome::Missing => {}
+            Outcome::Ran | Outcome::Missing | Outcome::NotBegun => {}
             Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
                 shorten(why, PAGE);
             }

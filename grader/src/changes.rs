@@ -165,6 +165,7 @@ fn outcome(exercise: &ExerciseGrade) -> &'static str {
     match exercise.outcome {
         Outcome::Ran => "ran",
         Outcome::Missing => "no file",
+        Outcome::NotBegun => "not begun",
         Outcome::Refused(_) => "refused",
         Outcome::DoesNotCompile(_) => "does not compile",
         Outcome::CouldNotGrade(_) => "could not be graded",

@@ -56,6 +56,8 @@ pub enum Outcome {
     Ran,
     /// There is no such file; it earns nothing.
     Missing,
+    /// It is the skeleton as it was handed out; it earns nothing.
+    NotBegun,
     /// The source screen or what the compiler read says no; it earns nothing.
     Refused(String),
     /// It does not compile, or not within the limits; it earns nothing.
@@ -104,9 +106,10 @@ impl ExerciseGrade {
     pub fn earned(&self) -> Option<f64> {
         match self.outcome {
             Outcome::CouldNotGrade(_) => return None,
-            Outcome::Missing | Outcome::Refused(_) | Outcome::DoesNotCompile(_) => {
-                return Some(0.0);
-            }
+            Outcome::Missing
+            | Outcome::NotBegun
+            | Outcome::Refused(_)
+            | Outcome::DoesNotCompile(_) => return Some(0.0),
             Outcome::Ran => {}
         }
         if self.checks.iter().any(|check| check.verdict == Verdict::CouldNotGrade) {
@@ -139,6 +142,11 @@ impl Grade {
     /// What can be earned in all.
     pub fn points(&self) -> f64 {
         self.exercises.iter().fold(0.0, |sum, exercise| sum + exercise.points)
+    }
+
+    /// Whether no answer was found at all.
+    pub fn is_empty(&self) -> bool {
+        self.exercises.iter().all(|exercise| exercise.outcome == Outcome::Missing)
     }
 
     /// What could not be graded: exercises and why.

@@ -8,6 +8,7 @@ use exercise_spec::Exercise;
 use crate::grade::{ExerciseGrade, Grade, Outcome, Verdict};
 use crate::report::markdown::{counted, escaped};
 use crate::report::{points, words};
+use crate::text::harmless_line;
 
 /// With fewer submissions a correlation says nothing.
 const FEWEST: usize = 10;
@@ -29,6 +30,7 @@ struct Item {
     part: usize,
     nothing: usize,
     missing: usize,
+    unbegun: usize,
     refused: usize,
     uncompiled: usize,
     ungraded: usize,
@@ -100,24 +102,23 @@ impl Items {
 
     /// The report.
     pub fn markdown(&self) -> String {
+        let many = self.submissions >= FEWEST;
         let mut text = format!(
-            "# What the exercises say\n\n{}. Part is more than nothing and less than all; those \
-             without a file are counted apart, and what could not be graded counts nowhere else.\n\n\
-             | Exercise | All | Part | Nothing | No file | Could not be graded | Mean | \
-             Discrimination |\n| --- | --: | --: | --: | --: | --: | --: | --: |\n",
+            "# What the exercises say\n\n{}. Part is more than nothing and less than all. Those \
+             without a file and those who left the skeleton as it was are counted apart and have \
+             handed in nothing: they are no part of the mean here, as they are of the mean of all \
+             in the terminal. What could not be graded counts nowhere else.\n\n",
             counted(self.submissions, "submission")
         );
+        let columns = ["All", "Part", "Nothing", "No file", "Not begun", "Could not be graded"];
+        text += &format!("| Exercise | {} | Mean of those handed in |", columns.join(" | "));
+        text += if many { " Discrimination |\n" } else { "\n" };
+        text += &format!("| --- |{}\n", " --: |".repeat(columns.len() + 1 + usize::from(many)));
         for item in &self.items {
-            let _ = writeln!(text, "| {} |", item.cells().join(" | "));
+            let _ = writeln!(text, "| {} |", item.cells(many).join(" | "));
         }
-        let _ = write!(
-            text,
-            "\nDiscrimination is the correlation of what an exercise or a check earns with what \
-             the other exercises earn: near 1, those who solve it solve the others; near 0 or \
-             below, look at the exercise. It is left out for fewer than {FEWEST} submissions and \
-             where all earn the same.\n"
-        );
-        self.items.iter().fold(text, |text, item| text + &item.section())
+        text += &explained(many);
+        self.items.iter().fold(text, |text, item| text + &item.section(many))
     }
 }
 
@@ -131,6 +132,10 @@ impl Item {
         match exercise.outcome {
             Outcome::Missing => {
                 self.missing += 1;
+                return;
+            }
+            Outcome::NotBegun => {
+                self.unbegun += 1;
                 return;
             }
             Outcome::Refused(_) => self.refused += 1,
@@ -174,24 +179,26 @@ impl Item {
         self.all + self.part + self.nothing
     }
 
-    fn cells(&self) -> [String; 8] {
+    fn cells(&self, many: bool) -> Vec<String> {
         let mean = match self.handed_in() {
             0 => String::new(),
             count => format!("{} of {}", points(self.earned / count as f64), points(self.points)),
         };
-        [
+        let mut cells = vec![
             escaped(&self.title, 80),
             self.all.to_string(),
             self.part.to_string(),
             self.nothing.to_string(),
             self.missing.to_string(),
+            self.unbegun.to_string(),
             self.ungraded.to_string(),
             mean,
-            shown(self.correlation),
-        ]
+        ];
+        cells.extend(many.then(|| shown(self.correlation)));
+        cells
     }
 
-    fn section(&self) -> String {
+    fn section(&self, many: bool) -> String {
         let mut text = format!("\n## {}\n", escaped(&self.title, 80));
         if self.refused + self.uncompiled > 0 {
             let _ = write!(
@@ -203,13 +210,12 @@ impl Item {
         if self.checks.is_empty() {
             return text + "\nNo answer ran.\n";
         }
-        text += "\n| Check | | Passed | Discrimination |\n| --- | --- | --: | --: |\n";
+        text += match many {
+            true => "\n| Check | | Passed | Discrimination |\n| --- | --- | --: | --: |\n",
+            false => "\n| Check | | Passed |\n| --- | --- | --: |\n",
+        };
         for check in &self.checks {
-            let hidden = if check.hidden { "hidden" } else { "public" };
-            let (name, shown) = (escaped(&words(&check.name), 80), shown(check.correlation));
-            let percent = 100.0 * check.passed as f64 / check.ran.max(1) as f64;
-            let rate = format!("{percent:.0} % ({} of {})", check.passed, check.ran);
-            let _ = writeln!(text, "| {name} | {hidden} | {rate} | {shown} |");
+            let _ = writeln!(text, "| {} |", check.cells(many).join(" | "));
         }
         if self.misconceptions.is_empty() {
             return text + "\nNo misconception was recognized.\n";
@@ -222,6 +228,32 @@ impl Item {
         }
         text
     }
+}
+
+impl CheckItem {
+    /// The name stands as a file of points has it.
+    fn cells(&self, many: bool) -> Vec<String> {
+        let name = harmless_line(&self.name, 80).replace(['`', '|'], "");
+        let hidden = if self.hidden { "hidden" } else { "public" };
+        let percent = 100.0 * self.passed as f64 / self.ran.max(1) as f64;
+        let rate = format!("{percent:.0} % ({} of {})", self.passed, self.ran);
+        let mut cells = vec![format!("`{name}`"), hidden.to_owned(), rate];
+        cells.extend(many.then(|| shown(self.correlation)));
+        cells
+    }
+}
+
+/// What the names of checks are for, and what discrimination is where it is told.
+fn explained(many: bool) -> String {
+    let mut text =
+        "\nChecks have the names by which the tables `checks` of a file of points weigh them.\n"
+            .to_owned();
+    if many {
+        text += "\nDiscrimination is the correlation of what an exercise or a check earns with what \
+                 the other exercises earn: near 1, those who solve it solve the others; near 0 or \
+                 below, look at the exercise. It is left out where all earn the same.\n";
+    }
+    text
 }
 
 fn shown(correlation: Correlation) -> String {

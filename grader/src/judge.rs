@@ -12,7 +12,7 @@ use exercise_spec::check::{Check, Failure};
 use sha2::{Digest, Sha256};
 
 use crate::compile::{Answers, Compiled, Compiler, edition, number_of};
-use crate::export::newest_skeleton;
+use crate::export::{every_skeleton, newest_skeleton};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::machine::{Answer, FEWER_STEPS, Machine, Program, STEPS};
 use crate::points::Points;
@@ -38,6 +38,8 @@ struct Asked {
     exercise: &'static Exercise,
     number: usize,
     checks: Vec<(bool, Check)>,
+    /// The skeletons of all editions, without white space at the ends of lines.
+    skeletons: Vec<String>,
 }
 
 /// The text of an answer, or what became of it without being compiled.
@@ -64,7 +66,9 @@ impl Judge {
             let number = number_of(exercise.slug)
                 .ok_or_else(|| format!("{} is not in the list", exercise.slug))?;
             let checks = public.chain(hidden.into_iter().map(|check| (true, check))).collect();
-            Ok::<Asked, String>(Asked { exercise, number, checks })
+            let skeletons = every_skeleton(&repository(), exercise.slug)?;
+            let skeletons = skeletons.iter().map(|text| trimmed(text)).collect();
+            Ok::<Asked, String>(Asked { exercise, number, checks, skeletons })
         };
         Ok(Self {
             exercises: exercises.iter().map(asked).collect::<Result<_, _>>()?,
@@ -84,8 +88,10 @@ impl Judge {
     pub fn key(&self, collected: &Collected) -> String {
         let points = serde_json::to_string(&self.points).unwrap_or_default();
         let slugs: Vec<&str> = self.exercises.iter().map(|asked| asked.exercise.slug).collect();
+        let skeletons: Vec<&Vec<String>> =
+            self.exercises.iter().map(|asked| &asked.skeletons).collect();
         let parts = format!(
-            "{:?} {points} {} {slugs:?}",
+            "{:?} {points} {} {slugs:?} {skeletons:?}",
             (&collected.answers, &collected.refused),
             self.seed
         );
@@ -123,6 +129,9 @@ impl Judge {
             match (collected.answers.get(slug), collected.refused.get(slug)) {
                 (_, Some(why)) => Err((slug, Outcome::Refused(why.clone()))),
                 (None, None) => Err((slug, Outcome::Missing)),
+                (Some(text), None) if asked.skeletons.contains(&trimmed(text)) => {
+                    Err((slug, Outcome::NotBegun))
+                }
                 (Some(text), None) => match screen(slug, text) {
                     Ok(()) => Ok((slug, text.clone())),
                     Err(why) => Err((slug, Outcome::Refused(why))),
@@ -272,6 +281,13 @@ impl Judge {
         };
         self.exercises.iter().map(text).collect()
     }
+}
+
+/// A text without what editors and systems change in it unasked: the ends of its lines and white
+/// space before them, and the mark of its encoding.
+fn trimmed(text: &str) -> String {
+    let text = text.trim_start_matches('\u{feff}').trim_end();
+    text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
 }
 
 /// What a known answer should not have got, with the first thing that its grade says.

@@ -51,11 +51,14 @@ struct Run {
     /// Submissions, or folders of submissions
     #[arg(required = true)]
     submissions: Vec<PathBuf>,
+    /// Take each path for one submission, whatever it holds
+    #[arg(long)]
+    single: bool,
     /// Grade this exercise alone; may be given more than once
     #[arg(long = "exercise", value_name = "NAME")]
     exercises: Vec<String>,
-    /// Seed of the hidden instances; without it, a random one that the report names
-    #[arg(long)]
+    /// Seed of the hidden instances; drawn when not given, or that of the batch in --out
+    #[arg(long, allow_negative_numbers = true, value_parser = seed)]
     seed: Option<u64>,
     /// What students are told about hidden checks
     #[arg(long, value_enum, default_value_t = DetailName::Hint)]
@@ -110,6 +113,10 @@ fn main() -> ExitCode {
     }
 }
 
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
+}
+
 fn grade(run: Run) -> ExitCode {
     let detail = match run.detail {
         DetailName::Full => Detail::Full,
@@ -118,6 +125,7 @@ fn grade(run: Run) -> ExitCode {
     };
     let order = Order {
         submissions: run.submissions,
+        single: run.single,
         exercises: run.exercises,
         seed: run.seed,
         detail,

@@ -9,6 +9,8 @@ use exercise_spec::{EXERCISES, Exercise, exercise};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::text::harmless_line;
+
 /// What exercises are worth and what their checks weigh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Points {
@@ -59,8 +61,8 @@ impl Points {
     ///
     /// As [`Points::read`].
     pub fn parse(text: &str) -> Result<Self, String> {
-        let lines: Lines = toml::from_str(text).map_err(|error| error.to_string())?;
         let page = Page(text);
+        let lines: Lines = toml::from_str(text).map_err(|error| page.unread(&error))?;
         let points = Self {
             public: page.weight("public", &lines.weights.public)?,
             hidden: page.weight("hidden", &lines.weights.hidden)?,
@@ -128,6 +130,25 @@ impl Page<'_> {
         before.matches('\n').count() + 1
     }
 
+    /// What cannot be read, with its line. The parser does not know that values are numbers.
+    fn unread(&self, error: &toml::de::Error) -> String {
+        let at = error.span().map_or(0, |span| span.start);
+        let before = self.0.get(..at).unwrap_or_default().matches('\n').count();
+        let line = self.0.lines().nth(before).unwrap_or_default();
+        let line = line.split('#').next().unwrap_or_default();
+        match line.split_once('=') {
+            Some((name, value)) if value.trim().parse::<f64>().is_err() => {
+                let name = harmless_line(name.trim(), 80);
+                format!(
+                    "line {}: `{name}` must be a number, and here it is `{}`; write `{name} = 10`",
+                    before + 1,
+                    harmless_line(value.trim(), 80)
+                )
+            }
+            _ => error.to_string(),
+        }
+    }
+
     fn weight(&self, name: &str, number: &Spanned<f64>) -> Result<f64, String> {
         let value = *number.get_ref();
         if (0.0..=MOST).contains(&value) {
@@ -176,7 +197,8 @@ impl Page<'_> {
         }
         let names: Vec<&str> = known.iter().map(|(check, _)| *check).collect();
         Err(format!(
-            "line {}: `{slug}` has no check `{}`; it has {}",
+            "line {}: `{slug}` has no check `{}`; it has {}. The items.md of a batch lists the \
+             checks of all exercises",
             self.line(name),
             name.get_ref(),
             names.join(", ")

@@ -3,6 +3,7 @@
 //! No link is followed below the paths that the instructor names, so that nobody hands in a file
 //! of the instructor's.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata};
@@ -43,57 +44,112 @@ pub struct Collected {
     pub notices: Vec<String>,
 }
 
-/// The submissions that paths lead to. A path is a submission itself, or a folder of submissions:
-/// then each folder in it is one, and so is each link or archive, which can tell what is wrong.
+/// The submissions that paths lead to. A path is a submission itself when answers lie at its top,
+/// or a folder of submissions: then each folder in it is one, and so is each link or archive, which
+/// can tell what is wrong.
 ///
 /// # Errors
 ///
-/// When a path is no folder or cannot be read.
+/// When a path is no folder, cannot be read, holds nothing, or holds answers beside folders with
+/// others.
 pub fn find(paths: &[PathBuf]) -> Result<Vec<Submission>, String> {
     let mut found = BTreeSet::new();
     for path in paths {
-        let root = path.canonicalize().map_err(|error| {
-            format!("{}: {error}; name a submission, or a folder of submissions", path.display())
-        })?;
-        if !root.is_dir() {
-            return Err(format!("{} is a file; name the folder it lies in", path.display()));
-        }
-        found.extend(submissions_in(root).map_err(|error| format!("{}: {error}", path.display()))?);
+        let within = submissions_in(root_of(path)?);
+        found.extend(within.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     Ok(named(found))
 }
 
-fn submissions_in(root: PathBuf) -> std::io::Result<Vec<PathBuf>> {
+/// One submission for each path, whatever it holds.
+///
+/// # Errors
+///
+/// When a path is no folder.
+pub fn single(paths: &[PathBuf]) -> Result<Vec<Submission>, String> {
+    Ok(named(paths.iter().map(|path| root_of(path)).collect::<Result<_, _>>()?))
+}
+
+fn root_of(path: &Path) -> Result<PathBuf, String> {
+    let root = path.canonicalize().map_err(|error| {
+        format!("{}: {error}; name a submission, or a folder of submissions", path.display())
+    })?;
+    if root.is_dir() {
+        return Ok(root);
+    }
+    Err(match is_archive(&root) {
+        true => format!("{} is an archive; unpack it and name the folder", path.display()),
+        false => format!("{} is a file; name the folder it lies in", path.display()),
+    })
+}
+
+fn submissions_in(root: PathBuf) -> Result<Vec<PathBuf>, String> {
+    let entries = entries_of(&root).map_err(|error| error.to_string())?;
+    if let Some(answers) = answers_in(&root) {
+        let other = entries.iter().find(|folder| has_others(folder));
+        return match other.filter(|_| !root.join("Cargo.toml").is_file()) {
+            None => Ok(vec![root]),
+            Some(other) => Err(beside(&root, &answers, other)),
+        };
+    }
+    match entries.as_slice() {
+        [] => Err("there is no submission in it; name a folder of submissions, or give --single \
+                   when it is itself the submission of somebody who handed in nothing"
+            .to_owned()),
+        [only] if is_download(only) && has_answers(only) => Ok(vec![root]),
+        _ => Ok(entries),
+    }
+}
+
+/// What may be a submission in a folder of submissions. An archive that lies beside what was
+/// unpacked from it is none.
+fn entries_of(root: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut entries = Vec::new();
-    for entry in fs::read_dir(&root)? {
+    for entry in fs::read_dir(root)? {
         let entry = entry?;
         let kind = entry.file_type()?;
         let path = entry.path();
-        let handed_in = kind.is_dir() || kind.is_symlink() || is_archive(&path);
+        let packed = is_archive(&path) && !has_answers(&path.with_file_name(unpacked(&path)));
+        let handed_in = kind.is_dir() || kind.is_symlink() || packed;
         let in_sight =
             !is_hidden(&entry.file_name()) || kind.is_dir() && answers_in(&path).is_some();
         if handed_in && in_sight {
             entries.push(path);
         }
     }
-    let whole = match entries.as_slice() {
-        [] => true,
-        [only] if is_real_folder(only) => {
-            answers_in(&root).is_some() || is_download(only) && answers_below(only).is_some()
-        }
-        _ => {
-            answers_in(&root).is_some()
-                && (root.join("Cargo.toml").is_file() || !hold_answers(&entries))
-        }
-    };
-    Ok(if whole { vec![root] } else { entries })
+    entries.sort();
+    Ok(entries)
 }
 
-/// Whether answers lie in one of these folders that are not where a repository keeps its own.
-fn hold_answers(folders: &[PathBuf]) -> bool {
-    let others =
-        folders.iter().filter(|folder| !folder.ends_with("exercises") && !folder.ends_with("src"));
-    others.filter(|folder| is_real_folder(folder)).any(|folder| answers_in(folder).is_some())
+/// Whether answers lie in a folder that is not where a repository keeps its own.
+fn has_others(folder: &Path) -> bool {
+    !folder.ends_with("exercises") && !folder.ends_with("src") && has_answers(folder)
+}
+
+/// Whether it is a folder and no link, and answers lie in it.
+fn has_answers(folder: &Path) -> bool {
+    is_real_folder(folder) && answers_below(folder).is_some()
+}
+
+/// That nobody can tell whether it is one submission or many.
+fn beside(root: &Path, answers: &Path, other: &Path) -> String {
+    let here = match answers.strip_prefix(root) {
+        Ok(path) if !path.as_os_str().is_empty() => {
+            format!("`{}`", harmless_line(&slashed(path), 60))
+        }
+        _ => "it".to_owned(),
+    };
+    format!(
+        "answers lie in {here} and in `{}` beside; when it is one submission, give --single, and \
+         then those in {here} alone are graded; when it is a folder of submissions, name each of \
+         them, with --single too",
+        last(other)
+    )
+}
+
+/// A path with `/` between folders.
+fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
 
 /// Whether a folder is called as archives call the one they are unpacked to: by the name of a
@@ -110,9 +166,28 @@ fn is_download(folder: &Path) -> bool {
     commit || branch || name(folder.parent()).is_some_and(|around| around == own)
 }
 
+/// Endings of archives.
+const PACKED: [&str; 18] = [
+    "zip", "zipx", "tar", "gz", "tgz", "bz2", "tbz", "tbz2", "xz", "txz", "zst", "tzst", "lz",
+    "lzma", "7z", "rar", "jar", "cab",
+];
+
 fn is_archive(path: &Path) -> bool {
-    let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
-    matches!(ending.as_str(), "zip" | "tar" | "gz" | "tgz" | "bz2" | "xz" | "zst" | "7z" | "rar")
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    unpacked(path) != *name && !path.is_dir()
+}
+
+/// The name of an archive without its ending, which is that of the folder it is unpacked to. Other
+/// names stay.
+pub fn unpacked(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let ends = |name: &str, endings: &[&str]| {
+        let (stem, ending) = name.rsplit_once('.')?;
+        let known = endings.contains(&&*ending.to_ascii_lowercase());
+        (known && !stem.is_empty()).then(|| stem.to_owned())
+    };
+    let Some(stem) = ends(&name, &PACKED) else { return name.into_owned() };
+    ends(&stem, &["tar"]).unwrap_or(stem)
 }
 
 /// Whether systems and tools keep their own things under such a name.
@@ -143,19 +218,21 @@ fn places(root: &Path) -> impl Iterator<Item = PathBuf> {
 
 /// The same, also in the only folder of a folder, as an archive may make it.
 fn answers_below(root: &Path) -> Option<PathBuf> {
-    let mut root = root.to_owned();
-    for _ in 0..NESTED {
-        if let Some(folder) = answers_in(&root) {
-            return Some(folder);
-        }
-        let seen = |path: &PathBuf| {
-            path.file_name().is_some_and(|name| !is_hidden(name)) && is_real_folder(path)
-        };
-        let mut folders =
-            fs::read_dir(&root).ok()?.flatten().take(LISTED).map(|entry| entry.path()).filter(seen);
-        root = folders.next().filter(|_| folders.next().is_none())?;
-    }
-    None
+    nested(root).find_map(|root| answers_in(&root))
+}
+
+/// A folder, the only folder in it, and so on.
+fn nested(root: &Path) -> impl Iterator<Item = PathBuf> {
+    std::iter::successors(Some(root.to_owned()), |root| only_folder(root)).take(NESTED)
+}
+
+fn only_folder(root: &Path) -> Option<PathBuf> {
+    let seen = |path: &PathBuf| {
+        path.file_name().is_some_and(|name| !is_hidden(name)) && is_real_folder(path)
+    };
+    let mut folders =
+        fs::read_dir(root).ok()?.flatten().take(LISTED).map(|entry| entry.path()).filter(seen);
+    folders.next().filter(|_| folders.next().is_none())
 }
 
 fn file_of(slug: &str) -> String {
@@ -184,8 +261,38 @@ fn named(paths: BTreeSet<PathBuf>) -> Vec<Submission> {
         taken.insert(name.to_lowercase());
         submissions.push(Submission { name, path });
     }
-    submissions.sort_by(|one, other| one.name.cmp(&other.name));
+    submissions.sort_by(|one, other| naturally(&one.name, &other.name));
     submissions
+}
+
+/// The order of names in which a number counts as one: `s2` comes before `s10`.
+pub fn naturally(one: &str, other: &str) -> Ordering {
+    let (mut left, mut right) = (one, other);
+    while !left.is_empty() && !right.is_empty() {
+        let (a, b);
+        ((a, left), (b, right)) = (part(left), part(right));
+        let order = match (digits(a), digits(b)) {
+            (Some(a), Some(b)) => (a.len(), a).cmp(&(b.len(), b)),
+            _ => a.cmp(b),
+        };
+        if order.is_ne() {
+            return order;
+        }
+    }
+    left.len().cmp(&right.len()).then_with(|| one.cmp(other))
+}
+
+/// The digits at the beginning of a text or all before the first of them, and the rest.
+fn part(text: &str) -> (&str, &str) {
+    let digit = text.starts_with(|letter: char| letter.is_ascii_digit());
+    let other = |letter: char| letter.is_ascii_digit() != digit;
+    text.split_at(text.find(other).unwrap_or(text.len()))
+}
+
+/// A number without the zeros it begins with.
+fn digits(part: &str) -> Option<&str> {
+    let number = part.starts_with(|letter: char| letter.is_ascii_digit());
+    number.then(|| part.trim_start_matches('0'))
 }
 
 /// A name that can be shown in any terminal and be given to a file on any system.
@@ -227,18 +334,18 @@ fn is_reserved(name: &str) -> bool {
 ///
 /// # Errors
 ///
-/// When the submission cannot be read: then nobody knows what is in it.
+/// When the submission cannot be read or was not unpacked: then nobody knows what is in it.
 pub fn collect(submission: &Submission) -> Result<Collected, String> {
     let mut collected = Collected::default();
     let root = &submission.path;
     let unreadable = |error: std::io::Error| format!("the submission cannot be read: {error}");
     let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
+    if is_archive(root) && kind.is_file() {
+        return Err(must_be_unpacked(root));
+    }
     if !kind.is_dir() {
-        let notice = if kind.is_symlink() {
-            "the submission is a link, and links are not followed: hand in the folder itself"
-        } else {
-            "the submission is a file and not a folder: it must be unpacked before it is graded"
-        };
+        let notice =
+            "the submission is a link, and links are not followed: hand in the folder itself";
         collected.notices.push(notice.to_owned());
         return Ok(collected);
     }
@@ -252,13 +359,14 @@ pub fn collect(submission: &Submission) -> Result<Collected, String> {
                 Some(Err(why)) => drop(collected.refused.insert(exercise.slug, why)),
             }
         }
+    } else if let Some(archive) = packed(root) {
+        return Err(must_be_unpacked(&archive));
     } else {
         collected.notices.push(format!(
             "there is no answer in the submission: answers lie in `exercises/src` and are called \
                 `{}` and so on",
             file_of(EXERCISES[0].slug)
         ));
-        collected.notices.extend(packed(root));
     }
     collected.notices.extend(links(root));
     collected.notices.extend(unused(root, folder.as_deref().unwrap_or(root)));
@@ -326,11 +434,25 @@ fn last(path: &Path) -> String {
     harmless_line(&path.file_name().unwrap_or_default().to_string_lossy(), 60)
 }
 
-/// A notice of an archive that nobody has unpacked.
-fn packed(root: &Path) -> Option<String> {
-    let mut paths = fs::read_dir(root).ok()?.flatten().take(LISTED).map(|entry| entry.path());
-    let archive = paths.find(|path| is_archive(path))?;
-    Some(format!("`{}` must be unpacked before it is graded", last(&archive)))
+fn must_be_unpacked(archive: &Path) -> String {
+    format!(
+        "`{}` is an archive that nobody has unpacked, and no answer lies beside it: unpack it and \
+         grade again",
+        last(archive)
+    )
+}
+
+/// An archive in a submission, where answers may lie.
+fn packed(root: &Path) -> Option<PathBuf> {
+    let archive_in = |folder: PathBuf| {
+        let folder = is_real_folder(&folder).then_some(folder)?;
+        let paths = fs::read_dir(folder).ok()?.flatten().take(LISTED).map(|entry| entry.path());
+        let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
+        paths.filter(seen).filter(|path| is_archive(path)).min()
+    };
+    nested(root)
+        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>())
+        .find_map(archive_in)
 }
 
 /// A notice of folders that are links where answers should lie.
@@ -371,24 +493,26 @@ fn unused(root: &Path, folder: &Path) -> Option<String> {
     })
 }
 
-/// Rust files beside the answers, and answers in places that count less.
+/// Rust files and archives beside the answers, and answers in places that count less.
 fn stray(root: &Path, folder: &Path) -> Vec<String> {
-    let relative = |path: &Path| {
-        let path = path.strip_prefix(root).unwrap_or(path).to_string_lossy();
-        path.replace(std::path::MAIN_SEPARATOR, "/")
-    };
+    let relative = |path: &Path| slashed(path.strip_prefix(root).unwrap_or(path));
     let is_answer = |name: &str| EXERCISES.iter().any(|exercise| file_of(exercise.slug) == name);
     let entries =
         fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED).map(|entry| entry.path());
     let beside = entries.filter(|path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let ours = ["main.rs", "lib.rs", "build.rs"].contains(&name.as_ref()) || is_answer(&name);
-        path.extension() == Some(OsStr::new("rs")) && !ours
+        path.extension() == Some(OsStr::new("rs")) && !ours || is_archive(path)
     });
     let mut names: Vec<String> = beside.map(|path| relative(&path)).collect();
     for other in places(root).filter(|other| other != folder) {
         let answers = EXERCISES.iter().map(|exercise| other.join(file_of(exercise.slug)));
         names.extend(answers.filter(|path| is_there(path)).map(|path| relative(&path)));
+    }
+    if answers_in(root).is_some() {
+        let entries = entries_of(root).unwrap_or_default();
+        let others = entries.iter().filter(|folder| has_others(folder));
+        names.extend(others.map(|folder| relative(folder)));
     }
     names.sort();
     names

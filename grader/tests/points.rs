@@ -45,6 +45,7 @@ fn a_check_that_there_is_not_is_told_with_its_line_and_those_there_are() {
         "{said}"
     );
     assert!(said.contains("the_adjoint_takes_left_to_right"), "{said}");
+    assert!(said.contains("items.md"), "{said}");
 }
 
 #[test]
@@ -83,4 +84,21 @@ fn a_file_of_another_form_is_told_with_its_line() {
         assert!(said.contains("line "), "{to}: {said}");
     }
     assert!(error("").contains("weights"));
+}
+
+#[test]
+fn a_value_that_is_no_number_is_told_with_its_line() {
+    for (from, name, bad) in [
+        ("null_space = 10", "null_space", "ten"),
+        ("null_space = 10", "null_space", "\"10\""),
+        ("null_space = 10", "null_space", ""),
+        ("null_space = 10", "null_space", "10,5"),
+        ("public = 1.0", "public", "yes"),
+        ("hidden = 1.0", "hidden", "true"),
+    ] {
+        let said = error(&FILE.replace(&format!("\n{from}"), &format!("\n{name} = {bad} # why")));
+        let line = FILE.lines().position(|line| line.starts_with(from)).expect("a line") + 1;
+        let wanted = format!("line {line}: `{name}` must be a number");
+        assert!(said.starts_with(&wanted), "{bad}: {said}");
+    }
 }

@@ -9,7 +9,7 @@ use grader::items::{Correlation, Items};
 use grader::report::gradebook::Gradebook;
 use grader::report::markdown::{self, Summary, escaped};
 use grader::report::terminal::Terminal;
-use grader::report::{COULD_NOT_GRADE, Detail, gradescope, junit};
+use grader::report::{COULD_NOT_GRADE, Detail, gradescope, junit, points};
 use grader::roster::Differences;
 use made_up::{HOSTILE, check, every_kind, every_kind_graded, exercise, grade, hostile};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus};
@@ -46,9 +46,9 @@ fn summary(grades: &[Grade]) -> String {
 
 fn gradebook(grades: &[Grade]) -> Vec<Vec<String>> {
     let mut bytes = Vec::new();
-    let mut book = Gradebook::new(&mut bytes, EXERCISES).expect("a gradebook");
-    grades.iter().for_each(|grade| book.add(grade).expect("a line"));
-    book.add_absent("=gone", "@gone").expect("a line");
+    let mut book = Gradebook::new(&mut bytes, EXERCISES, &[]).expect("a gradebook");
+    grades.iter().for_each(|grade| book.add(grade, &[]).expect("a line"));
+    book.add_absent("=gone", "@gone", &[]).expect("a line");
     book.finish().expect("an end");
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&*bytes);
     let row = |row: csv::StringRecord| row.iter().map(str::to_owned).collect();
@@ -78,9 +78,9 @@ fn items(grades: &[Grade]) -> String {
 fn the_gradebook_leaves_empty_what_could_not_be_graded() {
     let rows = gradebook(&[every_kind("ada"), every_kind_graded("brook")]);
     assert_eq!(rows[0][..5], ["submission", "student", "points", "of", "left_perturbation"]);
-    assert_eq!(rows[1][..11], ["ada", "", "", "70", "10", "3.3333", "0", "0", "0", "", ""]);
+    assert_eq!(rows[1][..11], ["ada", "", "", "70", "10", "3.333", "0", "0", "0", "", ""]);
     assert_eq!(rows[1][14], "could not be graded: noise_growth residual_jacobian");
-    assert_eq!(rows[2][..5], ["brook", "", "13.3333", "50", "10"]);
+    assert_eq!(rows[2][..5], ["brook", "", "13.333", "50", "10"]);
     assert_eq!(rows[2][14], "graded");
     assert_eq!(rows[3][0..4], ["'=gone", "'@gone", "", ""]);
     assert_eq!(rows[3][14], "nothing handed in");
@@ -96,7 +96,7 @@ fn gradescope_gets_no_score_at_all_when_something_could_not_be_graded() {
     );
     let output = results["output"].as_str().expect("an output");
     assert!(output.contains(COULD_NOT_GRADE), "{output}");
-    assert!(output.contains("3.33 of 10 points"), "{output}");
+    assert!(output.contains("3.333 of 10 points"), "{output}");
     let open: Vec<&Value> = tests.iter().filter(|test| test.get("status").is_none()).collect();
     assert_eq!(open.len(), 2);
     assert!(open.iter().all(|test| test["output"] == COULD_NOT_GRADE), "{open:?}");
@@ -182,13 +182,13 @@ fn the_junit_file_of_a_batch_has_a_suite_for_each_submission() {
 fn tables_and_feedback_show_a_question_mark_or_open_for_what_could_not_be_graded() {
     let grades = [every_kind("ada"), every_kind_graded("brook")];
     let text = summary(&grades);
-    assert!(text.contains("| ada | ? | 10 | 3.3 | - | r | c | ? | ? |"), "{text}");
+    assert!(text.contains("| ada | ? | 10 | 3.333 | - | r | c | ? | ? |"), "{text}");
     assert!(text.contains("- ada, `noise_growth`: there is no compiler"), "{text}");
     let text = terminal(&grades);
     let line = text.lines().find(|line| line.starts_with("ada")).expect("a line");
     assert_eq!(
         line.split_whitespace().collect::<Vec<_>>(),
-        ["ada", "?", "10", "3.3", "-", "r", "c", "?", "?"]
+        ["ada", "?", "10", "3.333", "-", "r", "c", "?", "?"]
     );
     let text = markdown::feedback(&grades[0], Detail::Full);
     assert!(text.contains("Not graded in full") && text.contains("open of 10"), "{text}");
@@ -198,7 +198,7 @@ fn tables_and_feedback_show_a_question_mark_or_open_for_what_could_not_be_graded
 #[test]
 fn item_analysis_counts_what_could_not_be_graded_as_neither_right_nor_wrong() {
     let text = items(&vec![every_kind("ada"); 3]);
-    assert!(text.contains("| 0 | 0 | 0 | 0 | 3 |  |  |"), "{text}");
+    assert!(text.contains("| 0 | 0 | 0 | 0 | 0 | 3 |  |"), "{text}");
     assert!(text.contains("| skew sign | 3 |"), "{text}");
 }
 
@@ -415,9 +415,99 @@ fn changes_name_the_checks_that_came_out_otherwise() {
     let text = changes.markdown(7, 7);
     assert!(text.contains("1 grade as before, 1 otherwise"), "{text}");
     assert!(
-        text.contains("| ada | 13.33 | 16.67 | `along_or_across`: 3.33 → 6.67; a passes<br>"),
+        text.contains("| ada | 13.333 | 16.667 | `along_or_across`: 3.333 → 6.667; a passes<br>"),
         "{text}"
     );
     assert!(text.contains("`scale_null_space`: 0 → 0, no file → does not compile"), "{text}");
     assert!(!text.contains("seed"), "{text}");
+}
+
+#[test]
+fn a_number_of_points_is_the_same_everywhere_and_halves_go_away_from_zero() {
+    let cases = [(4.125, "4.125"), (0.0625, "0.063"), (-0.0625, "-0.063"), (10.0, "10")];
+    for (number, shown) in cases.into_iter().chain([(100.0, "100"), (-0.0, "0"), (2.5, "2.5")]) {
+        assert_eq!(points(number), shown);
+    }
+    let mut checks = vec![check("a", false, Verdict::Passed); 2];
+    checks[0].weight = 4.125;
+    checks[1].weight = 5.875;
+    checks[1].verdict = Verdict::Failed;
+    let grades = vec![grade("ada", vec![exercise(0, Outcome::Ran, checks)]); 2];
+    let shown = terminal(&grades);
+    let row: Vec<&str> = shown.lines().nth(2).expect("a row").split_whitespace().collect();
+    assert_eq!(row, ["ada", "4.125", "4.125"], "{shown}");
+    assert!(summary(&grades).contains("| ada | 4.125 | 4.125 |"));
+    assert!(markdown::feedback(&grades[0], Detail::Full).contains("**4.125 of 10 points.**"));
+    assert_eq!(gradebook(&grades)[1][2..5], ["4.125", "10", "4.125"]);
+}
+
+#[test]
+fn an_untouched_skeleton_is_no_attempt_and_has_one_line() {
+    let grades = vec![grade("ada", vec![exercise(0, Outcome::NotBegun, vec![])]); 2];
+    assert_eq!(grades[0].earned(), Some(0.0));
+    let row = "| Which side does the perturbation go on | 0 | 0 | 0 | 0 | 2 | 0 |  |";
+    let text = items(&grades);
+    assert!(
+        text.contains(&row.replace("Which side does the perturbation go on", EXERCISES[0].title)),
+        "{text}"
+    );
+    let text = markdown::feedback(&grades[0], Detail::Full);
+    assert!(text.contains("| 0 of 10 | not begun |") && !text.contains("##"), "{text}");
+    assert!(summary(&grades).contains("| ada | 0 | n |"));
+    assert_eq!(gradebook(&grades)[1][14], "graded: no answer was begun");
+    assert_eq!(cases(&grades[0], Detail::Full).len(), 1);
+    let text = gradescope::json(&grades[0], Detail::Full);
+    assert!(text.contains("The file is as it was handed out"), "{text}");
+}
+
+#[test]
+fn means_have_names_and_a_few_submissions_no_discrimination() {
+    let few = vec![every_kind_graded("ada"); 9];
+    assert!(terminal(&few).contains("\nmean of all "), "{}", terminal(&few));
+    let text = items(&few);
+    assert!(text.contains("| Mean of those handed in |\n"), "{text}");
+    assert!(!text.contains("Discrimination"), "{text}");
+    assert!(text.contains("| `a` | public | 100 % (9 of 9) |\n"), "{text}");
+    let text = items(&vec![every_kind_graded("ada"); 10]);
+    assert!(text.contains("| Mean of those handed in | Discrimination |\n"), "{text}");
+    assert!(text.contains("| `a` | public | 100 % (10 of 10) |  |\n"), "{text}");
+}
+
+#[test]
+fn the_terminal_keeps_its_heading_and_each_number_in_one_line() {
+    let of = |points: f64| {
+        let check = || vec![check("a", false, Verdict::Passed), check("b", true, Verdict::Failed)];
+        let exercises = (0..EXERCISES.len()).map(|at| {
+            let mut exercise = exercise(at, Outcome::Ran, check());
+            exercise.points = points;
+            exercise
+        });
+        vec![grade("Somebody with a name of many words", exercises.collect()); 2]
+    };
+    for (points, half, total) in [(10.55, "5.275", "52.75"), (100.25, "50.125", "501.25")] {
+        let shown = terminal(&of(points));
+        let lines: Vec<Vec<&str>> =
+            shown.lines().map(|line| line.split_whitespace().collect()).collect();
+        assert_eq!(lines[0][..2], ["Submission", "of"], "{shown}");
+        let row = lines.iter().find(|row| row.contains(&half)).expect("a row");
+        assert_eq!(row.iter().filter(|cell| **cell == half).count(), EXERCISES.len(), "{shown}");
+        assert!(row.contains(&total), "{shown}");
+    }
+    assert!(terminal(&of(10.55)).lines().all(|line| line.chars().count() <= 80));
+}
+
+#[test]
+fn submissions_without_an_answer_are_listed() {
+    let mut grades = vec![every_kind_graded("ada"), every_kind_graded("brook")];
+    grades[1].exercises.iter_mut().for_each(|exercise| exercise.outcome = Outcome::Missing);
+    assert!(terminal(&grades).contains("\nNo answer found in:\n  brook\n"));
+}
+
+#[test]
+fn a_reason_that_all_exercises_have_stands_once() {
+    let why = || Outcome::CouldNotGrade("unpack it".to_owned());
+    let all = (0..3).map(|at| exercise(at, why(), vec![])).collect();
+    let shown = terminal(&[grade("ada", all), every_kind_graded("brook")]);
+    assert_eq!(shown.matches("unpack it").count(), 1, "{shown}");
+    assert!(shown.contains("\n  ada: unpack it\n"), "{shown}");
 }

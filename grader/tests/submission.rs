@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use grader::submission::{Collected, LARGEST, Submission, collect, find};
+use grader::submission::{Collected, LARGEST, Submission, collect, find, naturally, single};
 use tempfile::TempDir;
 
 /// A folder with files, each by its path and its content. A path that ends in `/` is a folder.
@@ -80,14 +80,69 @@ fn answers_of_a_download_are_found_in_its_only_folder() {
     assert!(collected(&folder.path().join("alice")).answers.contains_key("fill_in"));
 }
 
+fn error_in(files: &[(&str, &str)]) -> String {
+    let folder = folder(files);
+    find(&[folder.path().join("batch")]).expect_err("an error")
+}
+
 #[test]
-fn a_student_called_like_a_folder_of_the_repository_does_not_hide_the_others() {
-    let files = [
-        ("batch/src/fill_in.rs", ""),
-        ("batch/exercises/src/fill_in.rs", ""),
-        ("batch/alice/src/fill_in.rs", ""),
-    ];
-    assert_eq!(names_in(&files), ["alice", "exercises", "src"]);
+fn answers_beside_a_folder_with_answers_are_told_and_nothing_is_dropped() {
+    let of = |here: &str, other: &str| {
+        let error = error_in(&[(&format!("batch/{here}"), ""), (&format!("batch/{other}"), "")]);
+        assert!(error.contains("give --single"), "{error}");
+        error
+    };
+    let error = of("exercises/src/fill_in.rs", "alice/src/fill_in.rs");
+    assert!(error.contains("answers lie in `exercises/src` and in `alice` beside"), "{error}");
+    of("exercises/src/fill_in.rs", "exercises_backup/src/fill_in.rs");
+    let error = of("null_space.rs", "old/null_space.rs");
+    assert!(error.contains("answers lie in it and in `old` beside"), "{error}");
+    of("src/fill_in.rs", "alice/course-main/exercises/src/fill_in.rs");
+}
+
+#[test]
+fn answers_at_the_top_are_one_submission_whatever_lies_beside() {
+    let files = [("batch/null_space.rs", ""), ("batch/images/a.png", ""), ("batch/b/c/d", "")];
+    assert_eq!(names_in(&files), ["batch"]);
+    let files = [("batch/null_space.rs", ""), ("batch/old.zip", ""), ("batch/images/a.png", "")];
+    assert_eq!(names_in(&files), ["batch"]);
+    let folder = folder(&files);
+    let notices = collected(&folder.path().join("batch")).notices;
+    assert!(notices[0].starts_with("not used: `old.zip`."), "{notices:?}");
+}
+
+#[test]
+fn what_is_called_single_is_one_submission_whatever_it_holds() {
+    let folder = folder(&[
+        ("alice/null_space.rs", FILL_IN),
+        ("alice/old/null_space.rs", ""),
+        ("bob/one/null_space.rs", ""),
+        ("bob/two/null_space.rs", ""),
+        ("carol/", ""),
+    ]);
+    let paths = ["alice", "bob", "carol"].map(|name| folder.path().join(name));
+    let found = single(&paths).expect("found");
+    assert_eq!(found.iter().map(|it| &it.name).collect::<Vec<_>>(), ["alice", "bob", "carol"]);
+    let taken = collect(&found[0]).expect("collected");
+    assert_eq!(taken.answers["null_space"], FILL_IN);
+    assert!(taken.notices[0].starts_with("not used: `old`."), "{:?}", taken.notices);
+    assert!(single(&[folder.path().join("nobody")]).is_err());
+}
+
+#[test]
+fn a_folder_that_holds_nothing_is_no_submission_and_one_in_a_batch_is() {
+    for file in ["batch/", "batch/notes.txt", "batch/.git/config"] {
+        let error = error_in(&[(file, "")]);
+        assert!(error.contains("there is no submission in it"), "{error}");
+    }
+    assert_eq!(names_in(&[("batch/alice/", "")]), ["alice"]);
+}
+
+#[test]
+fn numbers_in_names_count_as_numbers() {
+    let mut names = ["s10", "s2", "s02", "s1", "t", "s", "s2b", "S3", "s2a10", "s2a9"];
+    names.sort_by(|one, other| naturally(one, other));
+    assert_eq!(names, ["S3", "s", "s1", "s02", "s2", "s2a9", "s2a10", "s2b", "s10", "t"]);
 }
 
 #[test]
@@ -104,8 +159,10 @@ fn a_repository_with_a_copy_of_its_answers_stays_one_submission() {
     assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
     assert_eq!(
         taken.notices,
-        ["not used: `Cargo.toml`, `src/fill_in.rs`. Answers alone are graded, and everything \
-                else is the grader's own."]
+        [
+            "not used: `Cargo.toml`, `copy`, `src/fill_in.rs`. Answers alone are graded, and everything \
+                else is the grader's own."
+        ]
     );
 }
 
@@ -188,29 +245,47 @@ fn a_path_that_is_none_or_a_file_is_an_error_that_says_what_to_name() {
 }
 
 #[test]
-fn an_archive_among_submissions_is_one_that_says_to_unpack_it() {
-    let folder = folder(&[("batch/alice/fill_in.rs", ""), ("batch/bob.zip", "PK")]);
-    let found = find(&[folder.path().join("batch")]).expect("found");
-    assert_eq!(found[1].name, "bob.zip");
-    let taken = collect(&found[1]).expect("collected");
-    assert_eq!(
-        taken.notices,
-        ["the submission is a file and not a folder: it must be unpacked before it is graded"]
-    );
+fn an_archive_in_the_place_of_a_submission_cannot_be_collected() {
+    for name in ["bob.zip", "bob.tar.gz", "bob.7z", "bob.TGZ", "bob.tar"] {
+        let folder = folder(&[("batch/alice/fill_in.rs", ""), (&format!("batch/{name}"), "PK")]);
+        let found = find(&[folder.path().join("batch")]).expect("found");
+        assert_eq!(found[1].name, name);
+        let error = collect(&found[1]).expect_err("an archive");
+        assert!(error.starts_with(&format!("`{name}` is an archive")), "{error}");
+        assert!(error.ends_with("unpack it and grade again"), "{error}");
+        let error = find(&[folder.path().join("batch").join(name)]).expect_err("a file");
+        assert!(error.ends_with("is an archive; unpack it and name the folder"), "{error}");
+    }
+}
+
+#[test]
+fn an_archive_beside_what_was_unpacked_from_it_is_no_submission() {
+    let files = [("batch/bob.tar.gz", "PK"), ("batch/bob/exercises/src/fill_in.rs", "")];
+    assert_eq!(names_in(&files), ["bob"]);
+    assert_eq!(names_in(&[("batch/bob.zip", "PK"), ("batch/bob/", "")]), ["bob", "bob.zip"]);
+}
+
+#[test]
+fn a_submission_with_an_archive_and_no_answer_cannot_be_collected() {
+    for place in ["work.zip", "deep/work.zip", "exercises/work.zip", "exercises/src/work.zip"] {
+        let folder = folder(&[(&format!("alice/{place}"), "PK"), ("alice/readme.md", "")]);
+        let alice = Submission { name: "alice".to_owned(), path: folder.path().join("alice") };
+        let error = collect(&alice).expect_err("an archive");
+        assert!(error.starts_with("`work.zip` is an archive"), "{error}");
+    }
+    let folder = folder(&[("alice/work.zip", "PK"), ("alice/work/fill_in.rs", "")]);
+    assert!(collected(&folder.path().join("alice")).answers.contains_key("fill_in"));
 }
 
 #[test]
 fn nothing_at_all_says_where_answers_lie() {
-    let folder = folder(&[("alice/work.zip", "PK")]);
+    let folder = folder(&[("alice/work.txt", "")]);
     let taken = collected(&folder.path().join("alice"));
     assert!(taken.answers.is_empty() && taken.refused.is_empty());
     assert_eq!(
         taken.notices,
-        [
-            "there is no answer in the submission: answers lie in `exercises/src` and are called \
-             `left_perturbation.rs` and so on",
-            "`work.zip` must be unpacked before it is graded",
-        ]
+        ["there is no answer in the submission: answers lie in `exercises/src` and are called \
+          `left_perturbation.rs` and so on"]
     );
 }
 

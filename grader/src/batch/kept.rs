@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Trouble;
 use crate::grade::{Grade, VERSION};
+use crate::submission::naturally;
+use crate::text::harmless_line;
 
 /// The folder of a batch.
 #[derive(Debug)]
@@ -29,6 +31,9 @@ struct State {
     version: u32,
     /// As text, because TOML has no numbers that large.
     seed: String,
+    /// Slugs, in the order of the book. Batches of former graders do not say.
+    #[serde(default)]
+    exercises: Vec<String>,
     finished: bool,
     /// The seed of the finished batch that this one grades again.
     former_seed: Option<String>,
@@ -53,17 +58,20 @@ impl Kept {
     ///
     /// # Errors
     ///
-    /// A [`Trouble`] when something else is in the folder, another process writes there, or the
-    /// seed is not that of a batch which is not finished.
-    pub fn open(out: &Path, seed: Option<u64>) -> Result<Self, Trouble> {
-        let failed = |error: std::io::Error| cannot("use", out, &error);
-        fs::create_dir_all(out).map_err(failed)?;
+    /// A [`Trouble`] when something else is in the folder, another process writes there, its batch
+    /// is of other exercises, or the seed is not that of a batch which is not finished.
+    pub fn open(out: &Path, seed: Option<u64>, exercises: &[&str]) -> Result<Self, Trouble> {
+        fs::create_dir_all(out).map_err(|error| unusable(out, &error))?;
         let lock = locked(out)?;
-        let (found, state) = match former(out)? {
-            None => (Found::Nothing, State::new(seed.unwrap_or_else(random), None)),
+        let former = former(out)?;
+        if let Some(state) = &former {
+            state.has_exercises(out, exercises)?;
+        }
+        let (found, state) = match former {
+            None => (Found::Nothing, State::new(seed.unwrap_or_else(random), None, exercises)),
             Some(state) if state.finished => {
                 let seed = seed.unwrap_or(state.number(out)?);
-                (Found::Finished, State::new(seed, Some(state.seed)))
+                (Found::Finished, State::new(seed, Some(state.seed), exercises))
             }
             Some(state) => {
                 let begun = state.number(out)?;
@@ -156,7 +164,7 @@ impl Kept {
             .filter(|entry| entry.path().join(FORMER).is_file())
             .filter_map(|entry| entry.file_name().into_string().ok())
             .collect();
-        names.sort_unstable();
+        names.sort_by(|one, other| naturally(one, other));
         names
     }
 
@@ -221,8 +229,21 @@ impl Kept {
 }
 
 impl State {
-    fn new(seed: u64, former_seed: Option<String>) -> Self {
-        Self { version: VERSION, seed: seed.to_string(), finished: false, former_seed }
+    fn new(seed: u64, former_seed: Option<String>, exercises: &[&str]) -> Self {
+        let exercises = exercises.iter().map(|slug| (*slug).to_owned()).collect();
+        Self { version: VERSION, seed: seed.to_string(), exercises, finished: false, former_seed }
+    }
+
+    /// Makes sure that a batch of other exercises loses none of its grades.
+    fn has_exercises(&self, out: &Path, exercises: &[&str]) -> Result<(), Trouble> {
+        if self.exercises.is_empty() || self.exercises == exercises {
+            return Ok(());
+        }
+        Err(Trouble::Usage(format!(
+            "{} holds grades of {}; grade the same exercises, or choose another --out",
+            out.display(),
+            harmless_line(&self.exercises.join(", "), 1_000)
+        )))
     }
 
     fn number(&self, out: &Path) -> Result<u64, Trouble> {
@@ -238,7 +259,7 @@ fn random() -> u64 {
 /// The folder's lock, which ends with the process, however that ends.
 fn locked(out: &Path) -> Result<File, Trouble> {
     let path = out.join(LOCK);
-    let lock = File::create(&path).map_err(|error| cannot("write", &path, &error))?;
+    let lock = File::create(&path).map_err(|error| unusable(out, &error))?;
     match lock.try_lock() {
         Err(TryLockError::WouldBlock) => Err(Trouble::Usage(format!(
             "another `cargo grade run` writes to {}; wait for it, or choose another folder with \
@@ -272,6 +293,13 @@ fn former(out: &Path) -> Result<Option<State>, Trouble> {
         )));
     }
     Ok(None)
+}
+
+fn unusable(out: &Path, error: &std::io::Error) -> Trouble {
+    Trouble::Usage(format!(
+        "no grades can be written to {}: {error}; name a folder with --out",
+        out.display()
+    ))
 }
 
 fn unreadable(out: &Path, why: &str) -> Trouble {

@@ -1,6 +1,8 @@
 //! Writes every report of a batch, grade by grade.
 
+use std::fmt::Write as _;
 use std::io::Write;
+use std::sync::atomic::Ordering;
 
 use serde::ser::{Error as _, SerializeSeq, SerializeStruct};
 use serde::{Serialize, Serializer};
@@ -11,22 +13,22 @@ use crate::changes::Changes;
 use crate::grade::{Grade, VERSION};
 use crate::items::Items;
 use crate::report::gradebook::Gradebook;
-use crate::report::markdown::{self, Summary};
+use crate::report::markdown::{self, Summary, escaped};
 use crate::report::terminal::{Terminal, wrapped};
-use crate::report::{gradescope, junit};
+use crate::report::{gradescope, junit, who};
 use crate::repository;
-use crate::roster::Differences;
 use crate::similarity::Similarity;
 use crate::submission;
 
 /// Writes every report, and hands back what the terminal shows.
 pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trouble> {
     let seed = kept.seed();
-    let differences = plan.differences();
+    let differences = &plan.matches.differences;
     let mut terminal = Terminal::new(&plan.exercises);
     let mut summary = Summary::new(&plan.exercises);
     let mut items = Items::new(&plan.exercises);
     let mut changes = Changes::default();
+    let mut empty = Vec::new();
     let mut ungraded = 0;
     let mut alone = String::new();
     for name in plan.names() {
@@ -37,6 +39,7 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
         items.add(&grade);
         changes.add(kept.former(name).as_ref(), &grade);
         ungraded += usize::from(grade.earned().is_none());
+        empty.extend(grade.is_empty().then(|| who(&grade)));
         if plan.submissions.len() == 1 {
             alone = format!("\n{}", markdown::feedback(&grade, plan.detail));
         }
@@ -45,13 +48,19 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     kept.report_by("grade.json", |file| {
         serde_json::to_writer_pretty(file, &whole).map_err(std::io::Error::from)
     })?;
-    kept.report_by("gradebook.csv", |file| gradebook(plan, kept, &differences, file))?;
+    kept.report_by("gradebook.csv", |file| gradebook(plan, kept, file))?;
     kept.report_by("junit.xml", |file| junit_of_all(plan, kept, file))?;
     kept.report("items.md", items.markdown().as_bytes())?;
     kept.report("similarity.md", similarity(plan).markdown().as_bytes())?;
-    let summary = summary.finish(seed, sandbox, &differences) + &alone;
+    let lists = [
+        ("No answer found in", empty.as_slice()),
+        ("Rows of the roster that are in doubt", &differences.doubtful),
+    ];
+    let lists: String = lists.into_iter().map(|(title, lines)| section(title, lines)).collect();
+    let summary = summary.finish(seed, sandbox, differences) + &lists + &alone;
     kept.report("summary.md", summary.as_bytes())?;
-    let mut told = terminal.finish(seed, sandbox, &differences);
+    let mut told = terminal.finish(seed, sandbox, differences);
+    told += &had(plan, kept);
     told += &regrade(plan, kept, changes)?;
     told += &wrapped(
         &format!(
@@ -62,6 +71,31 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
         "",
     );
     Ok(Finished { seed, graded: plan.submissions.len() - ungraded, ungraded, told })
+}
+
+/// A section of the summary, if there is anything to list.
+fn section(title: &str, lines: &[String]) -> String {
+    const LINES: usize = 500;
+    if lines.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n## {title}\n\n");
+    for line in lines.iter().take(LINES) {
+        let _ = writeln!(text, "- {}", escaped(line, 400));
+    }
+    if lines.len() > LINES {
+        let _ = writeln!(text, "\nand {} more, in gradebook.csv", lines.len() - LINES);
+    }
+    text
+}
+
+/// How many grades were there before, when a batch goes on that was stopped.
+fn had(plan: &Plan, kept: &Kept) -> String {
+    let had = plan.had.load(Ordering::Relaxed);
+    if had == 0 || kept.former_seed().is_some() {
+        return String::new();
+    }
+    format!("\n{had} of {} were graded already.\n", plan.submissions.len())
 }
 
 /// The reports on one submission.
@@ -81,18 +115,16 @@ fn junit_of_all(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Resu
     suites.finish()
 }
 
-fn gradebook(
-    plan: &Plan,
-    kept: &Kept,
-    differences: &Differences,
-    file: &mut dyn Write,
-) -> std::io::Result<()> {
-    let mut book = Gradebook::new(file, &plan.exercises)?;
+fn gradebook(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Result<()> {
+    let roster = &plan.roster;
+    let mut book = Gradebook::new(file, &plan.exercises, roster.further())?;
     for name in plan.names() {
-        book.add(&stored(kept, name).map_err(std::io::Error::other)?)?;
+        let grade = stored(kept, name).map_err(std::io::Error::other)?;
+        let folder = plan.matches.folder(name).unwrap_or_default();
+        book.add(&grade, roster.further_of(folder))?;
     }
-    for (folder, student) in &differences.absent {
-        book.add_absent(folder, student)?;
+    for (folder, student) in &plan.matches.differences.absent {
+        book.add_absent(folder, student, roster.further_of(folder))?;
     }
     book.finish()
 }
@@ -135,11 +167,6 @@ fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
 impl Plan {
     fn names(&self) -> impl Iterator<Item = &String> {
         self.submissions.iter().map(|submission| &submission.name)
-    }
-
-    fn differences(&self) -> Differences {
-        let roster = self.roster.as_ref();
-        roster.map(|roster| roster.differences(&self.submissions)).unwrap_or_default()
     }
 }
 

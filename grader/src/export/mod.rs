@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 
 pub use leaks::leaks;
-pub use tree::{Tree, editions, newest_skeleton, tree};
+pub use tree::{Tree, editions, every_skeleton, newest_skeleton, tree};
 
 /// Writes the students' repository into a folder that is not there yet or empty, with the sources
 /// of all dependencies when `vendor` says so.

@@ -126,6 +126,16 @@ pub fn newest_skeleton(root: &Path, name: &str) -> Result<(u32, String), String>
     newest.ok_or_else(|| format!("exercises/skeletons has no skeleton of `{name}`"))
 }
 
+/// The texts of an exercise's skeletons of all editions.
+///
+/// # Errors
+///
+/// A sentence when they cannot be read.
+pub fn every_skeleton(root: &Path, name: &str) -> Result<Vec<String>, String> {
+    let paths = editions(root)?.into_iter().map(|edition| skeleton(edition, name));
+    paths.filter(|path| root.join(path).is_file()).map(|path| text(root, &path)).collect()
+}
+
 fn count(text: &str, what: &str) -> usize {
     text.matches(what).count()
 }

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{NAME, decimals};
+use super::{NAME, points};
 use crate::grade::{Grade, Outcome};
 use crate::text::harmless_line;
 use exercise_spec::Exercise;
@@ -11,20 +11,36 @@ use exercise_spec::Exercise;
 pub struct Gradebook<W: Write> {
     writer: csv::Writer<W>,
     exercises: Vec<&'static str>,
+    /// How many columns of the roster are carried over.
+    further: usize,
 }
 
+const BEFORE: [&str; 2] = ["submission", "student"];
+const POINTS: [&str; 2] = ["points", "of"];
+const AFTER: &str = "status";
+
 impl<W: Write> Gradebook<W> {
-    /// Begins one with a column for each exercise.
+    /// Begins one with the further columns of the roster and a column for each exercise.
     ///
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn new(to: W, exercises: &[&'static Exercise]) -> csv::Result<Self> {
+    pub fn new(to: W, exercises: &[&'static Exercise], further: &[String]) -> csv::Result<Self> {
         let mut writer = csv::Writer::from_writer(to);
         let exercises: Vec<&str> = exercises.iter().map(|exercise| exercise.slug).collect();
-        let before = ["submission", "student", "points", "of"];
-        writer.write_record(before.iter().chain(&exercises).chain(&["status"]))?;
-        Ok(Self { writer, exercises })
+        let ours: Vec<&str> = [&BEFORE[..], &POINTS[..], &exercises[..], &[AFTER]].concat();
+        // No two columns have one name.
+        let further = further.iter().map(|column| match ours.contains(&column.as_str()) {
+            true => format!("roster {column}"),
+            false => cell(column),
+        });
+        let (before, after) = ours.split_at(BEFORE.len());
+        let mut heading: Vec<String> = before.iter().map(|name| (*name).to_owned()).collect();
+        heading.extend(further);
+        let further = heading.len() - before.len();
+        heading.extend(after.iter().map(|name| (*name).to_owned()));
+        writer.write_record(heading)?;
+        Ok(Self { writer, exercises, further })
     }
 
     /// The line of a grade. What could not be graded is an empty cell and never a zero, and so is
@@ -33,14 +49,11 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn add(&mut self, grade: &Grade) -> csv::Result<()> {
-        let number = |number: Option<f64>| number.map_or_else(String::new, |n| decimals(n, 4));
-        let mut row = vec![
-            cell(&grade.submission),
-            cell(grade.student.as_deref().unwrap_or_default()),
-            number(grade.earned()),
-            number(Some(grade.points())),
-        ];
+    pub fn add(&mut self, grade: &Grade, further: &[String]) -> csv::Result<()> {
+        let number = |number: Option<f64>| number.map_or_else(String::new, points);
+        let student = grade.student.as_deref().unwrap_or_default();
+        let mut row = self.begun(&grade.submission, student, further);
+        row.extend([number(grade.earned()), number(Some(grade.points()))]);
         for slug in &self.exercises {
             let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
             row.push(number(exercise.and_then(|exercise| exercise.earned())));
@@ -55,11 +68,23 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn add_absent(&mut self, folder: &str, student: &str) -> csv::Result<()> {
-        let mut row = vec![cell(folder), cell(student)];
-        row.resize(4 + self.exercises.len(), String::new());
+    pub fn add_absent(
+        &mut self,
+        folder: &str,
+        student: &str,
+        further: &[String],
+    ) -> csv::Result<()> {
+        let mut row = self.begun(folder, student, further);
+        row.resize(row.len() + POINTS.len() + self.exercises.len(), String::new());
         row.push("nothing handed in".to_owned());
         self.writer.write_record(row)
+    }
+
+    fn begun(&self, submission: &str, student: &str, further: &[String]) -> Vec<String> {
+        let mut row = vec![cell(submission), cell(student)];
+        row.extend(further.iter().take(self.further).map(|text| cell(text)));
+        row.resize(BEFORE.len() + self.further, String::new());
+        row
     }
 
     /// Ends it.
@@ -74,15 +99,19 @@ impl<W: Write> Gradebook<W> {
 
 fn status(grade: &Grade) -> String {
     let ungraded: Vec<&str> = grade.ungraded().map(|exercise| &*exercise.exercise).collect();
+    if ungraded.len() == grade.exercises.len() && !ungraded.is_empty() {
+        return "could not be graded".to_owned();
+    }
     if !ungraded.is_empty() {
         return cell(&format!("could not be graded: {}", ungraded.join(" ")));
     }
-    let handed_in = |outcome: &Outcome| *outcome != Outcome::Missing;
-    if grade.exercises.iter().any(|exercise| handed_in(&exercise.outcome)) {
-        "graded".to_owned()
-    } else {
-        "graded: no answer in it".to_owned()
-    }
+    let nothing = |outcome: &Outcome| matches!(outcome, Outcome::Missing | Outcome::NotBegun);
+    let status = match grade.exercises.iter().all(|exercise| nothing(&exercise.outcome)) {
+        _ if grade.is_empty() => "graded: no answer in it",
+        true => "graded: no answer was begun",
+        false => "graded",
+    };
+    status.to_owned()
 }
 
 /// Text that no spreadsheet takes for a formula.

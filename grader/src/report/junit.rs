@@ -89,6 +89,7 @@ fn cases(exercise: &ExerciseGrade, detail: Detail, numbers: bool) -> Vec<TestCas
         }
         let (kind, what) = match &exercise.outcome {
             Outcome::Missing => (NonSuccessKind::Failure, "missing"),
+            Outcome::NotBegun => (NonSuccessKind::Failure, "not begun"),
             Outcome::Refused(_) => (NonSuccessKind::Failure, "refused"),
             Outcome::DoesNotCompile(_) => (NonSuccessKind::Failure, "does not compile"),
             Outcome::Ran | Outcome::CouldNotGrade(_) => {

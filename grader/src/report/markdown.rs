@@ -117,6 +117,7 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
     let [public, hidden] = match exercise.outcome {
         Outcome::Ran => [count(false), count(true)],
         Outcome::Missing => [format!("no file {}", file(exercise)), String::new()],
+        Outcome::NotBegun => ["not begun".to_owned(), String::new()],
         Outcome::Refused(_) => ["refused".to_owned(), String::new()],
         Outcome::DoesNotCompile(_) => ["does not compile".to_owned(), String::new()],
         Outcome::CouldNotGrade(_) => ["could not be graded".to_owned(), String::new()],
@@ -147,7 +148,7 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
         text += &on_checks(same, &told);
         checks = rest;
     }
-    if text.is_empty() || exercise.outcome == Outcome::Missing {
+    if text.is_empty() || matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
         return String::new();
     }
     let title = escaped(&exercise.title, NAME);

@@ -72,6 +72,10 @@ impl Told {
         match outcome {
             Outcome::Ran => None,
             Outcome::Missing => Some(Self::new("There is no such file, so it earns nothing.", "")),
+            Outcome::NotBegun => {
+                let sentence = "The file is as it was handed out, so it earns nothing.";
+                Some(Self::new(sentence, ""))
+            }
             Outcome::Refused(why) => {
                 Some(Self::new("The file is refused, so it earns nothing. What has to go:", why))
             }
@@ -114,16 +118,11 @@ fn capital(sentence: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A number of points with two decimals at most.
+/// A number of points, rounded to three decimals and without the zeros at its end. Halves go away
+/// from zero.
 pub fn points(number: f64) -> String {
-    decimals(number, 2)
-}
-
-/// A number without the zeros at its end.
-fn decimals(number: f64, most: usize) -> String {
-    let text = format!("{number:.most$}");
-    let text =
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let text = format!("{:.3}", (number * 1e3).round() / 1e3);
+    let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
@@ -149,15 +148,17 @@ pub fn mark(exercise: &ExerciseGrade) -> String {
     match (&exercise.outcome, exercise.earned()) {
         (_, None) => "?".to_owned(),
         (Outcome::Missing, _) => "-".to_owned(),
+        (Outcome::NotBegun, _) => "n".to_owned(),
         (Outcome::Refused(_), _) => "r".to_owned(),
         (Outcome::DoesNotCompile(_), _) => "c".to_owned(),
-        (_, Some(earned)) => decimals(earned, 1),
+        (_, Some(earned)) => points(earned),
     }
 }
 
 /// What the marks mean.
-pub const MARKS: &str = "A dash is no file, c does not compile, r was refused: these earn 0. A \
-                         question mark could not be graded, which is no 0: a person must look.";
+pub const MARKS: &str = "A dash is no file, n is the skeleton as it was, c does not compile, r was \
+                         refused: these earn 0. A question mark could not be graded, which is no \
+                         0: a person must look.";
 
 /// Why an exercise could not be graded, for whoever runs the grader.
 pub fn why_not(exercise: &ExerciseGrade) -> String {

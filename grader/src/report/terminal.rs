@@ -9,7 +9,7 @@ use comfy_table::{
 use exercise_spec::Exercise;
 
 use super::markdown::counted;
-use super::{MARKS, SENTENCE, decimals, mark, passed, points, who, why_not, words};
+use super::{MARKS, SENTENCE, mark, passed, points, who, why_not, words};
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::roster::Differences;
 use crate::text::harmless_line;
@@ -18,6 +18,10 @@ use crate::text::harmless_line;
 const WIDTH: usize = 80;
 /// Columns of a name, which beside ten exercises leaves room for their points.
 const NAME: u16 = 20;
+/// Columns that a name has at least.
+const NARROW: u16 = 12;
+/// Columns that a number has at least.
+const NUMBER: u16 = 4;
 /// As many lines on what could not be graded or is not on the roster as one reads.
 const LINES: usize = 20;
 
@@ -33,6 +37,8 @@ pub struct Terminal {
     alone: Option<Grade>,
     marks: BTreeSet<String>,
     ungraded: Vec<String>,
+    /// Submissions in which no answer was found.
+    empty: Vec<String>,
     points: f64,
 }
 
@@ -49,6 +55,7 @@ impl Terminal {
             alone: None,
             marks: BTreeSet::new(),
             ungraded: Vec::new(),
+            empty: Vec::new(),
             points: 0.0,
         }
     }
@@ -76,12 +83,11 @@ impl Terminal {
             row.push(mark);
         }
         self.table.add_row(row);
-        let line = |exercise: &ExerciseGrade| {
-            let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
-            harmless_line(&line, SENTENCE)
-        };
+        if grade.is_empty() && self.empty.len() <= LINES {
+            self.empty.push(name(grade));
+        }
         if self.ungraded.len() <= LINES {
-            self.ungraded.extend(grade.ungraded().map(line));
+            self.ungraded.extend(reasons(grade));
         }
     }
 
@@ -95,28 +101,28 @@ impl Terminal {
             text += "\nCould not be graded, which is no zero:\n";
             text += &listed(&self.ungraded);
         }
+        if !self.empty.is_empty() {
+            text += "\nNo answer found in:\n";
+            text += &listed(&self.empty);
+        }
         text += &on_roster(differences);
         let _ = write!(text, "\n{}", wrapped(&format!("Seed {seed}. {sandbox}"), ""));
         text
     }
 
     fn many(&mut self) -> String {
-        let mut mean = vec!["mean".to_owned()];
+        let mut mean = vec!["mean of all".to_owned()];
         mean.push(number((self.graded > 0).then(|| self.earned / self.graded as f64)));
         mean.extend(self.sums.iter().map(|(sum, count)| {
-            if *count > 0 { format!("{:.1}", sum / *count as f64) } else { String::new() }
+            if *count > 0 { points(sum / *count as f64) } else { String::new() }
         }));
         self.table.add_row(vec![""]).add_row(mean);
-        let of = format!("of {}", points(self.points));
+        let of = points(self.points);
+        let of = if of.len() > 3 { format!("of\n{of}") } else { format!("of {of}") };
         let mut header = vec!["Submission".to_owned(), of];
         header.extend((1..=self.exercises.len()).map(|index| index.to_string()));
         style(&mut self.table, header);
-        for (index, column) in self.table.column_iter_mut().enumerate() {
-            column.set_constraint(match index {
-                0 => ColumnConstraint::UpperBoundary(Width::Fixed(NAME + 1)),
-                _ => ColumnConstraint::LowerBoundary(Width::Fixed(5)),
-            });
-        }
+        fit(&mut self.table);
         let mut text = format!("{}\n\n", self.table.trim_fmt());
         let half = self.exercises.len().div_ceil(2);
         for index in 0..half {
@@ -174,10 +180,27 @@ fn one(grade: &Grade) -> String {
     text
 }
 
+/// Why a submission could not be graded: a line for each exercise, or one when all have one reason.
+fn reasons(grade: &Grade) -> Vec<String> {
+    let whole = |why: &String| {
+        grade.ungraded().count() == grade.exercises.len()
+            && grade.ungraded().all(|exercise| why_not(exercise) == *why)
+    };
+    if let Some(why) = grade.ungraded().next().map(why_not).filter(whole) {
+        return vec![harmless_line(&format!("{}: {why}", who(grade)), SENTENCE)];
+    }
+    let line = |exercise: &ExerciseGrade| {
+        let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
+        harmless_line(&line, SENTENCE)
+    };
+    grade.ungraded().map(line).collect()
+}
+
 fn remark(exercise: &ExerciseGrade) -> String {
     match &exercise.outcome {
         _ if exercise.earned().is_none() => "could not be graded".to_owned(),
         Outcome::Missing => "no file".to_owned(),
+        Outcome::NotBegun => "not begun".to_owned(),
         Outcome::Refused(_) => "refused".to_owned(),
         Outcome::DoesNotCompile(_) => "does not compile".to_owned(),
         _ => {
@@ -207,12 +230,27 @@ fn style(table: &mut Table, header: Vec<String>) {
     }
 }
 
+/// Gives numbers the columns that they need and names the others. A table with long numbers is
+/// wider than the terminal, and no number stands in two lines.
+fn fit(table: &mut Table) {
+    let needed = table.column_max_content_widths().into_iter().skip(1);
+    let needed: Vec<u16> = needed.map(|width| width.max(NUMBER)).collect();
+    // Between columns there is one that is empty.
+    let numbers: u16 = needed.iter().map(|width| width + 1).sum();
+    let names = (WIDTH as u16).saturating_sub(numbers).clamp(NARROW, NAME);
+    table.set_width((WIDTH as u16).max(names + numbers));
+    let widths = std::iter::once(names).chain(needed);
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        column.set_padding((0, 0)).set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
+    }
+}
+
 fn name(grade: &Grade) -> String {
     harmless_line(&who(grade), 2 * usize::from(NAME))
 }
 
 fn number(number: Option<f64>) -> String {
-    number.map_or_else(|| "?".to_owned(), |number| decimals(number, 1))
+    number.map_or_else(|| "?".to_owned(), points)
 }
 
 fn on_roster(differences: &Differences) -> String {
@@ -227,6 +265,10 @@ fn on_roster(differences: &Differences) -> String {
             absent.map(|(folder, name)| format!("{name} ({folder})")).collect();
         text += "\nOn the roster, and handed in nothing:\n";
         text += &listed(&absent);
+    }
+    if !differences.doubtful.is_empty() {
+        text += "\nRows of the roster that are in doubt:\n";
+        text += &listed(&differences.doubtful);
     }
     text
 }

@@ -28,7 +28,10 @@ pub enum Made {
 /// What must become of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Want {
+    /// A person must look.
+    NotGraded,
     Missing,
+    NotBegun,
     Refused,
     DoesNotCompile,
     /// It runs, and earns this part of the points at most.
@@ -67,8 +70,13 @@ pub fn right(slug: &str) -> String {
     read(&format!("solutions/src/{slug}.rs"))
 }
 
-/// The skeleton of an exercise.
+/// The skeleton of an exercise with a line more, so that it counts as begun.
 pub fn skeleton(slug: &str) -> String {
+    format!("{}// To be continued.\n", untouched(slug))
+}
+
+/// The skeleton of an exercise.
+pub fn untouched(slug: &str) -> String {
     read(&format!("exercises/src/{slug}.rs"))
 }
 

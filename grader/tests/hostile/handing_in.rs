@@ -3,8 +3,8 @@
 #[cfg(unix)]
 use std::os::unix::fs::symlink;
 
-use crate::corpus::Want::{DoesNotCompile, Missing, Refused, Runs};
-use crate::corpus::{Hostile, LEFT, folder, put, right, right_and, row, skeleton};
+use crate::corpus::Want::{DoesNotCompile, Missing, NotBegun, NotGraded, Refused, Runs};
+use crate::corpus::{Hostile, LEFT, folder, put, right, right_and, row, skeleton, untouched};
 
 pub fn all() -> Vec<Hostile> {
     let mut all = texts();
@@ -124,10 +124,18 @@ fn nothing() -> Vec<Hostile> {
             "there is no answer in the submission",
         ),
         folder(
-            "is an archive",
+            "is an archive, a zip",
             |root| put(root, "work.zip", b"PK\x03\x04"),
-            Missing,
-            "must be unpacked before it is graded",
+            NotGraded,
+            "unpack it and grade again",
+        ),
+        row("is the skeleton as it was", LEFT, untouched(LEFT), NotBegun, ""),
+        row(
+            "is the skeleton with other ends of lines",
+            LEFT,
+            format!("{}\r\n\r\n", untouched(LEFT).replace('\n', " \r\n")),
+            NotBegun,
+            "",
         ),
         folder(
             "has a folder in place of the answer",

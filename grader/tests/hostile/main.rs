@@ -88,6 +88,7 @@ fn none_earns_what_it_has_not_earned_and_each_is_told_what_to_do() {
 fn order(root: &Path, out: &Path) -> Order {
     Order {
         submissions: vec![root.to_owned()],
+        single: false,
         exercises: Vec::new(),
         seed: Some(20_261_121),
         detail: Detail::Full,
@@ -139,7 +140,8 @@ fn became(hostile: &Hostile, grade: &Grade) -> Result<(), String> {
     if name.is_empty() || name.chars().any(|c| c.is_control() || "/\\:<>|\"*?".contains(c)) {
         return Err(format!("its name is {name:?}"));
     }
-    for other in grade.exercises.iter().filter(|other| other.exercise != hostile.exercise) {
+    let others = grade.exercises.iter().filter(|other| other.exercise != hostile.exercise);
+    for other in others.filter(|_| hostile.want != Want::NotGraded) {
         if other.outcome != Outcome::Missing || other.earned() != Some(0.0) {
             return Err(format!("{} is {:?}", other.exercise, other.outcome));
         }
@@ -157,7 +159,7 @@ fn became(hostile: &Hostile, grade: &Grade) -> Result<(), String> {
     if !told.contains(hostile.says) {
         return Err(format!("it is not told {:?}; {outcome:?}: {told}", hostile.says));
     }
-    if told.is_empty() && earned != Some(exercise.points) {
+    if told.is_empty() && hostile.want != Want::NotBegun && earned != Some(exercise.points) {
         return Err("it is told nothing".to_owned());
     }
     if told.len() > 200_000 {
@@ -171,7 +173,9 @@ fn became(hostile: &Hostile, grade: &Grade) -> Result<(), String> {
 
 fn as_wanted(exercise: &ExerciseGrade, want: Want) -> bool {
     match (&exercise.outcome, want) {
+        (Outcome::CouldNotGrade(_), Want::NotGraded) => exercise.earned().is_none(),
         (Outcome::Missing, Want::Missing)
+        | (Outcome::NotBegun, Want::NotBegun)
         | (Outcome::Refused(_), Want::Refused)
         | (Outcome::DoesNotCompile(_), Want::DoesNotCompile) => exercise.earned() == Some(0.0),
         (Outcome::Ran, Want::Runs(most)) => {
@@ -188,7 +192,7 @@ fn told(grade: &Grade, exercise: &ExerciseGrade) -> String {
         Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
             told.push(why.clone());
         }
-        Outcome::Ran | Outcome::Missing => {}
+        Outcome::Ran | Outcome::Missing | Outcome::NotBegun => {}
     }
     for check in exercise.checks.iter().filter(|check| check.verdict != Verdict::Passed) {
         told.push(format!("{}: {}\n{}", check.name, check.sentence, check.numbers));
