@@ -66,7 +66,7 @@ struct Run {
     /// Where reports go, and from where a batch that was stopped goes on
     #[arg(long, default_value = "grades")]
     out: PathBuf,
-    /// A CSV file of folder,name
+    /// A CSV file with the columns folder and name
     #[arg(long)]
     roster: Option<PathBuf>,
     /// Points and weights, as in grader/points.toml
