@@ -139,7 +139,7 @@ impl Case {
     /// The derivative of the pixel of a point in the camera's frame that a twist moves, by
     /// differences of the fourth order.
     fn slope_of(&self, moved: impl Fn(&Vector6<f64>) -> Point3<f64>) -> Matrix2x6<f64> {
-        const H: f64 = 1e-3;
+        const H: f64 = 2e-4;
         let pixel = self.pixels_of(moved);
         Matrix2x6::from_columns(&[0, 1, 2, 3, 4, 5].map(|axis| {
             let near = pixel(axis, H) - pixel(axis, -H);
