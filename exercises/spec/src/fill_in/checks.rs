@@ -318,13 +318,13 @@ impl Window {
                 size,
             };
             // A block that begins with a zero is a link all the same, and here it is the answer;
-            // another that does is none.
+            // others that do are none.
             let cheapest = window.cheapest();
-            let links = window.links();
-            let other = links[draw.index(0..links.len())];
-            if let (Some(cheapest), true) = (cheapest, size > 1) {
-                window.begin_with_zero(cheapest);
-                window.begin_with_zero(other);
+            let mut links = window.links();
+            draw.shuffle(&mut links);
+            if size > 1 {
+                let zeros = links.into_iter().filter(|link| Some(*link) != cheapest).take(2);
+                zeros.chain(cheapest).for_each(|link| window.begin_with_zero(link));
             }
             if window.is_telling() && window.cheapest() == cheapest {
                 return window;
