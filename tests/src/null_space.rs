@@ -4,7 +4,7 @@ use exercise_spec::answer::Transport;
 use exercise_spec::check::{Check, Failure};
 use exercise_spec::draw::Draw;
 use exercise_spec::null_space::{
-    Case, Range, corrected, information, landmark_gone, orthonormal, refusal, rotation,
+    Case, Range, Tracks, corrected, information, landmark_gone, orthonormal, refusal, rotation,
 };
 
 /// The checks on instances of a seed.
@@ -17,13 +17,14 @@ pub fn checks(seed: u64) -> Vec<Check> {
         Range { pictures: 3, depth: 2.0, baseline: 0.6, others: 7 },
     ];
     let cases: Vec<Case> = ranges.iter().map(|range| Case::drawn(&mut draw, *range)).collect();
-    let mut pairs = Vec::new();
+    let mut tracks = Vec::new();
     for (pictures, baseline) in [(2, 0.0), (3, 1e-13), (9, 0.0), (1, 0.4)] {
         let Range { depth, others, .. } = ranges[pictures % 4];
         let mut track = |baseline, pictures| {
             Case::drawn(&mut draw, Range { pictures, depth, baseline, others })
         };
-        pairs.push((track(1e-3 * depth, pictures.max(2)), track(baseline, pictures)));
+        let (seen, unseen) = (track(1e-3 * depth, pictures.max(2)), track(baseline, pictures));
+        tracks.push(Tracks::drawn(&mut draw, &seen, &unseen));
     }
     let mut numbers = || draw.uniform(-2.0..2.0) * 10.0_f64.powf(draw.uniform(-6.0..6.0));
     let columns: Vec<[f64; 2]> = (0..50).map(|_| [numbers(), numbers()]).collect();
@@ -39,7 +40,7 @@ pub fn checks(seed: u64) -> Vec<Check> {
         Check::new("orthonormal_rows_of_any_track", each(orthonormal)),
         Check::new("information_of_any_track", each(information)),
         Check::new("tracks_with_hardly_any_parallax_and_with_none", move |answer| {
-            pairs.iter().try_for_each(|(seen, unseen)| refusal(answer, seen, unseen))
+            tracks.iter().try_for_each(|tracks| refusal(answer, tracks))
         }),
         Check::new("corrections_by_any_track", each(corrected)),
     ]

@@ -11,7 +11,7 @@ pub fn checks(seed: u64) -> Vec<Check> {
     let mut some = |count: usize, away: f64| -> Vec<Case> {
         let case = |index: usize| {
             let factor = draw.uniform(1.1..10.0).powi([-1, 1, 2][index % 3]);
-            let case = Case::drawn(&mut draw, [2 + index % 5, 6 + index % 3], [3.0, 9.0], away);
+            let case = Case::drawn(&mut draw, [2 + index % 5, 9 + index % 3], [3.0, 9.0], away);
             Case { factor, ..case }
         };
         (0..count).map(case).collect()

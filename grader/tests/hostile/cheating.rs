@@ -5,10 +5,13 @@ use std::sync::Mutex;
 
 use exercise_spec::answer::Native;
 use exercise_spec::left_perturbation::{EXERCISE, Functions};
+use exercise_spec::scale_and_gravity;
 use solutions::left_perturbation as known;
 
 use crate::corpus::Want::{Refused, Runs};
-use crate::corpus::{ALONG, FILL, Hostile, LEFT, every, right_after, right_and, row};
+use crate::corpus::{
+    ALONG, FILL, Hostile, LEFT, every, right, right_after, right_and, row, skeleton, with_body,
+};
 
 /// The one that knows all public instances by heart.
 pub const BY_HEART: &str = "knows the public instances by heart";
@@ -18,6 +21,8 @@ pub fn all() -> Vec<Hostile> {
     all.extend(asking());
     all.extend(asking_the_library());
     all.extend(values());
+    all.extend(agreeing());
+    all.extend(guessing());
     for exercise in exercise_spec::EXERCISES {
         let name = format!("says the same to {}", exercise.slug).leak();
         all.push(row(name, exercise.slug, constant(exercise.slug, "1e-300"), Runs(0.0), ""));
@@ -248,6 +253,146 @@ impl<T> std::ops::Sub<T> for Agreeable { type Output = Self; fn sub(self, _: T) 
 impl From<Agreeable> for Matrix2x6<f64> { fn from(_: Agreeable) -> Self { Self::repeat(1.0) } }
 impl From<Agreeable> for Vector2<f64> { fn from(_: Agreeable) -> Self { Self::repeat(1.0) } }
 ";
+
+/// Functions that agree with each other and compute nothing.
+fn agreeing() -> Vec<Hostile> {
+    let matrices = with_body(
+        &skeleton("stereo_gauge"),
+        "reduced_system",
+        "    let rows = 6 * (scene.left_from_world.len() - usize::from(hold_first));
+    let free = 6.0 + f64::from(u8::from(baseline.is_none()));
+    let free = if hold_first { free - 6.0 } else { free };
+    DMatrix::from_element(rows, rows, free)",
+    );
+    let matrices = with_body(
+        &matrices,
+        "stiffnesses",
+        "    let free = reduced[(0, 0)] as usize;
+    (0..reduced.nrows()).map(|row| f64::from(u8::from(row >= free))).collect()",
+    );
+    let direction = with_body(
+        &skeleton("scale_null_space"),
+        "growth_direction",
+        "    DVector::repeat(6 * scene.cameras.len() + 3 * scene.points.len(), 7.0)",
+    );
+    let direction = with_body(
+        &direction,
+        "annihilation",
+        "    let _ = hessian;
+    f64::from(u8::from(direction[0] != 7.0)) / 2.0",
+    );
+    let square = with_body(
+        &right(LEFT),
+        "central_differences",
+        "    let left = left_pose_jacobian(camera, camera_from_world, point_in_world);
+    let exact = match side {
+        Side::Left => left,
+        Side::Right => right_from_left(camera_from_world, left),
+    };
+    exact + Matrix2x6::repeat(1e3 * step * step)",
+    );
+    let column = with_body(
+        &skeleton(LEFT),
+        "left_pose_jacobian",
+        "    let _ = (camera, camera_from_world, point_in_world);
+    Matrix2x6::from_fn(|_, column| if column == 2 { 0.0 } else { 1e3 })",
+    );
+    vec![
+        row("fills a matrix with its count", "stereo_gauge", matrices, Runs(0.0), "reduced_system"),
+        row("knows its direction again", "scale_null_space", direction, Runs(0.0), ""),
+        row("adds a square to a derivative", LEFT, square, Runs(0.8), "differences with a step of"),
+        row("has one column right", LEFT, column, Runs(0.0), ""),
+    ]
+}
+
+/// Answers that guess what comes next, or by what it is known.
+fn guessing() -> Vec<Hostile> {
+    let project = |when: &str, entry: &str| {
+        with_body(
+            &skeleton("null_space"),
+            "project_out",
+            &format!(
+                "    let _ = residual;
+    let sigmas = by_landmark.singular_values();
+    let (count, columns) = by_states.shape();
+    if {when} {{ return None; }}
+    let entry = |row: usize, column: usize| {entry};
+    Some((DMatrix::from_fn(count - 3, columns, entry), DVector::zeros(count - 3)))"
+            ),
+        )
+    };
+    // Zeros, and on the right the rows of an identity.
+    let rows = project("false", "f64::from(u8::from(row + columns == column + count))");
+    let zeros = project(
+        "count < 4 || sigmas.min() < 1e-9 * sigmas.max() || sigmas.max() == 0.0",
+        "{
+        let _ = (row, column);
+        0.0
+    }",
+    );
+    let zeros = with_body(
+        &zeros,
+        "correction",
+        "    let _ = prior_information;
+    project_out(by_states, by_landmark, residual).map(|_| DVector::zeros(1))",
+    );
+    let first = with_body(
+        &skeleton(FILL),
+        "new_couplings",
+        "    let _ = departing;
+    if layout.odometry { vec![(1, 3)] } else { vec![(1, 2), (1, 3), (2, 3)] }",
+    );
+    let zero = with_body(
+        &skeleton(FILL),
+        "cheapest_link",
+        "    let count = information.nrows() / size;
+    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+    let block = |(a, b): (usize, usize)| information.view((a * size, b * size), (size, size));
+    let norm = |pair: &(usize, usize)| block(*pair).norm();
+    let mut links: Vec<_> = pairs.filter(|pair| norm(pair) > 0.0).collect();
+    links.sort_by(|a, b| norm(a).total_cmp(&norm(b)));
+    let zero = links.iter().find(|pair| block(**pair)[(0, 0)] == 0.0);
+    zero.or(links.first()).copied()",
+    );
+    vec![
+        row("knows an order of verdicts", "scale_and_gravity", in_order(), Runs(1.0 / 6.0), ""),
+        row("gives rows of an identity", "null_space", rows, Runs(0.0), "Nᵀ H_f is not zero"),
+        row("gives zeros where something is left", "null_space", zeros, Runs(0.0), ""),
+        row("knows the first slide of a row", FILL, first, Runs(0.125), ""),
+        row("chooses what begins with a zero", FILL, zero, Runs(0.0), ""),
+    ]
+}
+
+static VERDICTS: Mutex<Vec<bool>> = Mutex::new(Vec::new());
+
+/// An answer that counts its calls and says what the public check wants to hear.
+fn in_order() -> String {
+    use solutions::scale_and_gravity as known;
+    let functions = scale_and_gravity::Functions {
+        scaled_window: known::scaled_window,
+        split_residual: known::split_residual,
+        scale_is_free: |intervals, gravity, tolerance| {
+            let free = known::scale_is_free(intervals, gravity, tolerance);
+            VERDICTS.lock().expect("whole").push(free);
+            free
+        },
+    };
+    for check in (scale_and_gravity::EXERCISE.checks)() {
+        check.run(&Native(functions)).expect("the reference is right");
+    }
+    let verdicts = std::mem::take(&mut *VERDICTS.lock().expect("whole"));
+    with_body(
+        &skeleton("scale_and_gravity"),
+        "scale_is_free",
+        &format!(
+            "    use std::sync::atomic::{{AtomicUsize, Ordering}};
+    static CALLS: AtomicUsize = AtomicUsize::new(0);
+    let _ = (intervals, gravity, tolerance);
+    let verdicts = {verdicts:?};
+    verdicts[CALLS.fetch_add(1, Ordering::Relaxed) % verdicts.len()]"
+        ),
+    )
+}
 
 static HEARD: Mutex<Vec<(u64, Vec<f64>)>> = Mutex::new(Vec::new());
 

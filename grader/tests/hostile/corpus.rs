@@ -91,6 +91,14 @@ pub fn every(slug: &str, body: &str, more: &str) -> String {
     format!("{}\n\n{more}\n", text.join("\n"))
 }
 
+/// A text with another body in one of its functions.
+pub fn with_body(text: &str, function: &str, body: &str) -> String {
+    let (before, rest) = text.split_once(&format!("pub fn {function}(")).expect("a function");
+    let (signature, rest) = rest.split_once("{\n").expect("a body");
+    let (_, after) = rest.split_once("\n}\n").expect("its end");
+    format!("{before}pub fn {function}({signature}{{\n{body}\n}}\n{after}")
+}
+
 /// The right answer with a statement at the beginning of each function that is called.
 pub fn right_after(slug: &str, statement: &str, more: &str) -> String {
     let mut text = String::new();

@@ -27,6 +27,13 @@ impl Draw {
         self.0.random_range(range)
     }
 
+    /// Puts things into any order.
+    pub fn shuffle<T>(&mut self, things: &mut [T]) {
+        for last in (1..things.len()).rev() {
+            things.swap(last, self.index(0..last + 1));
+        }
+    }
+
     /// A number of the normal distribution with mean zero and variance one.
     pub fn normal(&mut self) -> f64 {
         // Box and Muller. One minus a number below one is never zero.

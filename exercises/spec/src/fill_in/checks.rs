@@ -317,11 +317,14 @@ impl Window {
                 }),
                 size,
             };
-            // A block that begins with a zero is a link all the same, and here it is the answer.
+            // A block that begins with a zero is a link all the same, and here it is the answer;
+            // others that do are none.
             let cheapest = window.cheapest();
-            if let (Some((a, b)), true) = (cheapest, size > 1) {
-                window.information[(a * size, b * size)] = 0.0;
-                window.information[(b * size, a * size)] = 0.0;
+            let mut links = window.links();
+            draw.shuffle(&mut links);
+            if size > 1 {
+                let zeros = links.into_iter().filter(|link| Some(*link) != cheapest).take(2);
+                zeros.chain(cheapest).for_each(|link| window.begin_with_zero(link));
             }
             if window.is_telling() && window.cheapest() == cheapest {
                 return window;
@@ -361,6 +364,11 @@ impl Window {
 
     fn begins_with_zero(&self, (a, b): Pair) -> bool {
         self.information[(a * self.size, b * self.size)] == 0.0
+    }
+
+    fn begin_with_zero(&mut self, (a, b): Pair) {
+        self.information[(a * self.size, b * self.size)] = 0.0;
+        self.information[(b * self.size, a * self.size)] = 0.0;
     }
 
     fn links(&self) -> Vec<Pair> {

@@ -6,7 +6,7 @@ use super::*;
 use crate::Exercise;
 use crate::answer::Transport;
 use crate::camera::{Camera, point_in_view};
-use crate::check::{Check, Failure, compare, compare_number, readable};
+use crate::check::{Check, Failure, Misconception, compare, compare_number, readable};
 use crate::draw::Draw;
 
 /// The exercise.
@@ -257,8 +257,8 @@ fn checks() -> Vec<Check> {
             let mut track =
                 |pictures, baseline| Case::drawn(&mut draw, Range { pictures, baseline, ..PUBLIC });
             let (seen, turned, once) = (track(4, 1.0), track(4, 0.0), track(1, 1.0));
-            refusal(answer, &seen, &turned)?;
-            refusal(answer, &seen, &once)
+            refusal(answer, &Tracks::drawn(&mut draw, &seen, &turned))?;
+            refusal(answer, &Tracks::drawn(&mut draw, &seen, &once))
         }),
         Check::new("the_correction_is_that_of_an_adjustment_which_keeps_the_landmark", |answer| {
             cases().iter().try_for_each(|case| corrected(answer, case))
@@ -311,8 +311,18 @@ pub fn rotation(answer: &dyn Transport, [a, b]: [f64; 2]) -> Result<(), Failure>
 
 /// The answer on a track that fixes its landmark, if it has the size it should have.
 fn projected(answer: &dyn Transport, case: &Case) -> Result<Projected, Failure> {
+    complete(case, asked(answer, case)?)
+}
+
+/// The answer on any track.
+fn asked(answer: &dyn Transport, case: &Case) -> Result<Option<Projected>, Failure> {
     let Case { by_states, by_landmark, residual, .. } = case;
-    let obtained = Answer(answer).project_out(by_states, by_landmark, residual)?;
+    Ok(Answer(answer).project_out(by_states, by_landmark, residual)?)
+}
+
+/// What came back for a track that fixes its landmark, if it has the size it should have.
+fn complete(case: &Case, obtained: Option<Projected>) -> Result<Projected, Failure> {
+    let Case { by_states, by_landmark, .. } = case;
     let Some((states, rest)) = obtained else {
         let sigmas = by_landmark.singular_values();
         return Err(Failure::new(format!(
@@ -361,65 +371,121 @@ fn rows_of(matrix: &DMatrix<f64>, whole: &DMatrix<f64>) -> bool {
     matrix.amax() > 0.0 && (same(0) || same(whole.nrows() - count))
 }
 
-/// The projection without the landmark, and of it alone.
+/// A projection of states, landmark and an identity beside one another shows which Nᵀ was applied to
+/// the states: what comes back must be Nᵀ H_x, zeros, and Nᵀ.
+struct Shown {
+    by_states: DMatrix<f64>,
+    by_landmark: DMatrix<f64>,
+    rows: DMatrix<f64>,
+    residual: DVector<f64>,
+}
+
+impl Shown {
+    fn by(answer: &dyn Transport, case: &Case) -> Result<Self, Failure> {
+        let (count, columns) = (case.rows(), case.by_states.ncols());
+        let mut beside = DMatrix::zeros(count, columns + 3 + count);
+        beside.columns_mut(0, columns).copy_from(&case.by_states);
+        beside.columns_mut(columns, 3).copy_from(&case.by_landmark);
+        beside.columns_mut(columns + 3, count).fill_with_identity();
+        let (table, residual) = projected(answer, &case.with_states(beside))?;
+        let part = |first: usize, width: usize| table.columns(first, width).into_owned();
+        Ok(Self {
+            by_states: part(0, columns),
+            by_landmark: part(columns, 3),
+            rows: part(columns + 3, count),
+            residual,
+        })
+    }
+
+    /// Whether rows came in and went out as they were.
+    fn untouched(&self, case: &Case) -> Option<&'static Misconception> {
+        if rows_of(&self.by_states, &case.by_states) {
+            return Some(&STATES_NOT_ROTATED);
+        }
+        rows_of(&column(&self.residual), &column(&case.residual)).then_some(&RESIDUAL_NOT_ROTATED)
+    }
+
+    /// Whether the landmark is gone.
+    fn landmark_gone(&self, case: &Case) -> Result<(), Failure> {
+        let (gone, landmark) = (&self.by_landmark, &case.by_landmark);
+        if gone.norm() <= 1e-11 * landmark.norm() {
+            return Ok(());
+        }
+        let all = landmark.transpose() * landmark;
+        let failure = if (gone.transpose() * gone - &all).amax() <= 1e-9 * all.amax() {
+            Failure::known(&FIRST_THREE_KEPT)
+        } else {
+            Failure::new(
+                "The landmark is not gone: with H_f in the place of H_x, zeros should be left.",
+            )
+        };
+        let norms = |matrix: &DMatrix<f64>| {
+            let each = matrix.column_iter().map(|one| format!("{:>12}", readable(one.norm())));
+            each.collect::<String>()
+        };
+        Err(failure.with_numbers(format!(
+            "norms of the landmark's columns\n    H_f {}\n Nᵀ H_f {}",
+            norms(landmark),
+            norms(gone)
+        )))
+    }
+
+    /// Whether one Nᵀ was applied to all that came in, and has something in every row.
+    fn applied(&self, case: &Case) -> Result<(), Failure> {
+        let Self { by_states, rows, residual, .. } = self;
+        let empty = |row: usize| rows.row(row).norm() < 1e-6;
+        if (0..rows.nrows()).any(empty) {
+            return Err(Failure::new("A row of Nᵀ, of the projection of an identity, is empty."));
+        }
+        // The table is too wide to read.
+        compare(
+            "Nᵀ H_x, with the Nᵀ of an identity beside it,",
+            by_states,
+            &(rows * &case.by_states),
+        )
+        .within(1e-9)
+        .judge()
+        .map_err(|failure| failure.with_numbers(""))?;
+        compare("Nᵀ r, with the Nᵀ of an identity,", residual, &(rows * &case.residual))
+            .within(1e-9)
+            .judge()
+    }
+}
+
+/// The projection without the landmark, beside that of the landmark alone and of an identity.
 ///
 /// # Errors
 ///
 /// A failure when something of the landmark is left, which names what was not rotated where that
 /// is known.
 pub fn landmark_gone(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let column =
-        |vector: &DVector<f64>| DMatrix::from_column_slice(vector.len(), 1, vector.as_slice());
-    let (states, rest) = projected(answer, case)?;
-    if rows_of(&states, &case.by_states) {
-        return Err(Failure::known(&STATES_NOT_ROTATED));
+    let shown = Shown::by(answer, case)?;
+    if let Some(misconception) = shown.untouched(case) {
+        return Err(Failure::known(misconception));
     }
-    if rows_of(&column(&rest), &column(&case.residual)) {
-        return Err(Failure::known(&RESIDUAL_NOT_ROTATED));
-    }
-    let (gone, _) = projected(answer, &case.with_states(case.by_landmark.clone()))?;
-    let (left, size) = (gone.norm(), case.by_landmark.norm());
-    if left <= 1e-11 * size {
-        return Ok(());
-    }
-    let all = case.by_landmark.transpose() * &case.by_landmark;
-    let failure = if (gone.transpose() * &gone - &all).amax() <= 1e-9 * all.amax() {
-        Failure::known(&FIRST_THREE_KEPT)
-    } else {
-        Failure::new(
-            "The landmark is not gone: with H_f in the place of H_x, zeros should be left.",
-        )
-    };
-    let columns = |matrix: &DMatrix<f64>| {
-        let norms: Vec<String> =
-            matrix.column_iter().map(|column| format!("{:>12}", readable(column.norm()))).collect();
-        norms.concat()
-    };
-    Err(failure.with_numbers(format!(
-        "norms of the landmark's columns\n    H_f {}\n Nᵀ H_f {}",
-        columns(&case.by_landmark),
-        columns(&gone)
-    )))
+    shown.landmark_gone(case)?;
+    shown.applied(case)
 }
 
 /// The rows of Nᵀ themselves, by a projection of the identity.
 ///
 /// # Errors
 ///
-/// A failure when they are not orthonormal.
+/// A failure when they are not orthonormal, or not at right angles to the landmark.
 pub fn orthonormal(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let identity = DMatrix::identity(case.rows(), case.rows());
-    let (rows, _) = projected(answer, &case.with_states(identity.clone()))?;
+    let shown = Shown::by(answer, case)?;
+    let rows = &shown.rows;
     let (count, landmark) = (rows.nrows(), &case.by_landmark);
     let inverse = (landmark.transpose() * landmark).try_inverse();
+    let identity = DMatrix::<f64>::identity(case.rows(), case.rows());
     let complement = inverse.map(|inverse| &identity - landmark * inverse * landmark.transpose());
     let of_complement = complement.is_some_and(|complement| {
-        let near = |first| (&rows - complement.rows(first, count)).amax() < 1e-7;
+        let near = |first| (rows - complement.rows(first, count)).amax() < 1e-7;
         near(0) || near(3)
     });
     compare(
         "Nᵀ N, of the projection of an identity,",
-        &(&rows * rows.transpose()),
+        &(rows * rows.transpose()),
         &DMatrix::<f64>::identity(count, count),
     )
     .within(1e-10)
@@ -427,7 +493,11 @@ pub fn orthonormal(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     .map_err(|failure| match of_complement {
         true => Failure { numbers: failure.numbers, ..Failure::known(&PSEUDO_INVERSE_ROWS) },
         false => failure,
-    })
+    })?;
+    if (rows * landmark).norm() <= 1e-11 * landmark.norm() {
+        return Ok(());
+    }
+    Err(Failure::new("The rows of Nᵀ are orthonormal, and Nᵀ H_f is not zero."))
 }
 
 /// What the projected equations know, against the elimination of the landmark.
@@ -436,9 +506,12 @@ pub fn orthonormal(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// A failure when information, gradient or cost differ.
 pub fn information(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    let (states, rest) = projected(answer, case)?;
+    knowing(case, &projected(answer, case)?)
+}
+
+fn knowing(case: &Case, (states, rest): &Projected) -> Result<(), Failure> {
     let [information, gradient, square] = case.eliminated();
-    let obtained = states.transpose() * &states;
+    let obtained = states.transpose() * states;
     let difference = &obtained - &information;
     if difference.amax() > 1e-8 * information.amax() {
         // The whole is too large to read: six rows and columns about the worst entry.
@@ -455,48 +528,99 @@ pub fn information(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         );
         compare(&what, &block(&obtained), &block(&information)).within(1e-8).judge()?;
     }
-    compare("the gradient (Nᵀ H_x)ᵀ (Nᵀ r)", &(states.transpose() * &rest), &gradient)
+    compare("the gradient (Nᵀ H_x)ᵀ (Nᵀ r)", &(states.transpose() * rest), &gradient)
         .within(1e-8)
         .judge()?;
     compare_number("the square of Nᵀ r", rest.norm_squared(), square[(0, 0)]).within(1e-8).judge()
 }
 
-/// A track that fixes its landmark and one that does not, in several units of the landmark.
+/// A track that fixes its landmark and one that does not, each in several units of the landmark, in
+/// any order.
+#[derive(Debug, Clone)]
+pub struct Tracks(Vec<Track>);
+
+#[derive(Debug, Clone)]
+struct Track {
+    case: Case,
+    fixed: bool,
+    unit: Unit,
+}
+
+/// In which the landmark is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Unit {
+    Usual,
+    Other,
+    /// One in which H_f is zero.
+    Infinite,
+}
+
+impl Tracks {
+    /// The two tracks in units of a draw, and an order of it.
+    pub fn drawn(draw: &mut Draw, seen: &Case, unseen: &Case) -> Self {
+        let mut tracks = Vec::new();
+        let mut add = |case, fixed, unit| tracks.push(Track { case, fixed, unit });
+        add(seen.clone(), true, Unit::Usual);
+        add(unseen.clone(), false, Unit::Usual);
+        add(seen.in_units_of(1e-12), true, Unit::Other);
+        add(unseen.in_units_of(1e9), false, Unit::Other);
+        add(seen.in_units_of(0.0), false, Unit::Infinite);
+        for _ in 0..draw.index(2..6) {
+            let (unit, fixed) = (draw.uniform(0.5..2.0), draw.index(0..2) == 0);
+            let again = if fixed { seen } else { unseen };
+            add(again.in_units_of(unit), fixed, Unit::Usual);
+        }
+        draw.shuffle(&mut tracks);
+        Self(tracks)
+    }
+}
+
+/// Which of some tracks are refused, and what comes of the others.
 ///
 /// # Errors
 ///
-/// A failure when the first is refused or the second is not.
-pub fn refusal(answer: &dyn Transport, seen: &Case, unseen: &Case) -> Result<(), Failure> {
-    projected(answer, seen)?;
-    let refused = |case: &Case| -> Result<bool, Failure> {
-        let Case { by_states, by_landmark, residual, .. } = case;
-        Ok(Answer(answer).project_out(by_states, by_landmark, residual)?.is_none())
-    };
-    if !refused(unseen)? {
+/// A failure when a track is refused that fixes its landmark, or one is not that does not.
+pub fn refusal(answer: &dyn Transport, Tracks(tracks): &Tracks) -> Result<(), Failure> {
+    let mut all = Vec::new();
+    for track in tracks {
+        all.push((track, asked(answer, &track.case)?));
+    }
+    let (fixed, free): (Vec<_>, Vec<_>) = all.into_iter().partition(|(track, _)| track.fixed);
+    for (track, obtained) in fixed.iter().filter(|(track, _)| track.unit == Unit::Usual) {
+        complete(&track.case, obtained.clone())?;
+    }
+    let accepted = |unit| free.iter().any(|(track, it)| track.unit == unit && it.is_some());
+    if accepted(Unit::Usual) {
         return Err(Failure::known(&RANK_TWO));
     }
-    if refused(&seen.in_units_of(1e-12))? || !refused(&unseen.in_units_of(1e9))? {
+    if fixed.iter().any(|(_, obtained)| obtained.is_none()) || accepted(Unit::Other) {
         return Err(Failure::known(&ABSOLUTE_RANK));
     }
-    if !refused(&seen.in_units_of(0.0))? {
+    if accepted(Unit::Infinite) {
         return Err(Failure::new(
             "H_f is zero here, no pixel depends on the landmark, and the track was not refused.",
         ));
     }
-    let corrected = |case: &Case| {
-        let Case { by_states, by_landmark, residual, prior_information } = case;
-        Answer(answer).correction(prior_information, by_states, by_landmark, residual)
-    };
-    if corrected(seen)?.is_none() {
-        return Err(Failure::new(NO_CORRECTION));
+    for (Track { case, .. }, obtained) in fixed {
+        knowing(case, &complete(case, obtained)?)?;
     }
-    if corrected(unseen)?.is_some() {
-        return Err(Failure::new(
-            "A correction was made of a track whose landmark is not fixed, and there should be none.",
-        ));
-    }
-    Ok(())
+    tracks.iter().try_for_each(|track| made(answer, track))
 }
+
+/// Whether there is a correction where there should be one, and nowhere else.
+fn made(answer: &dyn Transport, Track { case, fixed, .. }: &Track) -> Result<(), Failure> {
+    let Case { by_states, by_landmark, residual, prior_information } = case;
+    let obtained =
+        Answer(answer).correction(prior_information, by_states, by_landmark, residual)?;
+    match (fixed, obtained) {
+        (true, None) => Err(Failure::new(NO_CORRECTION)),
+        (false, Some(_)) => Err(Failure::new(CORRECTION)),
+        _ => Ok(()),
+    }
+}
+
+const CORRECTION: &str =
+    "A correction was made of a track whose landmark is not fixed, and there should be none.";
 
 const NO_CORRECTION: &str = "There is no correction, although the track fixes its landmark and the \
                              prior alone would hold all the states.";

@@ -495,15 +495,26 @@ pub struct Flights {
 }
 
 impl Flights {
-    /// One motion of each kind, in intervals as long as a number of the range, in seconds.
+    /// Motions of each kind, in intervals as long as numbers of the range, in seconds. There is one
+    /// of each and some again, in any order, so that how many are free says nothing.
     pub fn drawn(draw: &mut Draw, duration: [f64; 2]) -> Self {
         let tolerance = draw.uniform(0.02..0.08);
+        let mut all = Self::one_of_each(draw, duration, tolerance);
+        let mut again = Self::one_of_each(draw, duration, tolerance);
+        draw.shuffle(&mut again);
+        again.truncate(draw.index(1..11));
+        all.extend(again);
+        draw.shuffle(&mut all);
+        Self { all, tolerance }
+    }
+
+    fn one_of_each(draw: &mut Draw, duration: [f64; 2], tolerance: f64) -> Vec<Flight> {
         let t = draw.uniform(duration[0]..duration[1]);
         let mut all = steady(draw, t);
         all.extend(pushed(draw, t));
         all.extend(to_and_fro(t));
         all.extend(near(tolerance, t));
-        Self { all, tolerance }
+        all
     }
 
     /// What a way of judging says of every motion.

@@ -492,7 +492,8 @@ pub fn measured(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The student's own direction and the student's own measure on the same Hessian.
+/// The student's own direction and the student's own measure on the same Hessian. Each must be right
+/// by itself: two that are wrong can agree.
 ///
 /// # Errors
 ///
@@ -510,7 +511,8 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let ask = |direction: &DVector<f64>| Answer(answer).annihilation(&hessian, direction);
     let (along, other) = (ask(&growth)?, ask(&case.step)?);
     // The Hessian comes from differences, and so is off by about 1e-11.
-    if along.abs() <= 1e-8 && (1e-4..=1.0).contains(&other) {
+    let agree = along.abs() <= 1e-8 && (1e-4..=1.0).contains(&other);
+    if agree && direction(answer, case).is_ok() && measured(answer, case).is_ok() {
         return Ok(());
     }
     let failure = Failure::new(

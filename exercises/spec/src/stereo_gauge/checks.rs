@@ -458,9 +458,7 @@ pub fn eigenvalues(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         }
         let reduced = remaining.tr_mul(&remaining);
         let obtained = Answer(answer).stiffnesses(&reduced)?;
-        let mut scaled = remaining.clone();
-        scaled.column_iter_mut().for_each(|mut column| column /= column.norm());
-        let expected = ascending(scaled.singular_values().map(|value| value * value));
+        let expected = pure(&remaining);
         let plain = ascending(remaining.singular_values().map(|value| value * value));
         let diagonal = reduced.diagonal();
         let twice = DMatrix::from_fn(reduced.nrows(), reduced.ncols(), |row, column| {
@@ -476,6 +474,13 @@ pub fn eigenvalues(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The stiffnesses of what remains of a Jacobian, from its singular values.
+fn pure(remaining: &DMatrix<f64>) -> Vec<f64> {
+    let mut scaled = remaining.clone();
+    scaled.column_iter_mut().for_each(|mut column| column /= column.norm());
+    ascending(scaled.singular_values().map(|value| value * value))
+}
+
 fn ascending(numbers: DVector<f64>) -> Vec<f64> {
     let mut numbers: Vec<f64> = numbers.iter().copied().collect();
     numbers.sort_by(f64::total_cmp);
@@ -487,7 +492,8 @@ fn ascending(numbers: DVector<f64>) -> Vec<f64> {
 /// A stiffness below this is none. Rounding leaves about 1e-15.
 pub const NONE_BELOW: f64 = 1e-9;
 
-/// The student's own stiffnesses of the student's own systems: how many are zero.
+/// The student's own stiffnesses of the student's own systems: how many are zero. Systems and
+/// stiffnesses must be right as well: any matrix has some eigenvalues.
 ///
 /// # Errors
 ///
@@ -511,8 +517,11 @@ pub fn counts(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         let stiffnesses = Answer(answer).stiffnesses(&reduced)?;
         let found = stiffnesses.iter().filter(|value| value.abs() < NONE_BELOW).count();
         let least = stiffnesses.iter().find(|value| value.abs() >= NONE_BELOW);
-        let finite = stiffnesses.iter().all(|value| value.is_finite() && *value > -NONE_BELOW);
-        right &= stiffnesses.len() == rows && finite && found == free;
+        let used = if baseline.is_some() { BOTH } else { LEFT };
+        let remaining = case.remaining(&bolted, used, hold_first);
+        let system = compare("S", &reduced, &remaining.tr_mul(&remaining)).within(1e-7);
+        let list = compare_list("the list", &stiffnesses, &pure(&remaining)).within(1e-7);
+        right &= found == free && system.judge().is_ok() && list.judge().is_ok();
         lines += &format!(
             "{} a rig, rig 0 {}: {free} expected, {found} obtained; the least that is not zero: {}\n",
             if baseline.is_some() { "two cameras" } else { "one camera" },
@@ -523,9 +532,11 @@ pub fn counts(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     if right {
         return Ok(());
     }
-    let sentence = "Your stiffnesses of your reduced systems: not as many are zero as there are \
-        directions that no pixel sees. The checks of the single functions say more.";
-    Err(Failure::new(sentence).with_numbers(format!("stiffnesses below 1e-9\n{lines}")))
+    let sentence = "Your stiffnesses of your reduced systems are not those of the directions that \
+        pixels see and do not see. The checks of the single functions say more.";
+    let failure = Failure::new(sentence).with_numbers(format!("stiffnesses below 1e-9\n{lines}"));
+    let failure = failure.unless("reduced_system", || reduced(answer, case));
+    Err(failure.unless("stiffnesses", || eigenvalues(answer, case)))
 }
 
 /// The motions that leave all pictures alone, against logarithms of moved poses.
