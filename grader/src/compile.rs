@@ -77,7 +77,7 @@ impl Compiler {
     pub fn prepare() -> Result<Self, String> {
         let toolchain = Toolchain::find()?;
         let kit = Kit::build(&toolchain)?;
-        let maker = format!("{} {} {}", edition(), stamp(&toolchain.rustc), kit.stamps());
+        let maker = format!("{} {} {:?}", edition(), stamp(&toolchain.rustc), kit.stamps());
         Ok(Self { toolchain, sandbox: Sandbox::find(), kit, maker })
     }
 
@@ -115,7 +115,7 @@ impl Compiler {
     fn rustc(&self, folder: &Path, processor_seconds: u64) -> Command {
         let mut rustc = vec![self.toolchain.rustc.clone().into_os_string()];
         let options = "--edition 2024 --crate-type cdylib --crate-name answers --color never \
-            --target wasm32-unknown-unknown -C panic=abort -C opt-level=1 -C codegen-units=2 -C debuginfo=0 \
+            --target wasm32-unknown-unknown -C panic=abort -C opt-level=1 -C codegen-units=2 -C lto=off -C debuginfo=0 \
             -C strip=symbols -C debug-assertions=on --emit link=answers.wasm,dep-info=answers.d lib.rs";
         rustc.extend(options.split_whitespace().map(Into::into));
         rustc.extend(self.kit.options());

@@ -2,6 +2,7 @@
 //! exercises declare. It stands in a folder of its own, so that the compiler of an answer can be
 //! shown this and nothing else of the repository.
 
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -26,7 +27,8 @@ pub struct Kit {
     has_std: bool,
     linker: Option<PathBuf>,
     named: Vec<(&'static str, OsString)>,
-    stamps: String,
+    /// In an order of their own: cargo names what it compiled in any.
+    stamps: BTreeSet<String>,
 }
 
 /// What cargo says of a crate that it compiled.
@@ -62,7 +64,7 @@ impl Kit {
             .map_err(|error| format!("cannot lock {}: {error}", run.path().display()))?;
         drop(turn);
         let std = toolchain.root.join("lib/rustlib/src");
-        let (mut named, mut stamps) = (Vec::new(), String::new());
+        let (mut named, mut stamps) = (Vec::new(), BTreeSet::new());
         for artifact in &artifacts {
             let is_std = artifact.manifest_path.starts_with(&std);
             for file in artifact.filenames.iter().filter(|file| is_library(file)) {
@@ -73,7 +75,7 @@ impl Kit {
                 fs::hard_link(file, &kept)
                     .or_else(|_| fs::copy(file, &kept).map(drop))
                     .map_err(io)?;
-                stamps += &format!("{} {} ", name.display(), stamp(file));
+                stamps.insert(format!("{} {}", name.display(), stamp(file)));
                 let of = artifact.target.as_ref().map(|target| target.name.replace('-', "_"));
                 if let Some(known) = NAMED.iter().find(|known| of.as_deref() == Some(**known)) {
                     named.push((*known, kept.into_os_string()));
@@ -102,7 +104,7 @@ impl Kit {
     }
 
     /// Tells these libraries from others.
-    pub fn stamps(&self) -> &str {
+    pub fn stamps(&self) -> &BTreeSet<String> {
         &self.stamps
     }
 
@@ -171,6 +173,9 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
         "json-render-diagnostics",
         "--config",
         "profile.dev.debug=0",
+        // Then answers can use what the library has compiled of nalgebra.
+        "--config",
+        "profile.dev.package.vislam.opt-level=1",
         "--target-dir",
     ]);
     cargo.arg(root.join("target/grader")).current_dir(&root);
