@@ -1,6 +1,5 @@
 //! Writes every report of a batch, grade by grade.
 
-use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::atomic::Ordering;
 
@@ -13,9 +12,9 @@ use crate::changes::Changes;
 use crate::grade::{Grade, VERSION};
 use crate::items::Items;
 use crate::report::gradebook::Gradebook;
-use crate::report::markdown::{self, Summary, escaped};
+use crate::report::markdown::{self, Summary};
 use crate::report::terminal::{Terminal, wrapped};
-use crate::report::{gradescope, junit, who};
+use crate::report::{gradescope, junit};
 use crate::repository;
 use crate::similarity::Similarity;
 use crate::submission;
@@ -28,7 +27,6 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     let mut summary = Summary::new(&plan.exercises);
     let mut items = Items::new(&plan.exercises);
     let mut changes = Changes::default();
-    let mut empty = Vec::new();
     let mut ungraded = 0;
     let mut alone = String::new();
     for name in plan.names() {
@@ -39,7 +37,6 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
         items.add(&grade);
         changes.add(kept.former(name).as_ref(), &grade);
         ungraded += usize::from(grade.earned().is_none());
-        empty.extend(grade.is_empty().then(|| who(&grade)));
         if plan.submissions.len() == 1 {
             alone = format!("\n{}", markdown::feedback(&grade, plan.detail));
         }
@@ -52,12 +49,7 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     kept.report_by("junit.xml", |file| junit_of_all(plan, kept, file))?;
     kept.report("items.md", items.markdown().as_bytes())?;
     kept.report("similarity.md", similarity(plan).markdown().as_bytes())?;
-    let lists = [
-        ("No answer found in", empty.as_slice()),
-        ("Rows of the roster that are in doubt", &differences.doubtful),
-    ];
-    let lists: String = lists.into_iter().map(|(title, lines)| section(title, lines)).collect();
-    let summary = summary.finish(seed, sandbox, differences) + &lists + &alone;
+    let summary = summary.finish(seed, sandbox, differences) + &alone;
     kept.report("summary.md", summary.as_bytes())?;
     let mut told = terminal.finish(seed, sandbox, differences);
     told += &had(plan, kept);
@@ -71,22 +63,6 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
         "",
     );
     Ok(Finished { seed, graded: plan.submissions.len() - ungraded, ungraded, told })
-}
-
-/// A section of the summary, if there is anything to list.
-fn section(title: &str, lines: &[String]) -> String {
-    const LINES: usize = 500;
-    if lines.is_empty() {
-        return String::new();
-    }
-    let mut text = format!("\n## {title}\n\n");
-    for line in lines.iter().take(LINES) {
-        let _ = writeln!(text, "- {}", escaped(line, 400));
-    }
-    if lines.len() > LINES {
-        let _ = writeln!(text, "\nand {} more, in gradebook.csv", lines.len() - LINES);
-    }
-    text
 }
 
 /// How many grades were there before, when a batch goes on that was stopped.

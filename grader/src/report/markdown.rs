@@ -180,6 +180,8 @@ pub struct Summary {
     count: usize,
     ungraded: String,
     ungraded_count: usize,
+    /// Submissions in which no answer was found.
+    empty: Vec<String>,
     earned: f64,
     points: f64,
 }
@@ -188,8 +190,16 @@ impl Summary {
     /// Begins one.
     pub fn new(exercises: &[&'static Exercise]) -> Self {
         let exercises = exercises.iter().map(|exercise| exercise.slug).collect();
-        let (lines, ungraded) = (String::new(), String::new());
-        Self { exercises, lines, ungraded, count: 0, ungraded_count: 0, earned: 0.0, points: 0.0 }
+        Self {
+            exercises,
+            lines: String::new(),
+            count: 0,
+            ungraded: String::new(),
+            ungraded_count: 0,
+            empty: Vec::new(),
+            earned: 0.0,
+            points: 0.0,
+        }
     }
 
     /// Adds a grade.
@@ -202,6 +212,9 @@ impl Summary {
                 self.ungraded_count += 1;
                 self.add_ungraded(grade);
             }
+        }
+        if grade.is_empty() {
+            self.empty.push(escaped(&who(grade), NAME));
         }
         if self.count > LINES {
             return;
@@ -259,24 +272,29 @@ impl Summary {
         if !self.ungraded.is_empty() {
             text += &format!("\n## Could not be graded\n\n{}", self.ungraded);
         }
-        text + &on_roster(differences)
+        let Differences { unknown, absent, doubtful } = differences;
+        let shown = |name: &String| escaped(name, NAME);
+        let absent =
+            absent.iter().map(|(folder, name)| format!("{} ({})", shown(name), shown(folder)));
+        let doubtful = doubtful.iter().map(|sentence| escaped(sentence, SENTENCE));
+        text += &section("Not on the roster", unknown.iter().map(shown).collect());
+        text += &section("On the roster, and handed in nothing", absent.collect());
+        text += &section("No answer found in", self.empty);
+        text + &section("Rows of the roster that are in doubt", doubtful.collect())
     }
 }
 
-fn on_roster(differences: &Differences) -> String {
-    let mut text = String::new();
-    let names = |names: &mut dyn Iterator<Item = String>| {
-        names.take(LINES / 4).fold(String::new(), |text, name| text + "- " + &name + "\n")
-    };
-    if !differences.unknown.is_empty() {
-        let unknown = &mut differences.unknown.iter().map(|name| escaped(name, NAME));
-        text += &format!("\n## Not on the roster\n\n{}", names(unknown));
+/// A section with a list of escaped lines, if there is anything to list.
+fn section(title: &str, mut lines: Vec<String>) -> String {
+    const LISTED: usize = LINES / 4;
+    if lines.is_empty() {
+        return String::new();
     }
-    if !differences.absent.is_empty() {
-        let absent = differences.absent.iter();
-        let absent = &mut absent
-            .map(|(folder, name)| format!("{} ({})", escaped(name, NAME), escaped(folder, NAME)));
-        text += &format!("\n## On the roster, and handed in nothing\n\n{}", names(absent));
+    let others = lines.len().saturating_sub(LISTED);
+    lines.truncate(LISTED);
+    let mut text = format!("\n## {title}\n\n- {}\n", lines.join("\n- "));
+    if others > 0 {
+        let _ = writeln!(text, "\nand {others} more, in gradebook.csv");
     }
     text
 }
