@@ -13,7 +13,8 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use vislam::bundle_adjustment::{Camera, Options, Solver, TinyBa, read_bal};
+use vislam::bundle_adjustment::{Camera, Solver, TinyBa, read_bal};
+use vislam::least_squares::Options;
 
 const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
 
@@ -21,12 +22,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().ok_or(USAGE)?;
     let (mut fix_intrinsics, mut huber) = (false, None);
-    let mut options = Options::default();
+    let mut options = Options::large_problem();
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--fix-intrinsics" => fix_intrinsics = true,
             "--huber" => huber = Some(arguments.next().ok_or(USAGE)?.parse()?),
-            "--iterations" => options.iterations = arguments.next().ok_or(USAGE)?.parse()?,
+            "--iterations" => options.max_iterations = arguments.next().ok_or(USAGE)?.parse()?,
             unknown => return Err(format!("{unknown} is not an option; {USAGE}").into()),
         }
     }
@@ -50,22 +51,25 @@ fn solve<C: Camera<D>, const D: usize>(
         let mut solver = Solver::new(&problem, options)?;
         let start = Instant::now();
         let stop = loop {
-            if let Some(stop) = solver.iterate() {
+            if let Some(stop) = solver.iterate()? {
                 break stop;
             }
         };
-        let iterations = solver.trace().len().max(1);
+        let iterations = solver.iterations().len().max(1);
         times.push(1e3 * start.elapsed().as_secs_f64() / iterations as f64);
         if began.elapsed() > Duration::from_secs(1) && times.len() > 2 {
             break solver.report(stop);
         }
     };
     println!("iteration  cost            gradient    damping    gain");
-    for (number, step) in report.trace.iter().enumerate() {
+    for (number, step) in report.iterations.iter().enumerate() {
         let verdict = if step.accepted { "" } else { "  rejected" };
         println!(
             "{number:9}  {:.8e}  {:.3e}  {:.3e}  {:6.3}{verdict}",
-            step.cost, step.gradient, step.damping, step.gain
+            step.cost,
+            step.gradient_norm,
+            step.damping,
+            step.gain_ratio.unwrap_or(f64::NAN)
         );
     }
     println!("{} unknowns, {} after elimination", report.full_dim, report.reduced_dim);
@@ -73,7 +77,7 @@ fn solve<C: Camera<D>, const D: usize>(
     times.sort_by(f64::total_cmp);
     println!(
         "iterations {}  cost {:.8e}  ms_per_iteration {:.4}",
-        report.trace.len(),
+        report.iterations.len(),
         report.cost,
         times[times.len() / 2]
     );

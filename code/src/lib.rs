@@ -14,10 +14,11 @@
 
 pub mod bearing;
 pub mod bundle_adjustment;
+pub mod factors;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
-pub mod observability;
+//pub mod observability;
 pub mod preintegration;
 pub mod reprojection;
 pub mod two_views;

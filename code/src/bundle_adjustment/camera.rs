@@ -1,33 +1,41 @@
 //! What bundle adjustment needs to know of a camera, and two cameras that know it.
 
-use nalgebra::{Isometry3, Matrix2x3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix2x3, Matrix6, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
+};
 
 use crate::manifold::{se3, so3};
-use crate::reprojection::Pinhole;
+use crate::reprojection::{CameraModel, Pinhole};
 
 // ANCHOR: camera
 /// A camera that bundle adjustment can move in `D` directions.
 ///
 /// A camera is a value of its own kind: a pose, perhaps with a focal length. What the
 /// solver sees of it is a small vector of `D` numbers by which it moves.
-pub trait Camera<const D: usize>: Clone {
+pub trait Camera<const D: usize>: Clone + Send + Sync + 'static {
     /// Pixel of a point in world coordinates (metres), or `None` where the camera has no
     /// pixel for it. A pixel is always finite.
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>>;
 
     /// The pixel of [`Camera::project`] and its derivatives.
-    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<D>>;
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<D>>;
 
     /// The camera moved by a small vector, in the directions in which
     /// [`Camera::differentiate`] takes derivatives.
     fn retract(&self, change: &SVector<f64, D>) -> Self;
+
+    /// The small vector that leads from this camera to another one.
+    fn local(&self, to: &Self) -> SVector<f64, D>;
+
+    /// The D×D derivative of `self.local(to)` by a small vector that moves `to`.
+    fn local_jacobian(&self, to: &Self) -> SMatrix<f64, D, D>;
 }
 // ANCHOR_END: camera
 
-// ANCHOR: view
+// ANCHOR: linearized_pixel
 /// A pixel and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View<const D: usize> {
+pub struct LinearizedPixel<const D: usize> {
     /// The pixel.
     pub pixel: Vector2<f64>,
     /// Its 2×D Jacobian with respect to the camera's small vector.
@@ -35,49 +43,56 @@ pub struct View<const D: usize> {
     /// Its 2×3 Jacobian with respect to the point in world coordinates, in pixels by metre.
     pub by_point: Matrix2x3<f64>,
 }
-// ANCHOR_END: view
+// ANCHOR_END: linearized_pixel
 
-// ANCHOR: posed_pinhole
-/// A pinhole camera with known intrinsics at a pose that is to be found. Its six numbers
-/// are a twist, translation first: `camera_from_world` becomes
-/// `camera_from_world * exp(twist)`.
+// ANCHOR: posed
+/// A camera of known intrinsics at a pose that is to be found. Its six numbers are a twist,
+/// translation first: `camera_from_world` becomes `camera_from_world * exp(twist)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PosedPinhole {
-    /// Focal lengths and principal point, in pixels. They stay what they are.
-    pub intrinsics: Pinhole,
+pub struct Posed<M> {
+    /// The camera model, with intrinsics in pixels. They stay what they are.
+    pub intrinsics: M,
     /// The pose: world coordinates to camera coordinates, in metres.
     pub camera_from_world: Isometry3<f64>,
 }
-// ANCHOR_END: posed_pinhole
 
-// ANCHOR: posed_pinhole_camera
-impl Camera<6> for PosedPinhole {
+/// A pinhole camera of known intrinsics at a pose that is to be found.
+pub type PosedPinhole = Posed<Pinhole>;
+// ANCHOR_END: posed
+
+// ANCHOR: posed_camera
+impl<M: CameraModel> Camera<6> for Posed<M> {
     #[inline(always)]
     fn project(&self, point_in_world: &Vector3<f64>) -> Option<Vector2<f64>> {
-        self.intrinsics.project(&self.camera_from_world, point_in_world)
+        let turned = self.camera_from_world.rotation * point_in_world;
+        self.intrinsics.project_cam(&(turned + self.camera_from_world.translation.vector))
     }
 
     #[inline(always)]
-    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<6>> {
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         let point = rotation * point_in_world + self.camera_from_world.translation.vector;
         let pixel = self.intrinsics.project_cam(&point)?;
-        let [right, down, forward] = [0, 1, 2].map(|axis| rotation.matrix().row(axis));
-        let (x, y) = (point.x / point.z, point.y / point.z);
-        let (fx, fy) = (self.intrinsics.fx / point.z, self.intrinsics.fy / point.z);
-        let by_point =
-            Matrix2x3::from_rows(&[fx * (right - x * forward), fy * (down - y * forward)]);
-        Some(View { pixel, by_camera: by_twist(&by_point, point_in_world), by_point })
+        let by_point = self.intrinsics.projection_jacobian(&point)? * rotation.matrix();
+        Some(LinearizedPixel { pixel, by_camera: by_twist(&by_point, point_in_world), by_point })
     }
 
     fn retract(&self, twist: &Vector6<f64>) -> Self {
         let camera_from_world = se3::retract(&self.camera_from_world, twist);
-        Self { camera_from_world, ..*self }
+        Self { camera_from_world, ..self.clone() }
+    }
+
+    fn local(&self, to: &Self) -> Vector6<f64> {
+        se3::local(&self.camera_from_world, &to.camera_from_world)
+    }
+
+    fn local_jacobian(&self, to: &Self) -> Matrix6<f64> {
+        se3::right_jacobian_inverse(&self.local(to))
     }
 }
-// ANCHOR_END: posed_pinhole_camera
+// ANCHOR_END: posed_camera
 
-impl PosedPinhole {
+impl<M> Posed<M> {
     /// Where the camera is, in world coordinates (metres).
     pub fn centre(&self) -> Vector3<f64> {
         self.camera_from_world.inverse().translation.vector
@@ -184,6 +199,14 @@ impl BalCamera {
         let translation = self.translation + self.rotation * (so3::left_jacobian(&phi) * rho);
         Self { rotation: so3::retract(&self.rotation, &phi), translation, ..*self }
     }
+
+    /// The twist from this camera's pose to another one's.
+    fn twist_to(&self, to: &Self) -> Vector6<f64> {
+        let phi = so3::local(&self.rotation, &to.rotation);
+        let moved = self.rotation.inverse() * (to.translation - self.translation);
+        let rho = so3::left_jacobian_inverse(&phi) * moved;
+        Vector6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z)
+    }
 }
 
 /// Everything moves: pose, focal length, k₁ and k₂.
@@ -195,7 +218,7 @@ impl Camera<9> for BalCamera {
 
     // ANCHOR: bal_differentiate
     #[inline(always)]
-    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<9>> {
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<9>> {
         let slopes = self.slopes(point_in_world);
         let Slopes { x, y, r2, stretch, .. } = slopes;
         let by_point = self.by_point(&slopes);
@@ -207,7 +230,7 @@ impl Camera<9> for BalCamera {
             _ => by_intrinsics[axis - 6] * if row == 0 { x } else { y },
         });
         let pixel = f * stretch * Vector2::new(x, y);
-        (pixel.x + pixel.y).is_finite().then_some(View { pixel, by_camera, by_point })
+        (pixel.x + pixel.y).is_finite().then_some(LinearizedPixel { pixel, by_camera, by_point })
     }
     // ANCHOR_END: bal_differentiate
 
@@ -215,6 +238,22 @@ impl Camera<9> for BalCamera {
         let moved = self.turned_and_moved(&change.fixed_rows::<6>(0).into_owned());
         let radial = [self.radial[0] + change[7], self.radial[1] + change[8]];
         Self { focal_length: self.focal_length + change[6], radial, ..moved }
+    }
+
+    fn local(&self, to: &Self) -> SVector<f64, 9> {
+        let twist = self.twist_to(to);
+        SVector::from_fn(|axis, _| match axis {
+            0..6 => twist[axis],
+            6 => to.focal_length - self.focal_length,
+            _ => to.radial[axis - 7] - self.radial[axis - 7],
+        })
+    }
+
+    fn local_jacobian(&self, to: &Self) -> SMatrix<f64, 9, 9> {
+        let mut jacobian = SMatrix::<f64, 9, 9>::identity();
+        let by_twist = se3::right_jacobian_inverse(&self.twist_to(to));
+        jacobian.fixed_view_mut::<6, 6>(0, 0).copy_from(&by_twist);
+        jacobian
     }
 }
 
@@ -226,15 +265,23 @@ impl Camera<6> for BalCamera {
     }
 
     #[inline(always)]
-    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<6>> {
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<6>> {
         let slopes = self.slopes(point_in_world);
         let by_point = self.by_point(&slopes);
         let by_camera = by_twist(&by_point, point_in_world);
         let pixel = self.focal_length * slopes.stretch * Vector2::new(slopes.x, slopes.y);
-        (pixel.x + pixel.y).is_finite().then_some(View { pixel, by_camera, by_point })
+        (pixel.x + pixel.y).is_finite().then_some(LinearizedPixel { pixel, by_camera, by_point })
     }
 
     fn retract(&self, twist: &Vector6<f64>) -> Self {
         self.turned_and_moved(twist)
+    }
+
+    fn local(&self, to: &Self) -> Vector6<f64> {
+        self.twist_to(to)
+    }
+
+    fn local_jacobian(&self, to: &Self) -> Matrix6<f64> {
+        se3::right_jacobian_inverse(&self.twist_to(to))
     }
 }

@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, Dyn, OMatrix, SVector, U7, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, OMatrix, U7, Vector3};
 
-use super::system::Singular;
-use super::{BaError, Camera, Solver, Step};
+use super::{BaError, Camera, Solver, TrialStep};
+use crate::least_squares::{NullSpace, Singular};
 
-// ANCHOR: free_directions
+// ANCHOR: gauge_freedom
 /// How many independent directions of each kind are free: moved along one of them, cameras
 /// and points together change no pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct FreeDirections {
+pub struct GaugeFreedom {
     /// The whole moves: at most three.
     pub position: usize,
     /// The whole turns: at most three.
@@ -22,15 +22,15 @@ pub struct FreeDirections {
     pub other: usize,
 }
 
-impl FreeDirections {
+impl GaugeFreedom {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.position + self.orientation + self.scale + self.other
     }
 }
-// ANCHOR_END: free_directions
+// ANCHOR_END: gauge_freedom
 
-impl fmt::Display for FreeDirections {
+impl fmt::Display for GaugeFreedom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kinds = [
             (self.position, "position"),
@@ -52,62 +52,40 @@ impl fmt::Display for FreeDirections {
     }
 }
 
-/// Eigenvalues below this, in a system whose blocks have a unit diagonal before
-/// elimination, are zero.
-const NULL: f64 = 1e-10;
-
 impl<C: Camera<D>, const D: usize> Solver<C, D> {
-    /// The reduced system as a dense matrix with its right-hand side: D rows for each of
-    /// [`Solver::rows`].
-    ///
-    /// Implements {eq:reduced-camera-system}, and {eq:damped-reduction} with a damping.
-    ///
-    /// # Errors
-    ///
-    /// [`BaError::Ray`] when a point is free, which needs a damping of zero.
-    pub fn reduced_system(
-        &mut self,
-        damping: f64,
-    ) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
-        self.eliminate(damping).map_err(|singular| self.explain(singular))?;
-        let rhs = DVector::from_column_slice(self.system.rhs.as_flattened());
-        if !self.system.curvature.as_flattened().iter().all(|entry| entry.is_finite()) {
-            return Err(BaError::Overflow);
-        }
-        Ok((self.system.reduced.to_matrix(), rhs))
+    /// What pixels leave free where the solver stands, cameras and points together.
+    fn free(&self) -> Result<NullSpace, BaError> {
+        Ok(self.assembly.problem.null_space(self.values())?)
     }
 
-    /// The small vectors of the rigs, one column for each independent direction, along
-    /// which no pixel changes once the points follow. The columns have no particular
-    /// length.
+    // ANCHOR: null_space
+    /// The small vectors of the cameras, one column for each independent direction, along
+    /// which no pixel changes once the points follow: D rows for each of [`Solver::rows`]. The
+    /// columns have no particular length.
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
-    // ANCHOR: null_space
-    pub fn null_space(&mut self) -> Result<DMatrix<f64>, BaError> {
-        let (mut matrix, _) = self.reduced_system(0.0)?;
-        if matrix.is_empty() {
-            return Ok(matrix);
+    /// [`BaError::Solve`] when it cannot be said what is free.
+    pub fn null_space(&self) -> Result<DMatrix<f64>, BaError> {
+        let directions = self.free()?.directions();
+        let rows = self.rows();
+        let count = rows.iter().flatten().max().map_or(0, |last| last + 1);
+        let mut cameras = DMatrix::zeros(D * count, directions.ncols());
+        for (camera, row) in self.assembly.cameras.iter().zip(rows) {
+            let Some(row) = row else { continue };
+            let columns = self.columns_of(camera.index());
+            cameras.rows_mut(D * row, D).copy_from(&directions.select_rows(&columns));
         }
-        // Metres, radians and pixels are not comparable; in the unit of each coordinate's
-        // own curvature they are.
-        let curvature = DVector::from_column_slice(self.system.curvature.as_flattened());
-        let unit = curvature.map(|c| if c > 0.0 { 1.0 / c.sqrt() } else { 1.0 });
-        for (row, column) in (0..unit.len()).flat_map(|r| (0..unit.len()).map(move |c| (r, c))) {
-            matrix[(row, column)] *= unit[row] * unit[column];
-        }
-        let eigen = matrix.symmetric_eigen();
-        let null = (0..unit.len()).filter(|i| eigen.eigenvalues[*i] < NULL);
-        let columns: Vec<_> =
-            null.map(|i| eigen.eigenvectors.column(i).component_mul(&unit)).collect();
-        if columns.is_empty() {
-            return Ok(DMatrix::zeros(unit.len(), 0));
-        }
-        Ok(DMatrix::from_columns(&columns))
+        Ok(cameras)
     }
     // ANCHOR_END: null_space
 
+    fn columns_of(&self, index: usize) -> Vec<usize> {
+        let coordinates = self.values().coordinates_of(index).unwrap_or_default();
+        self.assembly.problem.columns().select(coordinates)
+    }
+
+    // ANCHOR: name_free
     /// Names the directions that pixels leave free where the solver stands.
     ///
     /// Each is compared with the seven ways in which a whole scene can move: do the points
@@ -115,49 +93,47 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
-    // ANCHOR: name_free
-    pub fn free_directions(&mut self) -> Result<FreeDirections, BaError> {
-        let null_space = self.null_space()?;
-        let fits = self.similarities(&null_space);
+    /// [`BaError::Solve`] when it cannot be said what is free.
+    pub fn gauge_freedom(&self) -> Result<GaugeFreedom, BaError> {
+        let free = self.free()?;
+        let fits = self.similarities(&free);
         let rank = |from: usize| match fits.ncols() {
             0 => 0,
             _ => fits.rows(from, 7 - from).into_owned().rank(1e-5),
         };
         let (scale, turning, all) = (rank(6), rank(3), rank(0));
-        Ok(FreeDirections {
+        Ok(GaugeFreedom {
             position: all - turning,
             orientation: turning - scale,
             scale,
-            other: null_space.ncols() - all,
+            other: free.nullity() - all,
         })
     }
     // ANCHOR_END: name_free
 
-    /// The directions that are nothing but a motion of the whole scene, one a column: three
-    /// shifts, three turns about the centre, growth.
-    fn similarities(&mut self, null_space: &DMatrix<f64>) -> DMatrix<f64> {
-        if null_space.is_empty() {
-            return DMatrix::zeros(7, 0);
-        }
+    /// Which sums of the seven ways are free, one a column: three shifts, three turns about the
+    /// centre, growth.
+    fn similarities(&self, free: &NullSpace) -> DMatrix<f64> {
+        let first = self.assembly.landmarks.first().map(|point| self.assembly.points[*point]);
+        let first = first.and_then(|point| self.columns_of(point.index()).first().copied());
+        let Some(first) = first.filter(|_| free.nullity() > 0) else { return DMatrix::zeros(7, 0) };
+        // The landmarks have the last columns, all of them, in order.
+        let directions = free.directions();
+        let moves = directions.rows(first, directions.nrows() - first).into_owned();
         let ways = self.whole_motions();
-        let decomposition = ways.clone().svd(true, true);
-        let mut fits = Vec::new();
-        for direction in null_space.column_iter() {
-            let moves = self.point_moves(&direction.into_owned());
-            let unit = moves.unscale(moves.norm().max(f64::MIN_POSITIVE));
-            let fit = decomposition.solve(&unit, 1e-9).unwrap_or_else(|_| SVector::zeros());
-            if (&ways * fit - &unit).norm() < 1e-4 * unit.norm() {
-                fits.push(fit);
-            }
-        }
-        DMatrix::from_fn(7, fits.len(), |row, column| fits[column][row])
+        let span = ways.clone().qr().q();
+        let outside = &moves - &span * span.tr_mul(&moves);
+        let sums = NullSpace::sums_that_vanish(&outside, &moves);
+        let fits = ways.svd(true, true).solve(&(moves * sums), 1e-9);
+        fits.map_or(DMatrix::zeros(7, 0), |fits| {
+            DMatrix::from_fn(7, fits.ncols(), |r, c| fits[(r, c)])
+        })
     }
 
     /// The moves of all landmarks, stacked, in the seven ways, all of about length one.
     fn whole_motions(&self) -> OMatrix<f64, Dyn, U7> {
         let points: Vec<Vector3<f64>> =
-            self.layout.landmarks.iter().map(|landmark| self.points()[landmark.point]).collect();
+            self.assembly.landmarks.iter().map(|point| self.points()[*point]).collect();
         let count = points.len() as f64;
         let centre = points.iter().sum::<Vector3<f64>>() / count;
         let spread = points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>();
@@ -173,33 +149,24 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         })
     }
 
-    /// How the landmarks move, stacked, when the rigs move by this and nothing else pulls.
-    fn point_moves(&mut self, rigs: &DVector<f64>) -> DVector<f64> {
-        self.system.rhs.as_flattened_mut().copy_from_slice(rigs.as_slice());
-        let mut moves = DVector::zeros(3 * self.layout.landmarks.len());
-        for index in 0..self.layout.landmarks.len() {
-            self.system.eliminated[index].forward = Vector3::zeros();
-            let change = self.landmark_step(index);
-            moves.fixed_rows_mut::<3>(3 * index).copy_from(&change);
-        }
-        moves
-    }
-
-    /// Eigenvectors of the reduced system with an eigenvalue that is not zero, and these.
-    pub(super) fn seen_directions(&mut self) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
-        let nullity = self.null_space()?.ncols();
-        let matrix = self.system.reduced.to_matrix();
+    /// Eigenvectors of the Schur complement along which pixels change, their eigenvalues, and its
+    /// right-hand side.
+    pub(super) fn seen_directions(
+        &self,
+    ) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>), BaError> {
+        let nullity = self.free()?.nullity();
+        let (matrix, rhs) = self.schur_complement(0.0)?;
         if matrix.is_empty() {
-            return Ok((matrix, DVector::zeros(0)));
+            return Ok((matrix, DVector::zeros(0), rhs));
         }
         let eigen = matrix.symmetric_eigen();
         let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        let seen = &order[nullity..];
+        let seen = &order[nullity.min(order.len())..];
         let values = DVector::from_fn(seen.len(), |i, _| eigen.eigenvalues[seen[i]]);
         let vectors =
             DMatrix::from_fn(order.len(), seen.len(), |row, i| eigen.eigenvectors[(row, seen[i])]);
-        Ok((vectors, values))
+        Ok((vectors, values, rhs))
     }
 
     // ANCHOR: minimal_norm
@@ -210,26 +177,28 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// [`BaError::Ray`] when a point is free.
-    pub fn minimal_norm_step(&mut self) -> Result<Step<D>, BaError> {
-        let (seen, values) = self.seen_directions()?;
-        let rhs = DVector::from_column_slice(self.system.rhs.as_flattened());
+    pub fn minimal_norm_step(&self) -> Result<TrialStep<D>, BaError> {
+        let (seen, values, rhs) = self.seen_directions()?;
         let along = seen.tr_mul(&rhs);
         let change = &seen * along.component_div(&values);
-        let forward = change.dot(&rhs);
-        self.system.rhs.as_flattened_mut().copy_from_slice(change.as_slice());
-        Ok(self.complete_step(forward))
+        let mut system = self.system();
+        let problem = &self.assembly.problem;
+        system.schur_complement(problem, self.at(), 0.0).map_err(|s| self.explain(s))?;
+        let completed = system.complete(problem, self.at(), &change, change.dot(&rhs));
+        let (step, predicted_decrease) = completed.map_err(|s| self.explain(s))?;
+        Ok(self.trial(&step, predicted_decrease))
     }
     // ANCHOR_END: minimal_norm
 
     /// The error that says what is free.
-    pub(super) fn explain(&mut self, singular: Singular) -> BaError {
+    pub(super) fn explain(&self, singular: Singular) -> BaError {
         if let Singular::Landmark(index) = singular {
-            return BaError::Ray { point: self.layout.landmarks[index].point };
+            return BaError::Ray { point: self.assembly.landmarks[index] };
         }
-        match self.free_directions() {
+        match self.gauge_freedom() {
             // Too weak for the factorization, and yet not exactly free.
             Ok(free) if free.count() == 0 => {
-                BaError::RankDeficient { free: FreeDirections { other: 1, ..free } }
+                BaError::RankDeficient { free: GaugeFreedom { other: 1, ..free } }
             }
             Ok(free) => BaError::RankDeficient { free },
             Err(error) => error,

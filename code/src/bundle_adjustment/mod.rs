@@ -4,31 +4,30 @@
 //! sum of squared, whitened reprojection errors is smallest, and [`BaReport`] says what
 //! happened. A [`Solver`] does the same one step at a time.
 //!
-//! Each step eliminates the points, one after the other, and solves for the cameras:
-//! `linearize`, `eliminate`, `solve`, `back_substitute`, `judge`.
+//! Underneath stands a [`Problem`](crate::least_squares::Problem) of cameras and points, with a
+//! [`PixelByCamera`](crate::factors::PixelByCamera) for each observation, and the linear system
+//! that eliminates the points: [`LandmarkElimination`](crate::least_squares::LandmarkElimination).
 
+mod assembly;
 mod bal;
 mod camera;
 mod covariance;
 mod gauge;
-mod landmark;
-mod layout;
-mod reduced;
 pub mod scenes;
 mod solver;
-mod system;
 
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use crate::least_squares::{Iteration, Options, SolveError, Stop};
 use crate::reprojection::ReprojFactor;
 
+pub use assembly::Dropped;
 pub use bal::{BalError, BalFault, read_bal};
-pub use camera::{BalCamera, Camera, PosedPinhole, View};
-pub use covariance::Covariance;
-pub use gauge::FreeDirections;
-pub use layout::Dropped;
-pub use solver::{Iteration, Options, Solver, Step, Stop};
+pub use camera::{BalCamera, Camera, LinearizedPixel, Posed, PosedPinhole};
+pub use covariance::BaCovariance;
+pub use gauge::GaugeFreedom;
+pub use solver::{Solver, TrialStep};
 
 // ANCHOR: tiny_ba
 /// A bundle adjustment problem: cameras, points and what was seen.
@@ -72,7 +71,7 @@ impl<C: Camera<D>, const D: usize> TinyBa<C, D> {
     pub fn solve(&mut self, options: &Options) -> Result<BaReport, BaError> {
         let mut solver = Solver::new(self, options)?;
         let stop = loop {
-            if let Some(reason) = solver.iterate() {
+            if let Some(reason) = solver.iterate()? {
                 break reason;
             }
         };
@@ -94,20 +93,20 @@ pub struct BaReport {
     pub rmse_px: f64,
     /// Why it stopped.
     pub stop: Stop,
-    /// The start and each step after it.
-    pub trace: Vec<Iteration>,
+    /// Every step that was tried, in order.
+    pub iterations: Vec<Iteration>,
     /// Unknowns of the whole system, cameras and points.
     pub full_dim: usize,
-    /// Unknowns of the reduced system, cameras only.
+    /// Unknowns of the Schur complement, cameras only.
     pub reduced_dim: usize,
     /// What was left out, and why.
     pub dropped: Dropped,
     /// Products of two blocks that eliminating the points took in each iteration: for a
     /// point that n moving rigs see, n (n + 1)/2, as {eq:block-products} says.
     pub block_products: usize,
-    /// Blocks of the reduced system that are kept: of each row those from its first one that
+    /// Blocks of the Schur complement that are kept: of each row those from its first one that
     /// is not zero to the diagonal.
-    pub reduced_blocks: usize,
+    pub stored_blocks: usize,
 }
 // ANCHOR_END: report
 
@@ -175,12 +174,6 @@ pub enum BaError {
         /// The threshold.
         value: f64,
     },
-    /// The damping is negative or not finite.
-    #[error("the damping is {value}; give zero or a positive, finite number")]
-    Damping {
-        /// The damping.
-        value: f64,
-    },
     /// Some cameras of a rig are fixed and others are not.
     #[error("rig {rig} has a fixed camera and a moving one; fix all of its cameras or none")]
     Rig {
@@ -196,9 +189,6 @@ pub enum BaError {
         /// Which point.
         point: usize,
     },
-    /// A derivative is too large for a number.
-    #[error("a derivative overflows; check focal lengths and the unit of the points")]
-    Overflow,
     /// Cameras and points together move without changing a pixel.
     #[error(
         "no pixel changes in {} of the directions in which the cameras move: {free}",
@@ -206,6 +196,10 @@ pub enum BaError {
     )]
     RankDeficient {
         /// In which directions.
-        free: FreeDirections,
+        free: GaugeFreedom,
     },
+    /// The solver refuses an option, a derivative is too large for a number, or it cannot be said
+    /// what is free.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
 }

@@ -1,7 +1,9 @@
 //! Readings of an inertial measurement unit.
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{DMatrix, Vector3, Vector6};
 use thiserror::Error;
+
+use crate::least_squares::Manifold;
 
 // ANCHOR: sample
 /// One reading, in the body frame.
@@ -69,6 +71,25 @@ impl ImuBias {
     /// Whether all six numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.vector().iter().all(|value| value.is_finite())
+    }
+}
+
+/// Moved by addition, gyroscope first.
+impl Manifold for ImuBias {
+    fn dimension(&self) -> usize {
+        6
+    }
+
+    fn retract(&self, step: &[f64]) -> Self {
+        Self::from_vector(&self.vector().retract(step))
+    }
+
+    fn local(&self, to: &Self, step: &mut [f64]) {
+        self.vector().local(&to.vector(), step);
+    }
+
+    fn local_jacobian(&self, _to: &Self) -> DMatrix<f64> {
+        DMatrix::identity(6, 6)
     }
 }
 

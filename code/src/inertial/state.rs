@@ -1,6 +1,6 @@
 //! Where a body is, how it is turned and how fast it goes.
 
-use nalgebra::{Isometry3, Rotation3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 
 use super::ImuSample;
 use crate::least_squares::Manifold;
@@ -33,6 +33,19 @@ impl Manifold for NavState {
             velocity: self.velocity + Vector3::from_column_slice(&step[3..6]),
             position: self.position + Vector3::from_column_slice(&step[6..9]),
         }
+    }
+
+    fn local(&self, to: &Self, step: &mut [f64]) {
+        self.world_from_body.local(&to.world_from_body, &mut step[0..3]);
+        step[3..6].copy_from_slice((to.velocity - self.velocity).as_slice());
+        step[6..9].copy_from_slice((to.position - self.position).as_slice());
+    }
+
+    fn local_jacobian(&self, to: &Self) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::identity(9, 9);
+        let by_rotation = self.world_from_body.local_jacobian(&to.world_from_body);
+        jacobian.view_mut((0, 0), (3, 3)).copy_from(&by_rotation);
+        jacobian
     }
 }
 // ANCHOR_END: state

@@ -36,6 +36,44 @@ impl Kernel {
 }
 // ANCHOR_END: kernel
 
+// ANCHOR: beyond
+/// Nearly all residuals lie within the threshold. What the others need is kept apart, or the
+/// processor would compute root and quotient for all of them before it chooses.
+impl Kernel {
+    /// The cost of a residual, from its squared norm.
+    #[inline(always)]
+    pub(super) fn cost_of_square(&self, squared: f64) -> f64 {
+        if self.is_square(squared) { 0.5 * squared } else { self.cost_beyond(squared) }
+    }
+
+    /// The root of the weight of a residual, from its squared norm.
+    #[inline(always)]
+    pub(super) fn root_weight_of_square(&self, squared: f64) -> f64 {
+        if self.is_square(squared) { 1.0 } else { self.root_weight_beyond(squared) }
+    }
+
+    /// Whether a residual counts as its square.
+    #[inline(always)]
+    fn is_square(&self, squared: f64) -> bool {
+        match *self {
+            Self::Squared => true,
+            Self::Huber(threshold) => squared <= threshold * threshold,
+            Self::Cauchy(_) => false,
+        }
+    }
+
+    #[cold]
+    fn cost_beyond(&self, squared: f64) -> f64 {
+        self.cost(squared.sqrt())
+    }
+
+    #[cold]
+    fn root_weight_beyond(&self, squared: f64) -> f64 {
+        self.weight(squared.sqrt()).sqrt()
+    }
+}
+// ANCHOR_END: beyond
+
 impl Kernel {
     /// The influence ρ'(s): how hard a residual of this norm pulls.
     pub fn influence(&self, norm: f64) -> f64 {

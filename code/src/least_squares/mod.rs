@@ -1,33 +1,53 @@
 //! Nonlinear least squares on manifolds: what contradicting measurements say together, and
 //! how sure that is.
 //!
-//! A [`Problem`] has variables, each a point of a [`Manifold`], and residual blocks. A
-//! [`Residual`] is what a measurement model gives less what was measured, *whitened*: scaled
-//! so that its noise has the unit covariance. With r the residual, J its derivative by the
-//! step of [`Manifold::retract`] and ρ a [`Kernel`],
+//! A [`Problem`] has variables, each a point of a [`Manifold`], and factors. A [`Factor`] is what a
+//! measurement model predicts less what was measured, *whitened*: scaled so that its noise has the
+//! unit covariance. With r the residual, J its derivative by the step of [`Manifold::retract`] and
+//! ρ a [`Kernel`],
 //!
 //! - the cost is Σ ρ(‖r‖), which is ½ Σ ‖r‖² for [`Kernel::Squared`];
 //! - its gradient is g = Σ w Jᵀ r, with the weight w = ρ'(‖r‖) / ‖r‖;
 //! - a Gauss-Newton step δ solves H δ = −g, with H = Σ w Jᵀ J.
 //!
-//! J is the Jacobian of r itself. Whoever writes r = z − h(x) instead of h(x) − z may do so,
-//! but then J is minus the Jacobian of h: negate both or neither.
-//!
-//! The normal equations are dense, which is right for tens of variables and wrong for
-//! thousands of landmarks: their structure needs a solver of its own.
+//! A [`Search`] goes from step to step over any [`LinearSystem`]: [`Dense`] normal equations are
+//! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks.
+//! [`Problem::null_space`] says what the factors leave free, whichever system solves for the rest.
 
+mod blocks;
+mod covariance;
+mod factor;
+mod group;
 mod kernel;
+mod landmarks;
+mod linearized;
+mod manifold;
 mod normal_equations;
+mod null_space;
+mod ordering;
+mod orthogonal;
 mod problem;
-mod residual;
+mod singular;
 mod solver;
-mod variable;
+mod spectrum;
+mod structure;
+mod values;
 mod whitening;
 
+pub use covariance::Covariance;
+pub use factor::{Factor, Jacobians, Variables};
+pub use group::{FactorGroup, Point, Undefined};
 pub use kernel::{Kernel, KernelError};
-pub use normal_equations::{Covariance, FREE_BELOW, NormalEquations, SingularSystem, Step};
-pub use problem::{Problem, ProblemError};
-pub use residual::{Evaluation, Residual, Undefined};
-pub use solver::{Iteration, Method, Options, Report, Solution, SolveError, Stop};
-pub use variable::{Manifold, PoseOrPoint};
+pub use landmarks::{LandmarkElimination, Singular};
+pub use linearized::Linearized;
+pub use manifold::Manifold;
+pub use normal_equations::{Dense, NormalEquations, Step};
+pub use null_space::{NullSpace, NullSpaceError, RANK_TOLERANCE, SingularSystem};
+pub use problem::{Columns, Problem, ProblemError};
+pub use solver::{
+    Iteration, LinearSystem, Method, Options, Prediction, Report, Search, Solution, SolveError,
+    Stop,
+};
+pub use spectrum::Spectrum;
+pub use values::{Key, Values};
 pub use whitening::{WhiteningError, sqrt_information};

@@ -1,16 +1,15 @@
-//! H δ = −g: its solution, the directions it leaves free, and what its inverse means.
+//! H δ = −g, all of it: the dense linear system.
 
-use std::ops::Range;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn, SymmetricEigen};
-use thiserror::Error;
+use super::group::Point;
+use super::problem::{Buffer, Columns, Problem, Row};
+use super::solver::{LinearSystem, Prediction, SolveError};
 
-/// A direction counts as free when its eigenvalue of the Hessian, scaled to a unit diagonal, is
-/// below this fraction of the largest one: it is then known a million times worse than another.
-pub const FREE_BELOW: f64 = 1e-12;
+/// A pivot of the Hessian, scaled to a unit diagonal, below this is lost in rounding.
+const LOST_PIVOT: f64 = 1e-14;
 
-/// A pivot of the scaled Hessian below this asks for a look at the eigenvalues, none of which
-/// can lie above every pivot.
+/// A pivot below this asks whether the Jacobian has full rank.
 const SUSPICIOUS_PIVOT: f64 = 1e-8;
 
 /// The normal equations of a problem at one point.
@@ -30,16 +29,18 @@ pub struct NormalEquations {
 /// A step that the normal equations propose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// The change of every free variable.
+    /// The change of every column.
     pub step: DVector<f64>,
     /// Its length, each coordinate measured by what changes one whitened unit.
     pub norm: f64,
     /// By how much the cost falls if the residuals are linear.
     pub predicted_decrease: f64,
+    /// The smallest pivot of the damped, scaled Hessian.
+    smallest_pivot: f64,
 }
 
 impl NormalEquations {
-    pub(super) fn zeros(dimension: usize) -> Self {
+    fn zeros(dimension: usize) -> Self {
         Self {
             cost: 0.0,
             gradient: DVector::zeros(dimension),
@@ -48,15 +49,22 @@ impl NormalEquations {
         }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.cost = 0.0;
-        self.gradient.fill(0.0);
-        self.hessian.fill(0.0);
+    // ANCHOR: accumulate
+    /// Adds one row r, with its derivatives, to gradient and Hessian.
+    fn accumulate(&mut self, row: &Row) {
+        for (at, &(column, slope)) in row.entries.iter().enumerate() {
+            self.gradient[column] += slope * row.residual;
+            for &(other, other_slope) in &row.entries[..=at] {
+                let below = (column.max(other), column.min(other));
+                self.hessian[below] += slope * other_slope;
+            }
+        }
     }
+    // ANCHOR_END: accumulate
 
     /// Fills in the upper triangle and the scale, once everything has been added. False when a
     /// sum has left the range of the numbers.
-    pub(super) fn complete(&mut self) -> bool {
+    fn complete(&mut self) -> bool {
         self.hessian.fill_upper_triangle_with_lower_triangle();
         for (scale, &diagonal) in self.scale.iter_mut().zip(self.hessian.diagonal().iter()) {
             *scale = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 1.0 };
@@ -98,112 +106,106 @@ impl NormalEquations {
         let norm = scaled_step.norm();
         let predicted_decrease = 0.5 * (damping * norm * norm - scaled_gradient.dot(&scaled_step));
         let step = scaled_step.component_mul(&self.scale);
-        let is_regular = damping > 0.0 || !self.may_be_singular(&factor);
-        is_regular.then_some(Step { step, norm, predicted_decrease })
+        let smallest_pivot = smallest_pivot(&factor);
+        let is_regular = damping > 0.0 || smallest_pivot > LOST_PIVOT;
+        is_regular.then_some(Step { step, norm, predicted_decrease, smallest_pivot })
     }
     // ANCHOR_END: step
+}
 
-    /// Looks at the eigenvalues only when a pivot asks for it.
-    fn may_be_singular(&self, factor: &Cholesky<f64, Dyn>) -> bool {
-        let smallest_pivot = factor.l_dirty().diagonal().min().powi(2);
-        smallest_pivot < SUSPICIOUS_PIVOT && self.free_directions() > 0
-    }
+fn smallest_pivot(factor: &Cholesky<f64, Dyn>) -> f64 {
+    factor.l_dirty().diagonal().min().powi(2)
+}
 
-    // ANCHOR: free_directions
-    /// In how many independent directions all variables can move together without any residual
-    /// changing to first order: the nullity of the Hessian, scaled to a unit diagonal, to
-    /// [`FREE_BELOW`].
-    pub fn free_directions(&self) -> usize {
-        let eigenvalues = self.scaled_hessian().symmetric_eigenvalues();
-        let threshold = FREE_BELOW * eigenvalues.max();
-        eigenvalues.iter().filter(|eigenvalue| **eigenvalue <= threshold).count()
-    }
+/// The normal equations as a linear system, with the memory that making them needs. Right for
+/// hundreds of columns; the structure of thousands of landmarks needs
+/// [`LandmarkElimination`](super::LandmarkElimination).
+#[derive(Debug, Clone)]
+pub struct Dense {
+    equations: NormalEquations,
+    columns: Columns,
+    buffer: Buffer,
+}
 
-    /// The free directions of the scaled Hessian, or `None` when there are none.
-    fn free_part(&self, scaled: &SymmetricEigen<f64, Dyn>) -> Option<SingularSystem> {
-        let threshold = FREE_BELOW * scaled.eigenvalues.max();
-        let dimension = self.scale.len();
-        let is_free = |column: &usize| scaled.eigenvalues[*column] <= threshold;
-        let free: Vec<usize> = (0..dimension).filter(is_free).collect();
-        if free.is_empty() {
-            return None;
-        }
-        // A null vector of the scaled matrix, scaled once more, is one of the Hessian.
-        let null = DMatrix::from_fn(dimension, free.len(), |row, column| {
-            self.scale[row] * scaled.eigenvectors[(row, free[column])]
-        });
-        Some(SingularSystem { free: free.len(), dimension, basis: null.qr().q() })
-    }
-    // ANCHOR_END: free_directions
-
-    /// The free directions, or `None` when the system determines every direction.
-    pub fn singular(&self) -> Option<SingularSystem> {
-        self.free_part(&self.scaled_hessian().symmetric_eigen())
-    }
-
-    // ANCHOR: covariance
-    /// The inverse of the Hessian. Implements {eq:estimate-covariance}.
+impl Dense {
+    /// Room for the equations of a problem.
     ///
     /// # Errors
     ///
-    /// [`SingularSystem`] when some direction is free: its variance would be infinite.
-    pub fn covariance(&self) -> Result<DMatrix<f64>, SingularSystem> {
-        let scaled = self.scaled_hessian().symmetric_eigen();
-        if let Some(singular) = self.free_part(&scaled) {
-            return Err(singular);
+    /// [`SolveError::NoFactors`] and [`SolveError::NothingFree`].
+    pub fn new(problem: &Problem) -> Result<Self, SolveError> {
+        let columns = problem.columns();
+        if problem.is_empty() {
+            return Err(SolveError::NoFactors);
         }
-        // V Λ⁻¹ Vᵀ, of which the unscaled rows of V and the roots of Λ⁻¹ make one square.
-        let root = DMatrix::from_fn(self.scale.len(), self.scale.len(), |row, column| {
-            self.scale[row] * scaled.eigenvectors[(row, column)] / scaled.eigenvalues[column].sqrt()
-        });
-        Ok(&root * root.transpose())
+        if columns.count == 0 {
+            return Err(SolveError::NothingFree);
+        }
+        let equations = NormalEquations::zeros(columns.count);
+        Ok(Self { equations, columns, buffer: Buffer::default() })
     }
-    // ANCHOR_END: covariance
+
+    /// The normal equations of the last linearization.
+    pub fn into_equations(self) -> NormalEquations {
+        self.equations
+    }
 }
 
-/// The measurements leave directions in which everything can move and no residual changes.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error(
-    "the system leaves {free} of {dimension} directions free; fix variables or add measurements"
-)]
-pub struct SingularSystem {
-    /// The number of free directions.
-    pub free: usize,
-    /// The number of all directions.
-    pub dimension: usize,
-    /// An orthonormal basis of the free directions, one in each column. The rows of a variable
-    /// are those of [`Problem::rows_of`](super::Problem::rows_of).
-    pub basis: DMatrix<f64>,
+impl LinearSystem for Dense {
+    // ANCHOR: linearize
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+        let Self { equations, columns, buffer } = self;
+        equations.gradient.fill(0.0);
+        equations.hessian.fill(0.0);
+        equations.cost = problem.each_row(at, columns, buffer, |row| equations.accumulate(&row))?;
+        if equations.complete() { Ok(()) } else { Err(SolveError::OutOfRange) }
+    }
+    // ANCHOR_END: linearize
+
+    fn step(
+        &mut self,
+        problem: &Problem,
+        at: Point,
+        damping: f64,
+        into: &mut [f64],
+    ) -> Option<Prediction> {
+        let step = self.equations.step(damping)?;
+        if damping == 0.0 && step.smallest_pivot < SUSPICIOUS_PIVOT {
+            // The Hessian has squared what there is to see; its Jacobian decides.
+            problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
+        }
+        self.columns.spread(step.step.as_slice(), into);
+        let Step { norm, predicted_decrease, .. } = step;
+        let gradient_norm = self.equations.gradient_norm();
+        Some(Prediction { step_norm: norm, predicted_decrease, gradient_norm })
+    }
+
+    fn gradient_norm(&mut self, _problem: &Problem, _at: Point) -> Result<f64, SolveError> {
+        Ok(self.equations.gradient_norm())
+    }
 }
 
-/// The covariance of an estimate, by variables.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Covariance {
-    matrix: DMatrix<f64>,
-    rows: Vec<Option<Range<usize>>>,
-}
-
-impl Covariance {
-    pub(super) fn new(matrix: DMatrix<f64>, rows: Vec<Option<Range<usize>>>) -> Self {
-        Self { matrix, rows }
+impl Problem {
+    /// Cost, gradient and Gauss-Newton Hessian at `values`, with the linearization points that are
+    /// frozen.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`] when the problem is empty, `values` do not fit it, or a residual is
+    /// undefined or not finite there.
+    pub fn linearize(&self, values: &super::Values) -> Result<NormalEquations, SolveError> {
+        self.check_values(values)?;
+        let mut system = Dense::new(self)?;
+        self.at(values, |at| system.linearize(self, at))?;
+        Ok(system.into_equations())
     }
 
-    /// The covariance of all free variables together.
-    pub fn matrix(&self) -> &DMatrix<f64> {
-        &self.matrix
-    }
-
-    /// The covariance of one variable, whatever the others are: its *marginal*. `None` when the
-    /// variable is fixed or does not exist.
-    pub fn of(&self, variable: usize) -> Option<DMatrixView<'_, f64>> {
-        self.between(variable, variable)
-    }
-
-    /// The covariance between two variables, with the rows of the first and the columns of the
-    /// second. `None` when one is fixed or does not exist.
-    pub fn between(&self, first: usize, second: usize) -> Option<DMatrixView<'_, f64>> {
-        let rows = self.rows.get(first)?.clone()?;
-        let columns = self.rows.get(second)?.clone()?;
-        Some(self.matrix.view_range(rows, columns))
+    /// Calls with these values and the linearization point that belongs to them.
+    pub(super) fn at<T>(&self, values: &super::Values, call: impl FnOnce(Point) -> T) -> T {
+        let mut frozen = self.linearization_point();
+        if let Some(point) = &mut frozen {
+            self.follow(values, point);
+        }
+        call(Point { values, frozen: frozen.as_ref() })
     }
 }

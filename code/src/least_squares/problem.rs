@@ -1,48 +1,59 @@
-//! Variables and the residuals between them.
+//! Variables and the factors between them.
 
+use std::any::Any;
 use std::ops::Range;
 
-use nalgebra::{DMatrixView, DVectorView};
 use thiserror::Error;
 
+use super::group::{FactorGroup, FactorSet, Point, Undefined};
 use super::kernel::{Kernel, KernelError};
-use super::normal_equations::{Covariance, NormalEquations};
-use super::residual::{Evaluation, Residual, Undefined};
+use super::linearized::Linearized;
 use super::solver::SolveError;
-use super::variable::Manifold;
+use super::{Factor, Jacobians, Key, Manifold, Values, Variables};
 
-/// A least-squares problem: variables of one type, some of them fixed, and residual blocks.
+// ANCHOR: problem
+/// A least-squares problem: variables of any kinds, some of them held, and factors.
 ///
 /// Solving it does not change it: it keeps the values that it was given, and a solution has its
 /// own.
-pub struct Problem<V> {
-    values: Vec<V>,
-    fixed: Vec<bool>,
-    blocks: Vec<Block<V>>,
+#[derive(Default)]
+pub struct Problem {
+    values: Values,
+    /// By coordinate, whether it stays where it is.
+    held: Vec<bool>,
+    /// By variable, the one whose steps it takes: itself, unless it is tied to another.
+    leader: Vec<usize>,
+    /// By variable, whether its linearization point is frozen, and where.
+    frozen: Vec<bool>,
+    anchors: Values,
+    groups: Vec<Group>,
+    factors: usize,
+}
+// ANCHOR_END: problem
+
+/// Factors of one type with one kernel.
+struct Group {
+    factors: Box<dyn FactorGroup>,
+    /// The number of each in the problem.
+    numbers: Vec<usize>,
+    /// The places of all of them, in order.
+    all: Vec<u32>,
 }
 
-struct Block<V> {
-    residual: Box<dyn Residual<V>>,
-    kernel: Kernel,
-}
-
-impl<V: Manifold> Default for Problem<V> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<V: Manifold> Problem<V> {
-    /// A problem without variables and residuals.
+impl Problem {
+    /// A problem without variables and factors.
     pub fn new() -> Self {
-        Self { values: Vec::new(), fixed: Vec::new(), blocks: Vec::new() }
+        Self::default()
     }
 
-    /// Adds a variable that begins at `value`, and gives its index.
-    pub fn add_variable(&mut self, value: V) -> usize {
-        self.values.push(value);
-        self.fixed.push(false);
-        self.values.len() - 1
+    /// Adds a variable that begins at `value`.
+    pub fn add_variable<V: Manifold>(&mut self, value: V) -> Key<V> {
+        self.anchors.add(value.clone());
+        let key = self.values.add(value);
+        self.held.resize(self.values.dimension(), false);
+        self.leader.push(key.index());
+        self.frozen.push(false);
+        key
     }
 
     /// Keeps a variable where it is.
@@ -50,44 +61,107 @@ impl<V: Manifold> Problem<V> {
     /// # Errors
     ///
     /// [`ProblemError::NoSuchVariable`].
-    pub fn fix(&mut self, variable: usize) -> Result<(), ProblemError> {
-        let variables = self.values.len();
-        let fixed = self.fixed.get_mut(variable);
-        *fixed.ok_or(ProblemError::NoSuchVariable { variable, variables })? = true;
+    pub fn hold<V: Manifold>(&mut self, variable: Key<V>) -> Result<(), ProblemError> {
+        let coordinates = self.coordinates(variable)?;
+        self.held[coordinates].fill(true);
         Ok(())
     }
 
-    /// Adds a residual with its kernel, and gives its index.
+    /// Keeps some coordinates of a variable's step at zero, as the velocity of a state of which
+    /// only pictures tell.
     ///
     /// # Errors
     ///
-    /// A [`ProblemError`] when it names a variable that does not exist, or one twice, when it has
-    /// no numbers, or when the kernel's parameter is not positive.
-    pub fn add_residual(
+    /// [`ProblemError::NoSuchVariable`] and [`ProblemError::NoSuchCoordinate`].
+    pub fn hold_coordinates<V: Manifold>(
         &mut self,
-        residual: impl Residual<V> + 'static,
+        variable: Key<V>,
+        which: Range<usize>,
+    ) -> Result<(), ProblemError> {
+        let coordinates = self.coordinates(variable)?;
+        let dimension = coordinates.len();
+        if which.end > dimension {
+            let coordinate = which.end - 1;
+            return Err(ProblemError::NoSuchCoordinate { coordinate, dimension });
+        }
+        self.held[coordinates][which].fill(true);
+        Ok(())
+    }
+
+    /// Lets a variable take every step that another one takes, as two cameras on one rig do.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`], and [`ProblemError::Tied`] when the dimensions differ.
+    pub fn tie<V: Manifold>(&mut self, variable: Key<V>, to: Key<V>) -> Result<(), ProblemError> {
+        let (own, other) = (self.coordinates(variable)?.len(), self.coordinates(to)?.len());
+        if own != other {
+            return Err(ProblemError::Tied { own, other });
+        }
+        let (from, to) = (self.leader[variable.index()], self.leader[to.index()]);
+        self.leader.iter_mut().filter(|leader| **leader == from).for_each(|leader| *leader = to);
+        Ok(())
+    }
+
+    // ANCHOR: freeze
+    /// Freezes the linearization point of a variable: residuals follow the variable, derivatives
+    /// are taken as if it stood at `value`. What is then called the gradient is not that of the
+    /// cost, so steps are judged by the cost alone.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`], also when `value` has another dimension.
+    pub fn freeze<V: Manifold>(&mut self, variable: Key<V>, value: V) -> Result<(), ProblemError> {
+        self.coordinates(variable)?;
+        if !self.anchors.set(variable, value) {
+            return Err(self.no_such(variable.index()));
+        }
+        self.frozen[variable.index()] = true;
+        Ok(())
+    }
+    // ANCHOR_END: freeze
+
+    // ANCHOR: add_factor
+    /// Adds a factor with its kernel, and gives its number.
+    ///
+    /// # Errors
+    ///
+    /// A [`ProblemError`] when it names a variable that does not exist, or one twice, when its
+    /// derivatives do not fit the variables, or when the kernel's parameter is not positive.
+    pub fn add_factor<F: Factor<R>, const R: usize>(
+        &mut self,
+        factor: F,
         kernel: Kernel,
     ) -> Result<usize, ProblemError> {
         kernel.check()?;
-        let (index, variables) = (self.blocks.len(), self.values.len());
-        if residual.dimension() == 0 {
-            return Err(ProblemError::EmptyResidual { residual: index });
+        let number = self.factors;
+        self.check::<F, R>(&factor.variables(), number)?;
+        let at = self.group_of::<F, R>(kernel);
+        let Group { factors, numbers, all } = &mut self.groups[at];
+        if let Some(set) = set_mut::<F, R>(&mut **factors) {
+            set.push(factor);
         }
-        let named = residual.variables();
-        for (slot, &variable) in named.iter().enumerate() {
-            if variable >= variables {
-                return Err(ProblemError::NoSuchVariable { variable, variables });
-            }
-            if named[..slot].contains(&variable) {
-                return Err(ProblemError::RepeatedVariable { residual: index, variable });
-            }
-        }
-        self.blocks.push(Block { residual: Box::new(residual), kernel });
-        Ok(index)
+        all.push(all.len() as u32);
+        numbers.push(number);
+        self.factors += 1;
+        Ok(number)
     }
 
-    /// The values the variables begin at, by index.
-    pub fn values(&self) -> &[V] {
+    /// The group of factors of this type with this kernel.
+    fn group_of<F: Factor<R>, const R: usize>(&mut self, kernel: Kernel) -> usize {
+        let is_it = |group: &mut Group| {
+            set_mut::<F, R>(&mut *group.factors).is_some_and(|set| *set.kernel() == kernel)
+        };
+        self.groups.iter_mut().position(is_it).unwrap_or_else(|| {
+            let factors = Box::new(FactorSet::<F, R>::new(kernel));
+            self.groups.push(Group { factors, numbers: Vec::new(), all: Vec::new() });
+            self.groups.len() - 1
+        })
+    }
+    // ANCHOR_END: add_factor
+
+    /// The values the variables begin at.
+    pub fn values(&self) -> &Values {
         &self.values
     }
 
@@ -95,231 +169,294 @@ impl<V: Manifold> Problem<V> {
     ///
     /// # Errors
     ///
-    /// [`SolveError::WrongValues`] when their number or a dimension differs.
-    pub fn set_values(&mut self, values: Vec<V>) -> Result<(), SolveError> {
+    /// [`SolveError::WrongValues`] when they are those of other variables.
+    pub fn set_values(&mut self, values: Values) -> Result<(), SolveError> {
         self.check_values(&values)?;
         self.values = values;
         Ok(())
     }
 
-    /// Rows of a variable in the gradient, the Hessian and their null space, or `None` when it is
-    /// fixed or does not exist.
-    pub fn rows_of(&self, variable: usize) -> Option<Range<usize>> {
-        Layout::of(self).rows.get(variable).cloned().flatten()
-    }
-
-    /// Cost, gradient and Gauss-Newton Hessian at `values`.
-    ///
-    /// # Errors
-    ///
-    /// A [`SolveError`] when the problem is empty, `values` do not fit it, or a residual is
-    /// undefined or not finite there.
-    pub fn linearize(&self, values: &[V]) -> Result<NormalEquations, SolveError> {
-        self.check_values(values)?;
-        let mut workspace = Workspace::of(self)?;
-        let mut system = NormalEquations::zeros(workspace.layout.dimension);
-        self.linearize_into(values, &mut workspace, &mut system)?;
-        Ok(system)
-    }
-
-    /// The covariance of the estimate `values`, the inverse of the Hessian there.
-    ///
-    /// It is the covariance to first order, under four conditions: `values` minimize the cost, the
-    /// whitened noise has unit covariance and is independent between residuals, the model is
-    /// nearly linear over the spread, and no kernel weighs anything down. It is not scaled by
-    /// the residuals that are left. Each variable's part is that of its `retract` step.
-    ///
-    /// # Errors
-    ///
-    /// [`SolveError::Singular`] when some direction is not determined, and those of
-    /// [`Problem::linearize`].
-    pub fn covariance(&self, values: &[V]) -> Result<Covariance, SolveError> {
-        let system = self.linearize(values)?;
-        Ok(Covariance::new(system.covariance()?, Layout::of(self).rows))
-    }
-
-    // ANCHOR: linearize
-    /// Evaluates every residual at `values` and adds it to the normal equations.
-    pub(super) fn linearize_into(
-        &self,
-        values: &[V],
-        workspace: &mut Workspace,
-        system: &mut NormalEquations,
-    ) -> Result<(), SolveError> {
-        system.clear();
-        for index in 0..self.blocks.len() {
-            self.evaluate(index, values, workspace)?;
-            self.accumulate(index, workspace, system);
-        }
-        if system.complete() { Ok(()) } else { Err(SolveError::OutOfRange) }
-    }
-    // ANCHOR_END: linearize
-
-    /// Writes residual and Jacobian of one block to the workspace.
-    fn evaluate(
-        &self,
-        index: usize,
-        values: &[V],
-        workspace: &mut Workspace,
-    ) -> Result<(), SolveError> {
-        let residual = &self.blocks[index].residual;
-        workspace.rows = residual.dimension();
-        workspace.starts.clear();
-        workspace.starts.push(0);
-        let mut columns = 0;
-        for &variable in residual.variables() {
-            columns += values[variable].dimension();
-            workspace.starts.push(columns);
-        }
-        let numbers = &mut workspace.residual[..workspace.rows];
-        let jacobian = &mut workspace.jacobian[..workspace.rows * columns];
-        let mut evaluation = Evaluation::new(index, numbers, jacobian, &workspace.starts);
-        let outcome = residual.evaluate(values, &mut evaluation);
-        if let Some(misfit) = evaluation.misfit() {
-            return Err(misfit);
-        }
-        outcome.map_err(|Undefined| SolveError::Undefined { residual: index })?;
-        if numbers.iter().chain(jacobian.iter()).all(|entry| entry.is_finite()) {
-            Ok(())
-        } else {
-            Err(SolveError::NotFinite { residual: index })
-        }
-    }
-
-    // ANCHOR: accumulate
-    /// Adds the block in the workspace to cost, gradient and the lower triangle of the Hessian.
-    fn accumulate(&self, index: usize, workspace: &Workspace, system: &mut NormalEquations) {
-        let Block { residual, kernel } = &self.blocks[index];
-        let r = workspace.residual();
-        let norm = r.norm();
-        let weight = kernel.weight(norm);
-        system.cost += kernel.cost(norm);
-        let free = |slot: usize| {
-            let rows = workspace.layout.rows[residual.variables()[slot]].clone()?;
-            Some((rows, workspace.jacobian(slot)))
-        };
-        let slots = residual.variables().len();
-        for (rows, jacobian) in (0..slots).filter_map(free) {
-            let mut gradient = system.gradient.rows_range_mut(rows.clone());
-            gradient.gemv_tr(weight, &jacobian, &r, 1.0);
-            for (columns, other) in (0..slots).filter_map(free) {
-                if columns.start <= rows.start {
-                    let mut block = system.hessian.view_range_mut(rows.clone(), columns);
-                    block.gemm_tr(weight, &jacobian, &other, 1.0);
+    /// Which coordinates have a column in gradient, Hessian and Jacobian: those that are not held,
+    /// in the order of the variables.
+    pub fn columns(&self) -> Columns {
+        let mut of = vec![None; self.values.dimension()];
+        let mut count = 0;
+        let coordinates = |index| self.values.coordinates_of(index).unwrap_or_default();
+        for (index, &leader) in self.leader.iter().enumerate() {
+            if leader == index {
+                for coordinate in coordinates(index).filter(|c| !self.held[*c]) {
+                    of[coordinate] = Some(count);
+                    count += 1;
                 }
             }
         }
+        for (index, &leader) in self.leader.iter().enumerate().filter(|(i, leader)| i != *leader) {
+            for (own, led) in coordinates(index).zip(coordinates(leader)) {
+                of[own] = of[led];
+            }
+        }
+        Columns { of, count }
     }
-    // ANCHOR_END: accumulate
 
-    fn check_values(&self, values: &[V]) -> Result<(), SolveError> {
-        let fit = |(old, new): (&V, &V)| old.dimension() == new.dimension();
-        if values.len() == self.values.len() && self.values.iter().zip(values).all(fit) {
-            Ok(())
-        } else {
-            Err(SolveError::WrongValues { given: values.len(), expected: self.values.len() })
+    // ANCHOR: cost
+    /// The cost at `values`, infinite where a residual has no value. Implements {eq:robust-cost}.
+    pub fn cost(&self, values: &Values) -> f64 {
+        self.groups.iter().map(|group| group.factors.cost(&group.all, values)).sum()
+    }
+    // ANCHOR_END: cost
+
+    /// How many factors there are.
+    pub fn len(&self) -> usize {
+        self.factors
+    }
+
+    /// Whether there are no factors.
+    pub fn is_empty(&self) -> bool {
+        self.factors == 0
+    }
+
+    /// How many numbers the residuals of all factors have together.
+    pub fn rows(&self) -> usize {
+        self.groups.iter().map(|group| group.factors.rows() * group.factors.len()).sum()
+    }
+
+    // ANCHOR: each_row
+    /// Linearizes every factor and visits its rows: the residual, and the derivatives by all
+    /// columns on which it depends. Every dense system and every dense Jacobian is made of these.
+    pub(super) fn each_row(
+        &self,
+        at: Point,
+        columns: &Columns,
+        buffer: &mut Buffer,
+        mut visit: impl FnMut(Row),
+    ) -> Result<f64, SolveError> {
+        let mut cost = 0.0;
+        for group in &self.groups {
+            let undefined =
+                |at: Undefined| SolveError::Undefined { factor: group.numbers[at.factor] };
+            group.factors.linearize(&group.all, at, &mut buffer.linear).map_err(undefined)?;
+            if let Some(place) = buffer.linear.not_finite() {
+                return Err(SolveError::NotFinite { factor: group.numbers[place] });
+            }
+            cost += buffer.linear.cost;
+            for place in 0..group.numbers.len() {
+                let slots = &mut buffer.coordinates;
+                slots.clear();
+                group.factors.variables(place, &mut |index| {
+                    slots.push(self.values.coordinates_of(index).unwrap_or_default().start);
+                });
+                for row in 0..buffer.linear.rows {
+                    let row = place * buffer.linear.rows + row;
+                    gather(&buffer.linear, row, slots, columns, &mut buffer.entries);
+                    let residual = buffer.linear.residuals[row];
+                    visit(Row { residual, entries: &buffer.entries });
+                }
+            }
+        }
+        Ok(cost)
+    }
+    // ANCHOR_END: each_row
+
+    /// How many groups of factors there are.
+    pub(super) fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The factors of one group.
+    pub(super) fn group(&self, group: usize) -> &dyn FactorGroup {
+        &*self.groups[group].factors
+    }
+
+    /// The number of a factor in a group.
+    pub(super) fn number(&self, group: usize, factor: u32) -> usize {
+        self.groups[group].numbers[factor as usize]
+    }
+
+    /// Whether anything is frozen; if so, where derivatives are taken at first.
+    pub(super) fn linearization_point(&self) -> Option<Values> {
+        self.frozen.contains(&true).then(|| self.anchors.clone())
+    }
+
+    /// Lets a linearization point follow the values, except where it is frozen.
+    pub(super) fn follow(&self, values: &Values, point: &mut Values) {
+        for (index, _) in self.frozen.iter().enumerate().filter(|(_, frozen)| !**frozen) {
+            point.copy(values, index);
+        }
+    }
+
+    fn coordinates<V: Manifold>(&self, variable: Key<V>) -> Result<Range<usize>, ProblemError> {
+        let index = variable.index();
+        let known = self.values.key::<V>(index).filter(|known| known.place == variable.place);
+        let coordinates = known.and_then(|_| self.values.coordinates_of(index));
+        coordinates.ok_or_else(|| self.no_such(index))
+    }
+
+    fn no_such(&self, variable: usize) -> ProblemError {
+        ProblemError::NoSuchVariable { variable, variables: self.values.len() }
+    }
+
+    /// Whether a factor fits the variables that it names.
+    fn check<F: Factor<R>, const R: usize>(
+        &self,
+        keys: &<F::Variables as Variables>::Keys,
+        factor: usize,
+    ) -> Result<(), ProblemError> {
+        if R == 0 {
+            return Err(ProblemError::EmptyFactor { factor });
+        }
+        let mut named = Vec::new();
+        F::Variables::indices(keys, &mut |index| named.push(index));
+        if !F::Variables::belong(keys, &self.values) {
+            let missing = named.iter().copied().max().unwrap_or(0);
+            return Err(self.no_such(missing));
+        }
+        let columns = F::Jacobians::COLUMNS;
+        for (slot, &variable) in named.iter().enumerate() {
+            if named[..slot].contains(&variable) {
+                return Err(ProblemError::RepeatedVariable { factor, variable });
+            }
+            let dimension = self.values.coordinates_of(variable).unwrap_or_default().len();
+            if columns.get(slot) != Some(&dimension) || columns.len() != named.len() {
+                let columns = columns.get(slot).copied().unwrap_or(0);
+                return Err(ProblemError::Columns { factor, slot, columns, dimension });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_values(&self, values: &Values) -> Result<(), SolveError> {
+        let (given, expected) = (values.len(), self.values.len());
+        let fits = self.values.fits(values);
+        fits.then_some(()).ok_or(SolveError::WrongValues { given, expected })
+    }
+}
+
+/// The factors, if they are of this type.
+fn set_mut<F: Factor<R>, const R: usize>(
+    group: &mut dyn FactorGroup,
+) -> Option<&mut FactorSet<F, R>> {
+    let any: &mut dyn Any = group;
+    any.downcast_mut()
+}
+
+/// One row of a problem's Jacobian.
+pub(super) struct Row<'a> {
+    pub(super) residual: f64,
+    /// Columns and derivatives; every column once.
+    pub(super) entries: &'a [(usize, f64)],
+}
+
+/// Memory for linearizing.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Buffer {
+    linear: Linearized,
+    coordinates: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+// ANCHOR: gather
+/// Collects a row of the linearized factors: the derivatives in each slot by the columns of its
+/// variable. What is held has no column; what is tied shares one.
+fn gather(
+    linear: &Linearized,
+    row: usize,
+    slots: &[usize],
+    columns: &Columns,
+    entries: &mut Vec<(usize, f64)>,
+) {
+    entries.clear();
+    for (slot, &start) in slots.iter().enumerate() {
+        let width = linear.columns(slot);
+        let slopes = &linear.jacobian(slot)[row * width..(row + 1) * width];
+        for (column, slope) in columns.of[start..].iter().zip(slopes) {
+            let Some(column) = *column else { continue };
+            match entries.iter_mut().find(|(other, _)| *other == column) {
+                Some((_, sum)) => *sum += slope,
+                None => entries.push((column, *slope)),
+            }
         }
     }
 }
+// ANCHOR_END: gather
 
-/// Which rows of the normal equations belong to which variable.
-pub(super) struct Layout {
-    /// By variable; `None` for one that is fixed.
-    pub(super) rows: Vec<Option<Range<usize>>>,
-    /// The number of all rows.
-    pub(super) dimension: usize,
+/// Which coordinates of a problem's variables have a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    /// The column of each coordinate; `None` for one that is held.
+    pub of: Vec<Option<usize>>,
+    /// How many columns there are.
+    pub count: usize,
 }
 
-impl Layout {
-    fn of<V: Manifold>(problem: &Problem<V>) -> Self {
-        let mut dimension = 0;
-        let variables = problem.values.iter().zip(&problem.fixed);
-        let rows = variables.map(|(value, fixed)| {
-            let start = dimension;
-            (!fixed).then(|| {
-                dimension += value.dimension();
-                start..dimension
-            })
-        });
-        let rows = rows.collect();
-        Self { rows, dimension }
-    }
-}
-
-/// What evaluating residuals needs; allocated once, for the largest of them.
-pub(super) struct Workspace {
-    pub(super) layout: Layout,
-    residual: Vec<f64>,
-    jacobian: Vec<f64>,
-    rows: usize,
-    starts: Vec<usize>,
-}
-
-impl Workspace {
-    /// A workspace for a problem that has something to solve.
-    pub(super) fn of<V: Manifold>(problem: &Problem<V>) -> Result<Self, SolveError> {
-        if problem.blocks.is_empty() {
-            return Err(SolveError::NoResiduals);
+impl Columns {
+    /// A step of all coordinates, from one of all columns. What is held does not move.
+    pub fn spread(&self, step: &[f64], into: &mut [f64]) {
+        for (into, column) in into.iter_mut().zip(&self.of) {
+            *into = column.map_or(0.0, |column| step[column]);
         }
-        let layout = Layout::of(problem);
-        if layout.dimension == 0 {
-            return Err(SolveError::NothingFree);
-        }
-        let (mut rows, mut entries, mut slots) = (0, 0, 0);
-        for Block { residual, .. } in &problem.blocks {
-            let named = residual.variables();
-            let columns: usize = named.iter().map(|&v| problem.values[v].dimension()).sum();
-            rows = rows.max(residual.dimension());
-            entries = entries.max(residual.dimension() * columns);
-            slots = slots.max(named.len());
-        }
-        Ok(Self {
-            layout,
-            residual: vec![0.0; rows],
-            jacobian: vec![0.0; entries],
-            rows: 0,
-            starts: Vec::with_capacity(slots + 1),
-        })
     }
 
-    fn residual(&self) -> DVectorView<'_, f64> {
-        DVectorView::from_slice(&self.residual[..self.rows], self.rows)
-    }
-
-    /// The Jacobian block of the current residual's `slot`-th variable.
-    fn jacobian(&self, slot: usize) -> DMatrixView<'_, f64> {
-        let (start, end) = (self.starts[slot], self.starts[slot + 1]);
-        let entries = &self.jacobian[start * self.rows..end * self.rows];
-        DMatrixView::from_slice(entries, self.rows, end - start)
+    /// The columns of some coordinates.
+    pub fn select(&self, coordinates: Range<usize>) -> Vec<usize> {
+        self.of[coordinates].iter().flatten().copied().collect()
     }
 }
 
-/// Why a variable or residual cannot be part of a problem.
+/// Why a variable or factor cannot be part of a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ProblemError {
-    /// An index is out of range.
-    #[error("variable {variable} does not exist; the problem has {variables}, add it first")]
+    /// A key is that of another problem.
+    #[error("variable {variable} is not one of the problem's {variables}; add it first")]
     NoSuchVariable {
-        /// The index given.
+        /// The number given.
         variable: usize,
         /// The number of variables.
         variables: usize,
     },
-    /// A residual names a variable twice.
-    #[error(
-        "residual {residual} names variable {variable} twice; add both derivatives in one block"
-    )]
+    /// A coordinate is out of range.
+    #[error("coordinate {coordinate} does not exist; a step has {dimension}, counted from zero")]
+    NoSuchCoordinate {
+        /// The coordinate given.
+        coordinate: usize,
+        /// How many there are.
+        dimension: usize,
+    },
+    /// Variables that are to move alike have steps of different lengths.
+    #[error("a step of {own} numbers cannot follow one of {other}; tie variables of one dimension")]
+    Tied {
+        /// The dimension of the variable.
+        own: usize,
+        /// The dimension of that which it should follow.
+        other: usize,
+    },
+    /// A factor names a variable twice.
+    #[error("factor {factor} names variable {variable} twice; add both derivatives in one block")]
     RepeatedVariable {
-        /// The residual's index.
-        residual: usize,
-        /// The variable's index.
+        /// The factor's number.
+        factor: usize,
+        /// The variable's number.
         variable: usize,
     },
-    /// A residual has no numbers.
-    #[error("residual {residual} has dimension 0; give it at least one number or leave it out")]
-    EmptyResidual {
-        /// The residual's index.
-        residual: usize,
+    /// A factor has no numbers.
+    #[error("factor {factor} has no numbers; give it at least one or leave it out")]
+    EmptyFactor {
+        /// The factor's number.
+        factor: usize,
+    },
+    /// The derivatives by a variable have another number of columns than its step has numbers.
+    #[error(
+        "factor {factor} has derivatives of {columns} columns by its variable {slot}, whose step \
+         has {dimension} numbers"
+    )]
+    Columns {
+        /// The factor's number.
+        factor: usize,
+        /// Which of its variables, counted from zero.
+        slot: usize,
+        /// Columns of the derivatives.
+        columns: usize,
+        /// The dimension of the variable.
+        dimension: usize,
     },
     /// A kernel has an impossible parameter.
     #[error(transparent)]

@@ -1,20 +1,63 @@
-//! Gauss-Newton and Levenberg-Marquardt, and an account of what they did.
+//! Gauss-Newton and Levenberg-Marquardt over any linear system, and an account of what they did.
 
 use std::fmt;
 use std::mem::swap;
 
 use thiserror::Error;
 
-use super::normal_equations::{NormalEquations, SingularSystem, Step};
-use super::problem::{Problem, Workspace};
-use super::variable::Manifold;
+use super::Values;
+use super::group::Point;
+use super::normal_equations::Dense;
+use super::null_space::{NullSpaceError, SingularSystem};
+use super::problem::Problem;
+
+// ANCHOR: linear_system
+/// The normal equations of a problem, in whatever form they are kept.
+pub trait LinearSystem {
+    /// Takes note of a new point.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`] when a residual is undefined or not finite there.
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError>;
+
+    /// Writes the step of all coordinates for a damping relative to the Hessian's diagonal, from
+    /// the point of the last [`LinearSystem::linearize`]. `None` when the equations are singular.
+    fn step(
+        &mut self,
+        problem: &Problem,
+        at: Point,
+        damping: f64,
+        into: &mut [f64],
+    ) -> Option<Prediction>;
+
+    /// The norm of the scaled gradient at that point.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`LinearSystem::linearize`].
+    fn gradient_norm(&mut self, problem: &Problem, at: Point) -> Result<f64, SolveError>;
+}
+
+/// What a linear system says of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// The length of the step, each coordinate measured by what changes one whitened unit.
+    pub step_norm: f64,
+    /// By how much the cost falls if the residuals are linear: {eq:predicted-decrease}.
+    pub predicted_decrease: f64,
+    /// The norm of the scaled gradient before the step. Its entries say by how many of its own
+    /// standard deviations each coordinate alone would still move, all others held.
+    pub gradient_norm: f64,
+}
+// ANCHOR_END: linear_system
 
 /// How steps are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// Every step is the minimum of the linearized problem, and is taken.
     GaussNewton,
-    /// Steps are damped, and refused when the cost does not fall.
+    /// Steps are damped, and refused when the cost does not fall ([@levenberg; @marquardt]).
     LevenbergMarquardt {
         /// The first damping, relative to the Hessian's diagonal.
         initial_damping: f64,
@@ -28,11 +71,12 @@ pub struct Options {
     pub method: Method,
     /// The number of steps that may be tried, refused ones included.
     pub max_iterations: usize,
-    /// Stop when the scaled gradient is shorter; see [`NormalEquations::gradient_norm`].
+    /// Stop when the scaled gradient is shorter; see [`Prediction::gradient_norm`].
     pub gradient_tolerance: f64,
-    /// Stop when the next step would be shorter, measured as in [`Step::norm`].
+    /// Stop when the next step would be shorter, measured as [`Prediction::step_norm`].
     pub step_tolerance: f64,
-    /// Stop when the next step promises to lower the cost by less than this part of it.
+    /// Stop when the predicted decrease of the next step, or the decrease by the last one, is less
+    /// than this part of the cost.
     pub decrease_tolerance: f64,
 }
 
@@ -52,6 +96,12 @@ impl Options {
     /// Gauss-Newton, otherwise as by default.
     pub fn gauss_newton() -> Self {
         Self { method: Method::GaussNewton, ..Self::default() }
+    }
+
+    /// For problems of thousands of variables, whose last digits are worth less than their time:
+    /// at most fifty steps, until the cost falls by less than a millionth.
+    pub fn large_problem() -> Self {
+        Self { max_iterations: 50, decrease_tolerance: 1e-6, ..Self::default() }
     }
 }
 
@@ -77,19 +127,23 @@ pub struct Iteration {
 // ANCHOR_END: iteration
 
 // ANCHOR: stop
-/// Why a solver stopped. The first three are convergence.
+/// Why a solver stopped. The first four are convergence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
     /// The gradient is below its tolerance.
     GradientSmall,
     /// The next step would be below its tolerance, and not because of damping.
     StepSmall,
-    /// The next step promises no decrease of the cost worth having, and not because of damping.
+    /// The next step would lower the cost by hardly anything, and not because of damping.
+    PredictedDecreaseSmall,
+    /// The last step lowered the cost by hardly anything, and not because of damping.
     DecreaseSmall,
     /// The number of iterations was used up.
     IterationLimit,
     /// No damping, however large, gives a step that lowers the cost, and the gradient is not zero.
     Stalled,
+    /// The same with a linearization point that is frozen: along that Jacobian nothing descends.
+    NoDescentAtFrozenPoint,
     /// A Gauss-Newton step led to where a residual is undefined or not finite.
     LeftDomain,
 }
@@ -98,7 +152,8 @@ pub enum Stop {
 impl Stop {
     /// Whether the values are a stationary point, to the tolerances.
     pub fn is_convergence(&self) -> bool {
-        matches!(self, Self::GradientSmall | Self::StepSmall | Self::DecreaseSmall)
+        use Stop::{DecreaseSmall, GradientSmall, PredictedDecreaseSmall, StepSmall};
+        matches!(self, GradientSmall | StepSmall | PredictedDecreaseSmall | DecreaseSmall)
     }
 }
 
@@ -107,11 +162,18 @@ impl fmt::Display for Stop {
         formatter.write_str(match self {
             Self::GradientSmall => "converged: the gradient is below its tolerance",
             Self::StepSmall => "converged: the next step would be below its tolerance",
-            Self::DecreaseSmall => "converged: the next step promises no further decrease",
+            Self::PredictedDecreaseSmall => {
+                "converged: the next step would lower the cost by hardly anything"
+            }
+            Self::DecreaseSmall => "converged: the last step lowered the cost by hardly anything",
             Self::IterationLimit => "not converged: the iterations are used up",
             Self::Stalled => {
                 "not converged: no step lowers the cost although the gradient is not zero; check \
                  the Jacobians"
+            }
+            Self::NoDescentAtFrozenPoint => {
+                "not converged: no step along the frozen Jacobian lowers the cost; let the \
+                 linearization point follow, or accept the values"
             }
             Self::LeftDomain => {
                 "not converged: the last step led to where a residual is undefined or not finite; \
@@ -130,18 +192,15 @@ pub struct Report {
     pub cost: f64,
     /// The norm of the scaled gradient at the end.
     pub gradient_norm: f64,
-    /// Directions that the measurements leave free at the end. Damping hides them from the
-    /// solver, and this is where they show.
-    pub free_directions: usize,
     /// Why it stopped.
     pub stop: Stop,
 }
 
 /// Values of all variables, and how they were found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solution<V> {
-    /// The best values found, by variable; for Gauss-Newton, the last.
-    pub values: Vec<V>,
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The best values found; for Gauss-Newton, the last.
+    pub values: Values,
     /// How they were found.
     pub report: Report,
 }
@@ -150,11 +209,16 @@ pub struct Solution<V> {
 const LARGEST_DAMPING: f64 = 1e12;
 /// Below it, damping is lost in rounding.
 const SMALLEST_DAMPING: f64 = 1e-12;
+/// A refused step is followed by one with at least this damping.
+const SMALLEST_RAISED_DAMPING: f64 = 1e-9;
 /// A step is taken when the cost falls by at least this part of what was predicted.
 const SMALLEST_GAIN: f64 = 1e-4;
+/// Under stronger damping every step is small, which says nothing about the minimum.
+const STRONG_DAMPING: f64 = 1.0;
 
 // ANCHOR: damping
 /// How strongly steps are damped, and how that changes.
+#[derive(Debug, Clone)]
 struct Damping {
     value: f64,
     /// By which the next refused step raises it.
@@ -170,202 +234,299 @@ impl Damping {
             self.value = (self.value * factor).max(SMALLEST_DAMPING);
             self.growth = 2.0;
         } else {
-            self.value *= self.growth;
+            self.value = (self.value * self.growth).max(SMALLEST_RAISED_DAMPING);
             self.growth *= 2.0;
         }
     }
 }
 // ANCHOR_END: damping
 
-impl<V: Manifold> Problem<V> {
+impl Problem {
     /// Minimizes the cost, beginning at the problem's values, which stay as they are.
     ///
     /// # Errors
     ///
-    /// A [`SolveError`] when there is nothing to solve, when a residual is undefined, not finite or
-    /// of the wrong shape at the beginning, or when a Gauss-Newton step is not determined. What
-    /// goes wrong later ends the search and is told by [`Report::stop`].
-    pub fn solve(&self, options: &Options) -> Result<Solution<V>, SolveError> {
-        options.check()?;
-        let workspace = Workspace::of(self)?;
-        let empty = NormalEquations::zeros(workspace.layout.dimension);
-        let mut search = Search {
-            problem: self,
-            values: self.values().to_vec(),
-            trial: self.values().to_vec(),
-            trial_system: empty.clone(),
-            system: empty,
-            workspace,
-            iterations: Vec::with_capacity(options.max_iterations.min(1000)),
-        };
-        self.linearize_into(&search.values, &mut search.workspace, &mut search.system)?;
-        let stop = match options.method {
-            Method::GaussNewton => search.gauss_newton(options)?,
-            Method::LevenbergMarquardt { initial_damping } => {
-                search.levenberg_marquardt(options, initial_damping)?
+    /// A [`SolveError`] when there is nothing to solve, when a residual is undefined or not finite
+    /// at the beginning, or when a Gauss-Newton step is not determined. What goes wrong later ends
+    /// the search and is told by [`Report::stop`].
+    pub fn solve(&self, options: &Options) -> Result<Solution, SolveError> {
+        self.solve_with(Dense::new(self)?, options)
+    }
+
+    /// The same with another linear system than the dense one.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Problem::solve`].
+    pub fn solve_with(
+        &self,
+        system: impl LinearSystem,
+        options: &Options,
+    ) -> Result<Solution, SolveError> {
+        let mut search = Search::new(self, system, options)?;
+        let stop = loop {
+            if let Some(stop) = search.iterate(self)? {
+                break stop;
             }
         };
-        Ok(search.finish(stop))
+        search.finish(self, stop)
     }
 }
 
-/// The state of a search: where it is, and where it might go.
-struct Search<'a, V> {
-    problem: &'a Problem<V>,
-    values: Vec<V>,
-    system: NormalEquations,
-    trial: Vec<V>,
-    trial_system: NormalEquations,
-    workspace: Workspace,
+// ANCHOR: search
+/// A search that goes step by step: where it is, and where it might go.
+#[derive(Debug, Clone)]
+pub struct Search<S> {
+    system: S,
+    options: Options,
+    values: Values,
+    trial: Values,
+    /// Where derivatives are taken, when some linearization point is frozen.
+    frozen: Option<Values>,
+    cost: f64,
+    step: Vec<f64>,
+    damping: Damping,
     iterations: Vec<Iteration>,
 }
+// ANCHOR_END: search
 
-impl<V: Manifold> Search<'_, V> {
+impl<S: LinearSystem> Search<S> {
+    /// A search that begins at the values of a problem. All memory is taken here.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`] when an option is impossible or a residual undefined or not finite.
+    pub fn new(problem: &Problem, system: S, options: &Options) -> Result<Self, SolveError> {
+        options.check()?;
+        let values = problem.values().clone();
+        let initial = match options.method {
+            Method::GaussNewton => 0.0,
+            Method::LevenbergMarquardt { initial_damping } => initial_damping,
+        };
+        let mut search = Self {
+            system,
+            options: *options,
+            trial: values.clone(),
+            frozen: problem.linearization_point(),
+            cost: problem.cost(&values),
+            step: vec![0.0; values.dimension()],
+            values,
+            damping: Damping { value: initial, growth: 2.0 },
+            iterations: Vec::with_capacity(options.max_iterations.min(1000)),
+        };
+        search.linearize(problem)?;
+        Ok(search)
+    }
+
+    /// Tries one step, and says when to stop.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::Singular`] or [`SolveError::OutOfRange`] when a Gauss-Newton step is not
+    /// determined.
+    pub fn iterate(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
+        if self.iterations.len() >= self.options.max_iterations {
+            return Ok(Some(Stop::IterationLimit));
+        }
+        match self.options.method {
+            Method::GaussNewton => self.gauss_newton(problem),
+            Method::LevenbergMarquardt { .. } => self.levenberg_marquardt(problem),
+        }
+    }
+
     // ANCHOR: gauss_newton
-    fn gauss_newton(&mut self, options: &Options) -> Result<Stop, SolveError> {
-        loop {
-            if let Some(stop) = self.before_step(options) {
-                return Ok(stop);
-            }
-            let Some(step) = self.system.step(0.0) else {
-                return Err(self
-                    .system
-                    .singular()
-                    .map_or(SolveError::OutOfRange, SolveError::Singular));
-            };
-            if let Some(stop) = self.after_step(&step, options) {
-                return Ok(stop);
-            }
-            let trial_cost = self.try_step(&step)?;
-            self.record(0.0, &step, trial_cost, trial_cost.is_some());
-            if trial_cost.is_none() {
-                return Ok(Stop::LeftDomain);
-            }
-            self.take_trial();
+    /// A step that is taken wherever it leads.
+    fn gauss_newton(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
+        let Some(predicted) = self.predict(problem, 0.0) else {
+            return Err(self.undetermined(problem));
+        };
+        if let Some(stop) = self.before_trial(&predicted) {
+            return Ok(Some(stop));
+        }
+        let trial_cost = self.try_step(problem);
+        self.record(0.0, &predicted, trial_cost, trial_cost.is_some());
+        match trial_cost {
+            Some(cost) => self.take_trial(problem, cost),
+            None => Ok(Some(Stop::LeftDomain)),
         }
     }
     // ANCHOR_END: gauss_newton
 
     // ANCHOR: levenberg_marquardt
-    fn levenberg_marquardt(&mut self, options: &Options, initial: f64) -> Result<Stop, SolveError> {
-        let mut damping = Damping { value: initial, growth: 2.0 };
-        while damping.value <= LARGEST_DAMPING {
-            if let Some(stop) = self.before_step(options) {
-                return Ok(stop);
-            }
-            let Some(step) = self.system.step(damping.value) else {
-                damping.learn(None);
-                continue;
-            };
-            // Under strong damping every step is small; that says nothing about the minimum.
-            if let Some(stop) = self.after_step(&step, options).filter(|_| damping.value <= 1.0) {
-                return Ok(stop);
-            }
-            let trial_cost = self.try_step(&step)?;
-            let gain = self.gain_ratio(&step, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
-            self.record(damping.value, &step, trial_cost, gain.is_some());
-            if gain.is_some() {
-                self.take_trial();
-            }
-            damping.learn(gain);
+    /// A step that is damped, and taken if it lowers the cost enough.
+    fn levenberg_marquardt(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
+        let damping = self.damping.value;
+        if damping > LARGEST_DAMPING {
+            return Ok(Some(self.stalled()));
         }
-        Ok(Stop::Stalled)
+        let Some(predicted) = self.predict(problem, damping) else {
+            self.damping.learn(None);
+            return Ok(None);
+        };
+        if let Some(stop) = self.before_trial(&predicted) {
+            return Ok(Some(stop));
+        }
+        let trial_cost = self.try_step(problem);
+        let gain = self.gain_ratio(&predicted, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
+        self.record(damping, &predicted, trial_cost, gain.is_some());
+        self.damping.learn(gain);
+        let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else { return Ok(None) };
+        let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost;
+        let stop = self.take_trial(problem, trial_cost)?;
+        Ok(stop.or((is_level && damping <= STRONG_DAMPING).then_some(Stop::DecreaseSmall)))
     }
     // ANCHOR_END: levenberg_marquardt
 
     // ANCHOR: stopping
-    /// Whether to stop where we are.
-    fn before_step(&self, options: &Options) -> Option<Stop> {
-        if self.system.gradient_norm() <= options.gradient_tolerance {
-            Some(Stop::GradientSmall)
-        } else if self.iterations.len() >= options.max_iterations {
-            Some(Stop::IterationLimit)
-        } else {
-            None
+    /// Whether this step is worth trying. Under strong damping every step is small, which says
+    /// nothing about the minimum.
+    fn before_trial(&self, predicted: &Prediction) -> Option<Stop> {
+        let options = &self.options;
+        if predicted.gradient_norm <= options.gradient_tolerance {
+            return Some(Stop::GradientSmall);
         }
-    }
-
-    /// Whether this step is still worth taking.
-    fn after_step(&self, step: &Step, options: &Options) -> Option<Stop> {
-        if step.norm <= options.step_tolerance {
+        if self.damping.value > STRONG_DAMPING {
+            return None;
+        }
+        if predicted.step_norm <= options.step_tolerance {
             Some(Stop::StepSmall)
-        } else if step.predicted_decrease <= options.decrease_tolerance * self.system.cost {
-            Some(Stop::DecreaseSmall)
+        } else if predicted.predicted_decrease <= options.decrease_tolerance * self.cost {
+            Some(Stop::PredictedDecreaseSmall)
         } else {
             None
         }
     }
     // ANCHOR_END: stopping
 
-    // ANCHOR: try_step
-    /// Moves every free variable by its part of the step, and gives the cost there, or `None`
-    /// where a residual has none.
-    fn try_step(&mut self, step: &Step) -> Result<Option<f64>, SolveError> {
-        let moved = self.trial.iter_mut().zip(&self.values).zip(&self.workspace.layout.rows);
-        for ((trial, value), rows) in moved {
-            if let Some(rows) = rows {
-                *trial = value.retract(&step.step.as_slice()[rows.clone()]);
-            }
-        }
-        let outcome =
-            self.problem.linearize_into(&self.trial, &mut self.workspace, &mut self.trial_system);
-        match outcome {
-            Ok(()) => Ok(Some(self.trial_system.cost)),
-            Err(error) if error.is_about_the_point() => Ok(None),
-            Err(error) => Err(error),
-        }
+    /// No damping helps.
+    fn stalled(&self) -> Stop {
+        if self.frozen.is_some() { Stop::NoDescentAtFrozenPoint } else { Stop::Stalled }
     }
 
-    fn take_trial(&mut self) {
+    /// The point at which factors are evaluated.
+    fn point(&self) -> Point<'_> {
+        Point { values: &self.values, frozen: self.frozen.as_ref() }
+    }
+
+    fn linearize(&mut self, problem: &Problem) -> Result<(), SolveError> {
+        if let Some(frozen) = &mut self.frozen {
+            problem.follow(&self.values, frozen);
+        }
+        let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
+        self.system.linearize(problem, at)
+    }
+
+    fn predict(&mut self, problem: &Problem, damping: f64) -> Option<Prediction> {
+        let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
+        self.system.step(problem, at, damping, &mut self.step)
+    }
+
+    // ANCHOR: try_step
+    /// Moves every variable by its part of the step, and gives the cost there, or `None` where a
+    /// residual has none.
+    fn try_step(&mut self, problem: &Problem) -> Option<f64> {
+        self.values.retract_into(&self.step, &mut self.trial);
+        let cost = problem.cost(&self.trial);
+        cost.is_finite().then_some(cost)
+    }
+
+    /// Goes to the end of the step, unless derivatives have no values there.
+    fn take_trial(&mut self, problem: &Problem, cost: f64) -> Result<Option<Stop>, SolveError> {
         swap(&mut self.values, &mut self.trial);
-        swap(&mut self.system, &mut self.trial_system);
+        if self.linearize(problem).is_err() {
+            swap(&mut self.values, &mut self.trial);
+            self.linearize(problem)?;
+            return Ok(Some(Stop::LeftDomain));
+        }
+        self.cost = cost;
+        Ok(None)
     }
     // ANCHOR_END: try_step
 
-    fn gain_ratio(&self, step: &Step, trial_cost: Option<f64>) -> Option<f64> {
-        Some((self.system.cost - trial_cost?) / step.predicted_decrease)
+    fn gain_ratio(&self, predicted: &Prediction, trial_cost: Option<f64>) -> Option<f64> {
+        Some((self.cost - trial_cost?) / predicted.predicted_decrease)
     }
 
-    fn record(&mut self, damping: f64, step: &Step, trial_cost: Option<f64>, accepted: bool) {
+    fn record(
+        &mut self,
+        damping: f64,
+        predicted: &Prediction,
+        trial_cost: Option<f64>,
+        accepted: bool,
+    ) {
         self.iterations.push(Iteration {
-            cost: self.system.cost,
-            gradient_norm: self.system.gradient_norm(),
+            cost: self.cost,
+            gradient_norm: predicted.gradient_norm,
             damping,
-            step_norm: step.norm,
+            step_norm: predicted.step_norm,
             trial_cost,
-            gain_ratio: self.gain_ratio(step, trial_cost),
+            gain_ratio: self.gain_ratio(predicted, trial_cost),
             accepted,
         });
     }
 
-    fn finish(self, stop: Stop) -> Solution<V> {
-        let report = Report {
-            iterations: self.iterations,
-            cost: self.system.cost,
-            gradient_norm: self.system.gradient_norm(),
-            free_directions: self.system.free_directions(),
-            stop,
-        };
-        Solution { values: self.values, report }
+    /// What keeps a Gauss-Newton step from being determined.
+    fn undetermined(&self, problem: &Problem) -> SolveError {
+        match problem.null_space_at(self.point()) {
+            Ok(null_space) => {
+                null_space.singular().map_or(SolveError::OutOfRange, SolveError::Singular)
+            }
+            Err(error) => error,
+        }
+    }
+
+    /// The linear system.
+    pub fn system(&self) -> &S {
+        &self.system
+    }
+
+    /// Where the search stands.
+    pub fn values(&self) -> &Values {
+        &self.values
+    }
+
+    /// The cost there.
+    pub fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// The steps so far.
+    pub fn iterations(&self) -> &[Iteration] {
+        &self.iterations
+    }
+
+    /// The memory that the search holds beside that of its system and its values, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Iteration>() * self.iterations.capacity() + size_of_val(self.step.as_slice())
+    }
+
+    /// What has come of the search.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`LinearSystem::gradient_norm`].
+    pub fn finish(mut self, problem: &Problem, stop: Stop) -> Result<Solution, SolveError> {
+        let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
+        let gradient_norm = self.system.gradient_norm(problem, at)?;
+        let Self { values, iterations, cost, .. } = self;
+        Ok(Solution { values, report: Report { iterations, cost, gradient_norm, stop } })
     }
 }
 
 impl Options {
     fn check(&self) -> Result<(), SolveError> {
-        let mut numbers = vec![
-            ("gradient_tolerance", self.gradient_tolerance),
-            ("step_tolerance", self.step_tolerance),
-            ("decrease_tolerance", self.decrease_tolerance),
+        let damping = match self.method {
+            Method::GaussNewton => 1.0,
+            Method::LevenbergMarquardt { initial_damping } => initial_damping,
+        };
+        let numbers = [
+            ("initial_damping", damping, damping > 0.0),
+            ("gradient_tolerance", self.gradient_tolerance, self.gradient_tolerance >= 0.0),
+            ("step_tolerance", self.step_tolerance, self.step_tolerance >= 0.0),
+            ("decrease_tolerance", self.decrease_tolerance, self.decrease_tolerance >= 0.0),
         ];
-        if let Method::LevenbergMarquardt { initial_damping } = self.method {
-            if initial_damping == 0.0 {
-                return Err(SolveError::Option { name: "initial_damping", value: initial_damping });
-            }
-            numbers.push(("initial_damping", initial_damping));
-        }
-        let is_wrong = |value: f64| !(value >= 0.0 && value.is_finite());
-        match numbers.into_iter().find(|(_, value)| is_wrong(*value)) {
-            Some((name, value)) => Err(SolveError::Option { name, value }),
+        match numbers.into_iter().find(|(_, value, fits)| !(*fits && value.is_finite())) {
+            Some((name, value, _)) => Err(SolveError::Option { name, value }),
             None => Ok(()),
         }
     }
@@ -375,15 +536,15 @@ impl Options {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolveError {
     /// There is nothing to minimize.
-    #[error("the problem has no residuals; add at least one")]
-    NoResiduals,
+    #[error("the problem has no factors; add at least one")]
+    NoFactors,
     /// There is nothing to move.
-    #[error("the problem has no free variable; add one or leave one unfixed")]
+    #[error("the problem has no free variable; add one or leave one that is not held")]
     NothingFree,
     /// Values belong to another problem.
     #[error(
-        "{given} values do not fit the problem's {expected} variables; give one for each, of the \
-         same dimension"
+        "{given} values do not fit the problem's {expected} variables; take those of a solution \
+         of this problem, or change a copy of its own"
     )]
     WrongValues {
         /// How many were given.
@@ -392,19 +553,19 @@ pub enum SolveError {
         expected: usize,
     },
     /// A residual has no value where the search begins.
-    #[error("residual {residual} is undefined at these values; begin elsewhere or remove it")]
+    #[error("factor {factor} is undefined at these values; begin elsewhere or remove it")]
     Undefined {
-        /// The residual's index.
-        residual: usize,
+        /// The factor's number.
+        factor: usize,
     },
-    /// A residual or its Jacobian is NaN or infinite where the search begins.
+    /// A residual or its Jacobian is NaN or infinite.
     #[error(
-        "residual {residual} or its Jacobian is not finite at these values; look for a NaN in its \
+        "factor {factor} or its Jacobian is not finite at these values; look for a NaN in its \
          measurement or a division by zero"
     )]
     NotFinite {
-        /// The residual's index.
-        residual: usize,
+        /// The factor's number.
+        factor: usize,
     },
     /// The squares of finite residuals or derivatives are infinite, or zero.
     #[error(
@@ -412,24 +573,33 @@ pub enum SolveError {
          units in which the variables are neither huge nor tiny"
     )]
     OutOfRange,
-    /// A residual wrote something of the wrong shape.
-    #[error(
-        "residual {residual} wrote {what} of {}×{} numbers where {}×{} belong",
-        given.0, given.1, expected.0, expected.1
-    )]
-    WrongShape {
-        /// The residual's index.
-        residual: usize,
-        /// What was written.
-        what: &'static str,
-        /// Its rows and columns.
-        given: (usize, usize),
-        /// The rows and columns that belong there.
-        expected: (usize, usize),
-    },
     /// The step is not determined.
     #[error(transparent)]
     Singular(#[from] SingularSystem),
+    /// It cannot be said whether the step is determined.
+    #[error(transparent)]
+    NullSpace(#[from] NullSpaceError),
+    /// The structure of the problem is not one that the linear system can use.
+    #[error("factor {factor} {what}")]
+    Structure {
+        /// The factor's number.
+        factor: usize,
+        /// What does not fit.
+        what: &'static str,
+    },
+    /// A variable does not fit into the blocks of the linear system.
+    #[error(
+        "variable {variable} moves in {found} coordinates, or is a landmark of which some are \
+         held; the landmark elimination wants blocks of {dimension}"
+    )]
+    Block {
+        /// The variable's number.
+        variable: usize,
+        /// Its dimension.
+        found: usize,
+        /// The size of a block.
+        dimension: usize,
+    },
     /// An option has an impossible value.
     #[error("option {name} is {value}; tolerances are zero or positive, the damping is positive")]
     Option {
@@ -438,11 +608,4 @@ pub enum SolveError {
         /// The value given.
         value: f64,
     },
-}
-
-impl SolveError {
-    /// Whether it may go away at other values.
-    fn is_about_the_point(&self) -> bool {
-        matches!(self, Self::Undefined { .. } | Self::NotFinite { .. } | Self::OutOfRange)
-    }
 }

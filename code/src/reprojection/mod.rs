@@ -11,9 +11,11 @@
 mod distorted;
 mod distortion;
 mod factor;
+mod model;
 mod pinhole;
 
 pub use distorted::DistortedPinhole;
 pub use distortion::{DistortionError, RadialTangential, UndistortError};
 pub use factor::{LinearizedReproj, ReprojFactor, ReprojFactorError};
+pub use model::CameraModel;
 pub use pinhole::{Pinhole, PinholeError, Projection, Z_MIN};

@@ -1,24 +1,29 @@
-//! The reduced camera system: its tiles, its Cholesky factor and the one kernel that both
-//! elimination and factorization spend their time in.
+//! The Schur complement of the landmarks: its blocks, its Cholesky factor and the one kernel that
+//! both elimination and factorization spend their time in.
 
 use nalgebra::DMatrix;
 
-// ANCHOR: tile
-/// A D×D block of the reduced system, column by column.
-pub type Tile<const D: usize> = [[f64; D]; D];
-// ANCHOR_END: tile
+// ANCHOR: block
+/// A D×D block of the Schur complement, column by column.
+pub type Block<const D: usize> = [[f64; D]; D];
+// ANCHOR_END: block
 
-/// Adds to a tile the product L Rᵀ of two matrices with D rows, given column by column,
+/// Adds to a block the product L Rᵀ of two matrices with D rows, given column by column,
 /// times a sign.
 ///
 /// Nearly all of the arithmetic of bundle adjustment happens here: three columns for a
 /// pair of cameras that share a point, D and more in the factorization. The compiler
-/// keeps three columns of the tile in vector registers while it goes through L and R.
-/// They are taken a third of the tile apart, because it would tangle neighbours.
+/// keeps three columns of the block in vector registers while it goes through L and R.
+/// They are taken a third of the block apart, because it would tangle neighbours.
 // ANCHOR: kernel
 #[inline(always)]
-pub fn add_product<const D: usize>(tile: &mut Tile<D>, sign: f64, l: &[[f64; D]], r: &[[f64; D]]) {
-    let (first, others) = tile.split_at_mut(D / 3);
+pub fn add_product<const D: usize>(
+    block: &mut Block<D>,
+    sign: f64,
+    l: &[[f64; D]],
+    r: &[[f64; D]],
+) {
+    let (first, others) = block.split_at_mut(D / 3);
     let (second, others) = others.split_at_mut(D / 3);
     let (third, left_over) = others.split_at_mut(D / 3);
     for (i, ((x, y), z)) in first.iter_mut().zip(second).zip(third).enumerate() {
@@ -56,57 +61,69 @@ pub fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
 }
 // ANCHOR_END: multiple
 
-// ANCHOR: reduced
-/// The lower triangle of the reduced system S, or of its Cholesky factor, as tiles.
+// ANCHOR: schur_complement
+/// The lower triangle of the Schur complement S, or of its Cholesky factor, as blocks.
 ///
-/// A row of tiles begins at the first camera that shares a point with the row's camera.
+/// A row of blocks begins at the first variable that shares a landmark with the row's variable.
 /// Elimination writes nothing to the left of it, and neither does the factorization.
 #[derive(Debug, Clone)]
-pub struct Reduced<const D: usize> {
-    /// Column of the first tile in each row.
+pub struct SchurComplement<const D: usize> {
+    /// Column of the first block in each row.
     first: Vec<usize>,
-    /// Where each row begins in `tiles`, and where the last one ends.
+    /// Where each row begins in `blocks`, and where the last one ends.
     start: Vec<usize>,
-    tiles: Vec<Tile<D>>,
+    blocks: Vec<Block<D>>,
 }
-// ANCHOR_END: reduced
+// ANCHOR_END: schur_complement
 
-impl<const D: usize> Reduced<D> {
-    /// A system whose rows of tiles begin at these columns, at or before the diagonal.
+impl<const D: usize> SchurComplement<D> {
+    /// A system whose rows of blocks begin at these columns, at or before the diagonal.
     pub fn new(first: Vec<usize>) -> Self {
         let mut start = vec![0];
         for (row, first) in first.iter().enumerate() {
             start.push(start[row] + row + 1 - first);
         }
-        let tiles = vec![[[0.0; D]; D]; start[first.len()]];
-        Self { first, start, tiles }
+        let blocks = vec![[[0.0; D]; D]; start[first.len()]];
+        Self { first, start, blocks }
     }
 
-    /// Number of rows of tiles.
+    /// Number of rows of blocks.
     pub fn rows(&self) -> usize {
         self.first.len()
     }
 
-    /// Number of tiles that are kept.
+    /// Number of blocks that are kept.
     pub fn stored(&self) -> usize {
-        self.tiles.len()
+        self.blocks.len()
     }
 
     /// Makes all entries zero.
     pub fn clear(&mut self) {
-        self.tiles.fill([[0.0; D]; D]);
+        self.blocks.fill([[0.0; D]; D]);
     }
 
-    /// The tile of a row and a column that is not beyond the diagonal.
+    /// The block of a row and a column that is not beyond the diagonal.
     #[inline]
-    pub fn tile(&mut self, row: usize, column: usize) -> &mut Tile<D> {
-        &mut self.tiles[self.start[row] + column - self.first[row]]
+    pub fn block(&mut self, row: usize, column: usize) -> &mut Block<D> {
+        &mut self.blocks[self.start[row] + column - self.first[row]]
     }
 
-    /// The tiles of a row up to the diagonal, and the column of the first of them.
+    /// The blocks of a row up to the diagonal, and the column of the first of them.
     #[inline]
-    pub fn row(&mut self, row: usize) -> (&mut [Tile<D>], usize) {
-        (&mut self.tiles[self.start[row]..self.start[row + 1]], self.first[row])
+    pub fn row(&mut self, row: usize) -> (&mut [Block<D>], usize) {
+        (&mut self.blocks[self.start[row]..self.start[row + 1]], self.first[row])
+    }
+
+    /// Makes a coordinate independent of all others, with a one on the diagonal.
+    pub fn isolate(&mut self, row: usize, axis: usize) {
+        for below in row..self.rows() {
+            if self.first[below] <= row {
+                self.block(below, row)[axis] = [0.0; D];
+            }
+        }
+        let (blocks, _) = self.row(row);
+        blocks.iter_mut().flatten().for_each(|column| column[axis] = 0.0);
+        self.block(row, row)[axis][axis] = 1.0;
     }
 
     /// The whole symmetric matrix.
@@ -114,11 +131,11 @@ impl<const D: usize> Reduced<D> {
         let mut matrix = DMatrix::zeros(D * self.rows(), D * self.rows());
         for row in 0..self.rows() {
             for column in self.first[row]..=row {
-                let tile = &self.tiles[self.start[row] + column - self.first[row]];
+                let block = &self.blocks[self.start[row] + column - self.first[row]];
                 for (r, c) in (0..D).flat_map(|r| (0..D).map(move |c| (r, c))) {
                     let (r_all, c_all) = (D * row + r, D * column + c);
-                    matrix[(r_all, c_all)] = tile[c][r];
-                    matrix[(c_all, r_all)] = tile[c][r];
+                    matrix[(r_all, c_all)] = block[c][r];
+                    matrix[(c_all, r_all)] = block[c][r];
                 }
             }
         }
@@ -126,7 +143,7 @@ impl<const D: usize> Reduced<D> {
     }
 
     // ANCHOR: factorize
-    /// Replaces S by its Cholesky factor L with S = L Lᵀ, row of tiles by row of tiles. On
+    /// Replaces S by its Cholesky factor L with S = L Lᵀ, row of blocks by row of blocks. On
     /// the diagonal of L stand the reciprocals.
     ///
     /// # Errors
@@ -134,20 +151,20 @@ impl<const D: usize> Reduced<D> {
     /// The first coordinate whose pivot is not above its entry of `smallest`.
     pub fn factorize(&mut self, smallest: &[[f64; D]]) -> Result<(), usize> {
         for (row, smallest) in smallest.iter().enumerate() {
-            let (done, rest) = self.tiles.split_at_mut(self.start[row]);
+            let (done, rest) = self.blocks.split_at_mut(self.start[row]);
             let first = self.first[row];
             for column in first..row {
                 let other = &done[self.start[column]..self.start[column + 1]];
                 let from = first.max(self.first[column]);
-                let (left, tile) = rest.split_at_mut(column - first);
+                let (left, block) = rest.split_at_mut(column - first);
                 let shared = &other[from - self.first[column]..other.len() - 1];
                 let left = &left[from - first..];
-                add_product(&mut tile[0], -1.0, left.as_flattened(), shared.as_flattened());
-                divide_by_factor(&mut tile[0], &other[other.len() - 1]);
+                add_product(&mut block[0], -1.0, left.as_flattened(), shared.as_flattened());
+                divide_by_factor(&mut block[0], &other[other.len() - 1]);
             }
-            let (left, tile) = rest.split_at_mut(row - first);
-            add_product(&mut tile[0], -1.0, left.as_flattened(), left.as_flattened());
-            factorize_tile(&mut tile[0], smallest).map_err(|axis| D * row + axis)?;
+            let (left, block) = rest.split_at_mut(row - first);
+            add_product(&mut block[0], -1.0, left.as_flattened(), left.as_flattened());
+            factorize_block(&mut block[0], smallest).map_err(|axis| D * row + axis)?;
         }
         Ok(())
     }
@@ -158,10 +175,10 @@ impl<const D: usize> Reduced<D> {
     pub fn solve_lower(&self, b: &mut [[f64; D]]) {
         for row in 0..self.rows() {
             let (done, rest) = b.split_at_mut(row);
-            let tiles = &self.tiles[self.start[row]..self.start[row + 1]];
-            let (diagonal, left) = tiles.split_last().expect("a row has its diagonal");
-            for (tile, z) in left.iter().zip(&done[self.first[row]..]) {
-                for (column, z) in tile.iter().zip(z) {
+            let blocks = &self.blocks[self.start[row]..self.start[row + 1]];
+            let (diagonal, left) = blocks.split_last().expect("a row has its diagonal");
+            for (block, z) in left.iter().zip(&done[self.first[row]..]) {
+                for (column, z) in block.iter().zip(z) {
                     add_multiple(&mut rest[0], -z, column);
                 }
             }
@@ -180,16 +197,16 @@ impl<const D: usize> Reduced<D> {
     pub fn solve_upper(&self, z: &mut [[f64; D]]) {
         for row in (0..self.rows()).rev() {
             let (above, rest) = z.split_at_mut(row);
-            let tiles = &self.tiles[self.start[row]..self.start[row + 1]];
-            let (diagonal, left) = tiles.split_last().expect("a row has its diagonal");
+            let blocks = &self.blocks[self.start[row]..self.start[row + 1]];
+            let (diagonal, left) = blocks.split_last().expect("a row has its diagonal");
             for axis in (0..D).rev() {
                 for below in axis + 1..D {
                     rest[0][axis] -= diagonal[axis][below] * rest[0][below];
                 }
                 rest[0][axis] *= diagonal[axis][axis];
             }
-            for (tile, z) in left.iter().zip(&mut above[self.first[row]..]) {
-                for (z, column) in z.iter_mut().zip(tile) {
+            for (block, z) in left.iter().zip(&mut above[self.first[row]..]) {
+                for (z, column) in z.iter_mut().zip(block) {
                     *z -= dot(column, &rest[0]);
                 }
             }
@@ -199,10 +216,10 @@ impl<const D: usize> Reduced<D> {
 }
 
 // ANCHOR: divide_by_factor
-/// Tile times the transposed inverse of a factored diagonal tile.
-fn divide_by_factor<const D: usize>(tile: &mut Tile<D>, factor: &Tile<D>) {
+/// Block times the transposed inverse of a factored diagonal block.
+fn divide_by_factor<const D: usize>(block: &mut Block<D>, factor: &Block<D>) {
     for column in 0..D {
-        let (done, rest) = tile.split_at_mut(column);
+        let (done, rest) = block.split_at_mut(column);
         for (known, factor) in done.iter().zip(factor) {
             add_multiple(&mut rest[0], -factor[column], known);
         }
@@ -213,11 +230,11 @@ fn divide_by_factor<const D: usize>(tile: &mut Tile<D>, factor: &Tile<D>) {
 }
 // ANCHOR_END: divide_by_factor
 
-// ANCHOR: factorize_tile
-/// The Cholesky factor of one tile, of which the lower triangle is read and written.
-fn factorize_tile<const D: usize>(tile: &mut Tile<D>, smallest: &[f64; D]) -> Result<(), usize> {
+// ANCHOR: factorize_block
+/// The Cholesky factor of one block, of which the lower triangle is read and written.
+fn factorize_block<const D: usize>(block: &mut Block<D>, smallest: &[f64; D]) -> Result<(), usize> {
     for column in 0..D {
-        let (done, rest) = tile.split_at_mut(column);
+        let (done, rest) = block.split_at_mut(column);
         for left in done.iter() {
             for row in column..D {
                 rest[0][row] = multiply_add(-left[column], left[row], rest[0][row]);
@@ -235,7 +252,7 @@ fn factorize_tile<const D: usize>(tile: &mut Tile<D>, smallest: &[f64; D]) -> Re
     }
     Ok(())
 }
-// ANCHOR_END: factorize_tile
+// ANCHOR_END: factorize_block
 
 /// The scalar product.
 #[inline(always)]

@@ -1,0 +1,15 @@
+//! What each measurement says of the variables that it depends on: the residual, prediction minus
+//! measurement in standard deviations, and its derivatives. One file a measurement, and the
+//! derivatives stand here and nowhere else.
+
+mod inertial;
+mod pixel_by_body;
+mod pixel_by_camera;
+mod prior;
+mod stereo;
+
+pub use inertial::{BiasWalkFactor, InertialFactor};
+pub use pixel_by_body::{PixelByBody, pixel_by_state, twist_by_state};
+pub use pixel_by_camera::{MovingCamera, PixelByCamera};
+pub use prior::Prior;
+pub use stereo::StereoByPose;

@@ -1,0 +1,148 @@
+//! A pixel by the state of the body that carries the camera, the point that it shows, how the
+//! camera sits on the body and how late its clock is.
+
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, SMatrix, Vector1, Vector2, Vector3};
+
+use crate::inertial::{CameraImu, NavState};
+use crate::least_squares::{Factor, Key};
+use crate::manifold::so3;
+use crate::reprojection::CameraModel;
+
+// ANCHOR: by_state
+/// The twist of `camera_from_world`, as its right retraction takes it, of a step (φ, v, p) of the
+/// state: a 6×9 matrix. Neither the lever arm nor the camera's orientation appears in it.
+///
+/// Implements {eq:twist-by-state}.
+pub fn twist_by_state(state: &NavState) -> SMatrix<f64, 6, 9> {
+    let world_from_body = state.world_from_body.matrix();
+    let mut twist = SMatrix::<f64, 6, 9>::zeros();
+    let rho_by_phi = -so3::hat(&state.position) * world_from_body;
+    twist.fixed_view_mut::<3, 3>(0, 0).copy_from(&rho_by_phi);
+    twist.fixed_view_mut::<3, 3>(0, 6).fill_diagonal(-1.0);
+    twist.fixed_view_mut::<3, 3>(3, 0).copy_from(&-world_from_body);
+    twist
+}
+// ANCHOR_END: by_state
+
+// ANCHOR: pixel_by_state
+/// The 2×9 derivative of a pixel by a step (φ, v, p) of the state, from the 2×3 derivative by the
+/// landmark. Implements {eq:pixel-by-state}.
+pub fn pixel_by_state(
+    state: &NavState,
+    landmark: &Vector3<f64>,
+    by_point: &Matrix2x3<f64>,
+) -> SMatrix<f64, 2, 9> {
+    let arm = so3::hat(&(landmark - state.position));
+    let mut jacobian = SMatrix::<f64, 2, 9>::zeros();
+    let by_phi = by_point * arm * state.world_from_body.matrix();
+    jacobian.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_phi);
+    jacobian.fixed_view_mut::<2, 3>(0, 6).copy_from(&-by_point);
+    jacobian
+}
+// ANCHOR_END: pixel_by_state
+
+// ANCHOR: pixel_by_body
+/// A pixel at which a camera on a moving body saw a landmark.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelByBody<M> {
+    /// The state of the body when the sensor's clock showed the time that the picture has on the
+    /// camera's.
+    pub state: Key<NavState>,
+    /// The landmark, in world coordinates.
+    pub landmark: Key<Vector3<f64>>,
+    /// How the camera sits on the body: `body_from_camera`.
+    pub extrinsics: Key<Isometry3<f64>>,
+    /// What to add to the camera's time to get the sensor's, in seconds.
+    pub time_offset: Key<Vector1<f64>>,
+    /// The camera.
+    pub camera: M,
+    /// The body's angular velocity at that time, in its frame, in rad/s: a reading less the bias.
+    /// It enters only through the time offset.
+    pub angular_velocity: Vector3<f64>,
+    /// The measured pixel.
+    pub pixel: Vector2<f64>,
+    /// One over its standard deviation, in 1/pixel.
+    pub inverse_sigma: f64,
+}
+
+/// Values of the variables of a [`PixelByBody`].
+type Around<'a> = (&'a NavState, &'a Vector3<f64>, &'a Isometry3<f64>, &'a Vector1<f64>);
+
+impl<M: CameraModel> PixelByBody<M> {
+    /// The body when the picture was taken: it has gone on with the velocity and angular velocity
+    /// that it had.
+    fn body_at_exposure(&self, state: &NavState, offset: f64) -> NavState {
+        NavState {
+            world_from_body: so3::retract(
+                &state.world_from_body,
+                &(offset * self.angular_velocity),
+            ),
+            position: state.position + offset * state.velocity,
+            ..*state
+        }
+    }
+
+    /// The landmark in camera coordinates, and the body when the picture was taken.
+    fn seen(
+        &self,
+        (state, landmark, extrinsics, offset): Around,
+    ) -> (Vector3<f64>, NavState, CameraImu) {
+        let body = self.body_at_exposure(state, offset.x);
+        let rig = CameraImu { body_from_camera: *extrinsics, time_offset: 0.0 };
+        let camera_from_world = rig.camera_from_world(&body);
+        let point = camera_from_world.rotation * landmark + camera_from_world.translation.vector;
+        (point, body, rig)
+    }
+}
+
+impl<M: CameraModel> Factor<2> for PixelByBody<M> {
+    type Variables = (NavState, Vector3<f64>, Isometry3<f64>, Vector1<f64>);
+    type Jacobians = (SMatrix<f64, 2, 9>, Matrix2x3<f64>, Matrix2x6<f64>, Vector2<f64>);
+
+    fn variables(
+        &self,
+    ) -> (Key<NavState>, Key<Vector3<f64>>, Key<Isometry3<f64>>, Key<Vector1<f64>>) {
+        (self.state, self.landmark, self.extrinsics, self.time_offset)
+    }
+
+    fn residual(&self, around: Around) -> Option<Vector2<f64>> {
+        let (point, _, _) = self.seen(around);
+        Some(self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel))
+    }
+
+    // ANCHOR: pixel_by_body_linearize
+    /// Implements {eq:pixel-by-state}; by the extrinsics T_bc exp(ξ), the point in the camera moves
+    /// by −ρ + P_c × φ; by the time offset, as by the velocities that the body has.
+    fn linearize(&self, around: Around) -> Option<(Vector2<f64>, Self::Jacobians)> {
+        let (state, landmark, _, offset) = around;
+        let (point, body, rig) = self.seen(around);
+        let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
+        let by_camera_point = self.inverse_sigma * self.camera.projection_jacobian(&point)?;
+        let world_from_camera = rig.world_from_camera(&body).rotation.to_rotation_matrix();
+        let by_landmark = by_camera_point * world_from_camera.matrix().transpose();
+        let at_exposure = pixel_by_state(&body, landmark, &by_landmark);
+        let by_state = by_state_before(&at_exposure, &(offset.x * self.angular_velocity), offset.x);
+        let mut by_extrinsics = Matrix2x6::zeros();
+        by_extrinsics.fixed_columns_mut::<3>(0).copy_from(&-by_camera_point);
+        let turned = by_camera_point * so3::hat(&point);
+        by_extrinsics.fixed_columns_mut::<3>(3).copy_from(&turned);
+        let by_offset = at_exposure.fixed_columns::<3>(0) * self.angular_velocity
+            + at_exposure.fixed_columns::<3>(6) * state.velocity;
+        Some((residual, (by_state, by_landmark, by_extrinsics, by_offset)))
+    }
+    // ANCHOR_END: pixel_by_body_linearize
+}
+
+/// A derivative by the state `seconds` later, in which the body turned by `turn`, as one by the
+/// state: φ is carried along by the turn, and p by the velocity.
+fn by_state_before(
+    later: &SMatrix<f64, 2, 9>,
+    turn: &Vector3<f64>,
+    seconds: f64,
+) -> SMatrix<f64, 2, 9> {
+    let mut by_state = *later;
+    let carried = later.fixed_columns::<3>(0) * so3::exp(turn).matrix().transpose();
+    by_state.fixed_columns_mut::<3>(0).copy_from(&carried);
+    by_state.fixed_columns_mut::<3>(3).copy_from(&(seconds * later.fixed_columns::<3>(6)));
+    by_state
+}

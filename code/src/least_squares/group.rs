@@ -1,0 +1,139 @@
+//! Factors of one kind, asked together.
+
+use std::any::Any;
+
+use super::linearized::Linearized;
+use super::{Factor, Jacobians, Kernel, Values, Variables};
+
+/// Where factors are evaluated.
+#[derive(Debug, Clone, Copy)]
+pub struct Point<'a> {
+    /// Where residuals are evaluated.
+    pub values: &'a Values,
+    /// Where derivatives are evaluated, when that is another point: the linearization point that
+    /// somebody froze.
+    pub frozen: Option<&'a Values>,
+}
+
+/// A factor of a group that has no value where it was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Undefined {
+    /// Its place in the group.
+    pub factor: usize,
+}
+
+// ANCHOR: group
+/// Factors of one kind. A call evaluates many of them, so that the calls inside are known when
+/// compiling.
+pub trait FactorGroup: Any + Send + Sync {
+    /// How many factors there are.
+    fn len(&self) -> usize;
+
+    /// How many numbers the residual of each has.
+    fn rows(&self) -> usize;
+
+    /// The dimension of each of a factor's variables.
+    fn columns(&self) -> &[usize];
+
+    /// Visits the numbers of the variables of a factor, in the order of its slots.
+    fn variables(&self, factor: usize, visit: &mut dyn FnMut(usize));
+
+    /// The cost of some factors. Infinite where a residual has no value.
+    fn cost(&self, factors: &[u32], values: &Values) -> f64;
+
+    /// Linearizes some factors.
+    ///
+    /// # Errors
+    ///
+    /// [`Undefined`] names the first that has no value.
+    fn linearize(&self, factors: &[u32], at: Point, into: &mut Linearized)
+    -> Result<(), Undefined>;
+}
+// ANCHOR_END: group
+
+/// Factors of one type with one kernel.
+pub struct FactorSet<F, const R: usize> {
+    kernel: Kernel,
+    factors: Vec<F>,
+}
+
+impl<F: Factor<R>, const R: usize> FactorSet<F, R> {
+    /// No factors yet.
+    pub fn new(kernel: Kernel) -> Self {
+        Self { kernel, factors: Vec::new() }
+    }
+
+    /// The kernel of all of them.
+    pub fn kernel(&self) -> &Kernel {
+        &self.kernel
+    }
+
+    /// Adds a factor and gives its place.
+    pub fn push(&mut self, factor: F) -> usize {
+        self.factors.push(factor);
+        self.factors.len() - 1
+    }
+}
+
+impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
+    fn len(&self) -> usize {
+        self.factors.len()
+    }
+
+    fn rows(&self) -> usize {
+        R
+    }
+
+    fn columns(&self) -> &[usize] {
+        F::Jacobians::COLUMNS
+    }
+
+    fn variables(&self, factor: usize, visit: &mut dyn FnMut(usize)) {
+        F::Variables::indices(&self.factors[factor].variables(), visit);
+    }
+
+    // ANCHOR: group_cost
+    fn cost(&self, factors: &[u32], values: &Values) -> f64 {
+        let lists = F::Variables::lists(values);
+        let cost = |factor: &u32| {
+            let factor = &self.factors[*factor as usize];
+            let residual = factor.residual(F::Variables::pick(lists, &factor.variables()));
+            residual.map_or(f64::INFINITY, |r| self.kernel.cost_of_square(r.norm_squared()))
+        };
+        factors.iter().map(cost).sum()
+    }
+    // ANCHOR_END: group_cost
+
+    // ANCHOR: group_linearize
+    fn linearize(
+        &self,
+        factors: &[u32],
+        at: Point,
+        into: &mut Linearized,
+    ) -> Result<(), Undefined> {
+        into.clear(R, F::Jacobians::COLUMNS);
+        into.reserve(factors.len());
+        let lists = F::Variables::lists(at.values);
+        let frozen = at.frozen.map(F::Variables::lists);
+        for &index in factors {
+            let factor = &self.factors[index as usize];
+            let keys = factor.variables();
+            let here = F::Variables::pick(lists, &keys);
+            let linear = match frozen {
+                None => factor.linearize(here),
+                Some(lists) => factor
+                    .residual(here)
+                    .zip(factor.linearize(F::Variables::pick(lists, &keys)))
+                    .map(|(residual, (_, jacobians))| (residual, jacobians)),
+            };
+            let (residual, jacobians) = linear.ok_or(Undefined { factor: index as usize })?;
+            let squared = residual.norm_squared();
+            let root_weight = self.kernel.root_weight_of_square(squared);
+            into.cost += self.kernel.cost_of_square(squared);
+            into.residuals.extend_from_slice((root_weight * residual).as_slice());
+            jacobians.append(root_weight, into);
+        }
+        Ok(())
+    }
+    // ANCHOR_END: group_linearize
+}

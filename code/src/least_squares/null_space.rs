@@ -1,0 +1,220 @@
+//! What measurements leave free: one count, one threshold, for every problem.
+//!
+//! It is made on the Jacobian and not on its square. On a street of 2,000 cameras the smallest
+//! singular value that is not zero is some 1e-7 of the largest; its square is lost among the
+//! rounding errors of JᵀJ.
+
+use nalgebra::{DMatrix, DVector};
+use thiserror::Error;
+
+use super::group::Point;
+use super::orthogonal::Triangle;
+use super::problem::{Buffer, Problem};
+use super::singular::right_singular;
+use super::solver::SolveError;
+use super::spectrum::Spectrum;
+use super::{Columns, Values};
+
+/// A singular value below this fraction of the largest one is zero: rounding leaves some 1e-16.
+pub const RANK_TOLERANCE: f64 = 1e-13;
+
+/// A singular value above this fraction of the largest one is not zero. None may lie in the gap
+/// between the two.
+const SEEN_ABOVE: f64 = 1e-10;
+
+/// Up to this many columns all singular values are computed; beyond, only the smallest.
+const DENSE_COLUMNS: usize = 400;
+
+/// Whether a singular value, as a fraction of the largest, is zero.
+pub(super) fn check_gap(value: f64) -> Result<bool, NullSpaceError> {
+    if (RANK_TOLERANCE..SEEN_ABOVE).contains(&value) {
+        return Err(NullSpaceError::NoGap { value });
+    }
+    Ok(value < RANK_TOLERANCE)
+}
+
+// ANCHOR: null_space
+/// The directions in which all variables can move together without any residual changing to first
+/// order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NullSpace {
+    /// Orthonormal, one a column, in coordinates in which every column of the Jacobian has length
+    /// one.
+    basis: DMatrix<f64>,
+    /// One over the length of each column.
+    scale: DVector<f64>,
+    /// The smallest singular value that is not zero, as a fraction of the largest. `None` when all
+    /// are zero.
+    pub least_seen: Option<f64>,
+}
+// ANCHOR_END: null_space
+
+impl NullSpace {
+    /// A direction lies in the null space when no more than this part of it lies outside.
+    pub const TOLERANCE: f64 = 1e-4;
+
+    pub(super) fn new(basis: DMatrix<f64>, scale: DVector<f64>, least_seen: Option<f64>) -> Self {
+        Self { basis, scale, least_seen }
+    }
+
+    /// How many independent directions are free.
+    pub fn nullity(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    /// The free directions, one a column, with a row for each column of the Jacobian. They have no
+    /// particular length.
+    pub fn directions(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.basis.nrows(), self.basis.ncols(), |row, column| {
+            self.scale[row] * self.basis[(row, column)]
+        })
+    }
+
+    /// The error that says that something is free, or `None` when nothing is.
+    pub fn singular(&self) -> Option<SingularSystem> {
+        let (dimension, free) = self.basis.shape();
+        (free > 0).then(|| SingularSystem { free, dimension, basis: self.directions().qr().q() })
+    }
+
+    // ANCHOR: leaves
+    /// How much of a direction, as a part of its length in scaled coordinates, lies outside of the
+    /// null space: 0 when it is free, 1 when nothing of it is.
+    pub fn leaves(&self, direction: &DVector<f64>) -> f64 {
+        let (length, unit) = self.scaled(direction);
+        if length > 0.0 { self.outside(&unit).norm() } else { 1.0 }
+    }
+
+    /// The length of a direction in scaled coordinates, and the direction at length one there.
+    pub fn scaled(&self, direction: &DVector<f64>) -> (f64, DVector<f64>) {
+        let scaled = direction.component_div(&self.scale);
+        let length = scaled.norm();
+        (length, if length > 0.0 { scaled / length } else { scaled })
+    }
+
+    /// The part outside of the null space of a vector in scaled coordinates.
+    pub fn outside(&self, scaled: &DVector<f64>) -> DVector<f64> {
+        scaled - &self.basis * self.basis.tr_mul(scaled)
+    }
+    // ANCHOR_END: leaves
+
+    // ANCHOR: combinations
+    /// The sums of these directions that are free, by the factor of each direction, one sum a
+    /// column. Factors are those of directions of length one in scaled coordinates.
+    pub fn combinations(&self, directions: &[DVector<f64>]) -> DMatrix<f64> {
+        if directions.is_empty() {
+            return DMatrix::zeros(0, 0);
+        }
+        let units: Vec<_> = directions.iter().map(|direction| self.scaled(direction).1).collect();
+        let outside: Vec<_> = units.iter().map(|unit| self.outside(unit)).collect();
+        let sums = Self::sums_that_vanish(
+            &DMatrix::from_columns(&outside),
+            &DMatrix::from_columns(&units),
+        );
+        let free = sums.ncols().min(self.nullity());
+        sums.columns(0, free).into_owned()
+    }
+
+    /// The factors of all sums of columns that vanish, beside the size of the columns that they
+    /// were made of.
+    pub(crate) fn sums_that_vanish(columns: &DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
+        let size = whole.column_iter().map(|column| column.norm()).fold(0.0, f64::max);
+        let (values, factors) = right_singular(columns.clone());
+        let vanish = values.iter().take_while(|value| **value < Self::TOLERANCE * size).count();
+        factors.columns(0, vanish).into_owned()
+    }
+    // ANCHOR_END: combinations
+}
+
+impl Problem {
+    /// What the factors leave free at `values`.
+    ///
+    /// # Errors
+    ///
+    /// [`NullSpaceError::NoGap`] when that cannot be said, and those of [`Problem::linearize`].
+    pub fn null_space(&self, values: &Values) -> Result<NullSpace, SolveError> {
+        self.check_values(values)?;
+        self.at(values, |at| self.null_space_at(at))
+    }
+
+    pub(super) fn null_space_at(&self, at: Point) -> Result<NullSpace, SolveError> {
+        let columns = self.columns();
+        if columns.count > DENSE_COLUMNS {
+            return Triangle::of(self, at, &columns)?.null_space();
+        }
+        let (jacobian, _) = self.jacobian_at(at, &columns)?;
+        Ok(Spectrum::of(&jacobian)?.null_space())
+    }
+
+    // ANCHOR: jacobian
+    /// The whitened Jacobian and the residual at `values`, all in one: a row for each number of
+    /// each factor, in the order of the factors' types, a column for each of [`Problem::columns`].
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Problem::linearize`].
+    pub fn jacobian(&self, values: &Values) -> Result<(DMatrix<f64>, DVector<f64>), SolveError> {
+        self.check_values(values)?;
+        self.at(values, |at| self.jacobian_at(at, &self.columns()))
+    }
+
+    fn jacobian_at(
+        &self,
+        at: Point,
+        columns: &Columns,
+    ) -> Result<(DMatrix<f64>, DVector<f64>), SolveError> {
+        let mut jacobian = DMatrix::zeros(self.rows(), columns.count);
+        let mut residual = DVector::zeros(self.rows());
+        let mut number = 0;
+        self.each_row(at, columns, &mut Buffer::default(), |row| {
+            residual[number] = row.residual;
+            for (column, slope) in row.entries {
+                jacobian[(number, *column)] = *slope;
+            }
+            number += 1;
+        })?;
+        Ok((jacobian, residual))
+    }
+    // ANCHOR_END: jacobian
+}
+
+/// The measurements leave directions in which everything can move and no residual changes.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error(
+    "the system leaves {free} of {dimension} directions free; hold variables or add measurements"
+)]
+pub struct SingularSystem {
+    /// The number of free directions.
+    pub free: usize,
+    /// The number of all directions.
+    pub dimension: usize,
+    /// An orthonormal basis of the free directions, one a column, with a row for each of
+    /// [`Problem::columns`].
+    pub basis: DMatrix<f64>,
+}
+
+impl SingularSystem {
+    /// Nothing is determined.
+    pub(super) fn everything(dimension: usize) -> Self {
+        Self { free: dimension, dimension, basis: DMatrix::identity(dimension, dimension) }
+    }
+}
+
+/// Why nothing can be said about what is free.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum NullSpaceError {
+    /// A derivative is not finite.
+    #[error("row {row} of the Jacobian is not finite; look for a NaN")]
+    NotFinite {
+        /// The row.
+        row: usize,
+    },
+    /// A singular value is neither zero nor surely different from it.
+    #[error(
+        "a singular value is {value:.1e} of the largest, too much for rounding and too little to \
+         be sure; the geometry is degenerate but for almost nothing, or the estimate is not exact"
+    )]
+    NoGap {
+        /// The value, as a fraction of the largest.
+        value: f64,
+    },
+}

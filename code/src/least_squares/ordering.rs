@@ -1,0 +1,81 @@
+//! An order of rows that keeps the envelope of a symmetric matrix small.
+
+use std::collections::VecDeque;
+
+/// For each row the first column in which something stands, from lists of rows of which every pair
+/// stands in the matrix. Between it and the diagonal everything fills in.
+pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<usize> {
+    let mut first: Vec<usize> = (0..rows).collect();
+    for coupled in couplings {
+        let least = coupled.iter().copied().min().unwrap_or(0);
+        coupled.into_iter().for_each(|row| first[row] = first[row].min(least));
+    }
+    first
+}
+
+// ANCHOR: reverse_cuthill_mckee
+/// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill]; [@george]):
+/// neighbours before their neighbours, those with the fewest first. A ring becomes a band of twice
+/// the width instead of a band with a full last row.
+pub fn reverse_cuthill_mckee(
+    rows: usize,
+    couplings: impl Iterator<Item = Vec<usize>>,
+) -> Vec<usize> {
+    let neighbours = neighbours(rows, couplings);
+    let degree = |row: &usize| neighbours[*row].len();
+    let mut visited = vec![false; rows];
+    let mut sequence = Vec::with_capacity(rows);
+    let mut seeds: Vec<usize> = (0..rows).collect();
+    seeds.sort_by_key(degree);
+    for seed in seeds {
+        if visited[seed] {
+            continue;
+        }
+        for row in breadth_first(farthest(seed, &neighbours), &neighbours) {
+            visited[row] = true;
+            sequence.push(row);
+        }
+    }
+    let mut place = vec![0; rows];
+    sequence.into_iter().rev().enumerate().for_each(|(new, row)| place[row] = new);
+    place
+}
+// ANCHOR_END: reverse_cuthill_mckee
+
+/// A row at the end of a longest way from another one, or nearly.
+fn farthest(seed: usize, neighbours: &[Vec<usize>]) -> usize {
+    let end = |from| breadth_first(from, neighbours).last().copied().unwrap_or(from);
+    end(end(seed))
+}
+
+/// Every row that can be reached, neighbours with few neighbours first.
+fn breadth_first(start: usize, neighbours: &[Vec<usize>]) -> Vec<usize> {
+    let mut reached = vec![false; neighbours.len()];
+    let (mut queue, mut sequence) = (VecDeque::from([start]), Vec::new());
+    reached[start] = true;
+    while let Some(row) = queue.pop_front() {
+        sequence.push(row);
+        let mut next: Vec<usize> =
+            neighbours[row].iter().copied().filter(|other| !reached[*other]).collect();
+        next.sort_by_key(|other| neighbours[*other].len());
+        next.iter().for_each(|other| reached[*other] = true);
+        queue.extend(next);
+    }
+    sequence
+}
+
+fn neighbours(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<Vec<usize>> {
+    let mut neighbours = vec![Vec::new(); rows];
+    for mut coupled in couplings {
+        coupled.sort_unstable();
+        coupled.dedup();
+        for &row in &coupled {
+            neighbours[row].extend(coupled.iter().filter(|other| **other != row));
+        }
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+    }
+    neighbours
+}

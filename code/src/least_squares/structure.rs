@@ -1,0 +1,281 @@
+//! The factors of a problem in the order in which elimination wants them: landmark by landmark,
+//! and within a landmark by the row of the other variable.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::Manifold;
+use super::ordering::{envelope, reverse_cuthill_mckee};
+use super::problem::{Columns, Problem};
+use super::solver::SolveError;
+
+/// The slot of a variable that does not move.
+pub const HELD: u32 = u32::MAX;
+
+// ANCHOR: landmark
+/// A landmark: where its coordinates are, and where the lists of its runs and rows begin and end.
+#[derive(Debug, Clone)]
+pub struct Landmark {
+    /// Its first coordinate in a step.
+    pub coordinate: usize,
+    /// Its part of [`Structure::runs`].
+    pub runs: Range<usize>,
+    /// Its part of [`Structure::rows`].
+    pub rows: Range<usize>,
+}
+
+/// Factors of one group that see the same landmark.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Index of the group.
+    pub group: usize,
+    /// Their part of [`Structure::factors`].
+    pub factors: Range<usize>,
+}
+// ANCHOR_END: landmark
+
+/// Which of the variables of a group's factors is the landmark, and which has a row.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Slots {
+    pub landmark: usize,
+    pub other: Option<usize>,
+}
+
+/// A factor that sees no landmark, and the rows of its variables.
+#[derive(Debug, Clone)]
+pub struct Other {
+    pub group: usize,
+    pub factor: u32,
+    pub rows: Vec<Option<usize>>,
+}
+
+// ANCHOR: structure
+/// The structure of a problem with landmarks. It stays the same from step to step.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    pub landmarks: Vec<Landmark>,
+    /// By landmark, the factors that see it.
+    pub runs: Vec<Run>,
+    /// Places of factors in their groups.
+    pub factors: Vec<u32>,
+    /// For each of `factors`, which of its landmark's rows its other variable has, or [`HELD`].
+    pub slots: Vec<u32>,
+    /// For each landmark the rows of the variables that see it, ascending.
+    pub rows: Vec<usize>,
+    /// By group.
+    pub groups: Vec<Slots>,
+    /// What sees no landmark.
+    pub others: Vec<Other>,
+    /// For each row of blocks in the Schur complement the first coordinates of its variables.
+    pub variables: Vec<Vec<usize>>,
+    /// By row, the first column in which something stands.
+    pub first_columns: Vec<usize>,
+    /// Coordinates that are held although their variable has a row: row and axis.
+    pub held: Vec<(usize, usize)>,
+}
+// ANCHOR_END: structure
+
+/// What a variable is to the elimination.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Held,
+    Landmark(usize),
+    Row(usize),
+}
+
+/// A factor that sees a landmark, and the row of its other variable.
+#[derive(Clone, Copy)]
+struct Sighting {
+    row: Option<usize>,
+    group: usize,
+    factor: u32,
+}
+
+impl Structure {
+    /// The structure of a problem in which the variables of the kind `L` are landmarks, and all
+    /// others that move have `dimension` coordinates.
+    pub fn new<L: Manifold>(problem: &Problem, dimension: usize) -> Result<Self, SolveError> {
+        let mut roles = Roles::of::<L>(problem, dimension)?;
+        let mut structure = Self::default();
+        let mut seen_by = vec![Vec::new(); roles.landmarks.len()];
+        for group in 0..problem.group_count() {
+            structure.sort_group(problem, group, &roles, &mut seen_by)?;
+        }
+        let order = structure.order(&seen_by, roles.variables.len());
+        roles.reorder(&order);
+        let new_row = |row: &mut Option<usize>| *row = row.map(|row| order[row]);
+        seen_by.iter_mut().flatten().for_each(|sighting| new_row(&mut sighting.row));
+        structure.others.iter_mut().flat_map(|other| &mut other.rows).for_each(new_row);
+        structure.first_columns = envelope(roles.variables.len(), structure.couplings(&seen_by));
+        for (coordinate, sightings) in roles.landmarks.into_iter().zip(seen_by) {
+            structure.add_landmark(coordinate, sightings);
+        }
+        (structure.variables, structure.held) = (roles.variables, roles.held);
+        Ok(structure)
+    }
+
+    /// Gives each factor of a group to its landmark.
+    fn sort_group(
+        &mut self,
+        problem: &Problem,
+        group: usize,
+        roles: &Roles,
+        seen_by: &mut [Vec<Sighting>],
+    ) -> Result<(), SolveError> {
+        let factors = problem.group(group);
+        let mut slots = Slots::default();
+        for factor in 0..factors.len() as u32 {
+            let mut named = Vec::new();
+            factors.variables(factor as usize, &mut |index| named.push(roles.of[index]));
+            let wrong =
+                |what| SolveError::Structure { factor: problem.number(group, factor), what };
+            let landmark = named.iter().position(|role| matches!(role, Role::Landmark(_)));
+            let row = |role: &Role| if let Role::Row(row) = role { Some(*row) } else { None };
+            let rows: Vec<Option<usize>> = named.iter().map(row).collect();
+            let moving = rows.iter().flatten().count();
+            let Some(Role::Landmark(index)) = landmark.map(|slot| named[slot]) else {
+                if moving > 0 {
+                    self.others.push(Other { group, factor, rows });
+                }
+                continue;
+            };
+            slots.landmark = landmark.unwrap_or_default();
+            if moving + 1 < named.iter().filter(|role| **role != Role::Held).count() {
+                return Err(wrong("sees two landmarks; only factors of one can be eliminated"));
+            }
+            let other = rows.iter().position(Option::is_some);
+            if moving > 1 || (slots.other.is_some() && other.is_some() && slots.other != other) {
+                return Err(wrong("has a landmark and more than one variable that moves besides"));
+            }
+            slots.other = slots.other.or(other);
+            let row = other.and_then(|slot| rows[slot]);
+            seen_by[index].push(Sighting { row, group, factor });
+        }
+        self.groups.push(slots);
+        Ok(())
+    }
+
+    /// All pairs of rows in which something stands, as lists of rows of which every pair counts.
+    fn couplings<'a>(&'a self, seen_by: &'a [Vec<Sighting>]) -> impl Iterator<Item = Vec<usize>> {
+        let of_landmarks = seen_by.iter().map(|seen| seen.iter().filter_map(|s| s.row).collect());
+        let of_others =
+            self.others.iter().map(|other| other.rows.iter().flatten().copied().collect());
+        of_landmarks.chain(of_others)
+    }
+
+    /// The new place of each row: that which keeps the envelope small.
+    fn order(&self, seen_by: &[Vec<Sighting>], rows: usize) -> Vec<usize> {
+        let as_they_are: Vec<usize> = (0..rows).collect();
+        let reordered = reverse_cuthill_mckee(rows, self.couplings(seen_by));
+        let stored = |order: &[usize]| -> usize {
+            let renamed = self
+                .couplings(seen_by)
+                .map(|rows| rows.into_iter().map(|row| order[row]).collect());
+            envelope(rows, renamed).iter().enumerate().map(|(row, first)| row - first).sum()
+        };
+        if stored(&reordered) < stored(&as_they_are) { reordered } else { as_they_are }
+    }
+
+    /// Adds a landmark with the factors that see it.
+    fn add_landmark(&mut self, coordinate: usize, mut seen_by: Vec<Sighting>) {
+        seen_by.sort_by_key(|sighting| (sighting.group, sighting.row));
+        let mut place: BTreeMap<usize, u32> =
+            seen_by.iter().filter_map(|s| s.row).map(|r| (r, 0)).collect();
+        place.values_mut().enumerate().for_each(|(slot, place)| *place = slot as u32);
+        let (runs, rows) = (self.runs.len(), self.rows.len());
+        for sighting in seen_by {
+            let at = self.factors.len();
+            self.factors.push(sighting.factor);
+            self.slots.push(sighting.row.map_or(HELD, |row| place[&row]));
+            match self.runs[runs..].last_mut().filter(|run| run.group == sighting.group) {
+                Some(run) => run.factors.end = at + 1,
+                None => self.runs.push(Run { group: sighting.group, factors: at..at + 1 }),
+            }
+        }
+        self.rows.extend(place.keys());
+        let (runs, rows) = (runs..self.runs.len(), rows..self.rows.len());
+        self.landmarks.push(Landmark { coordinate, runs, rows });
+    }
+
+    /// How many rows of blocks the Schur complement has.
+    pub fn row_count(&self) -> usize {
+        self.variables.len()
+    }
+
+    // ANCHOR: block_products
+    /// Products of two blocks that elimination takes: one for each pair of variables that share a
+    /// landmark, a variable and itself included.
+    ///
+    /// Implements {eq:block-products}.
+    pub fn block_products(&self) -> usize {
+        let pairs = |landmark: &Landmark| landmark.rows.len() * (landmark.rows.len() + 1) / 2;
+        self.landmarks.iter().map(pairs).sum()
+    }
+    // ANCHOR_END: block_products
+
+    /// The memory that it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Landmark>() * self.landmarks.capacity()
+            + size_of::<Run>() * self.runs.capacity()
+            + size_of::<u32>() * (self.factors.capacity() + self.slots.capacity())
+            + size_of::<usize>() * (self.rows.capacity() + 4 * self.variables.len())
+    }
+}
+
+/// What each variable of a problem is to the elimination.
+struct Roles {
+    of: Vec<Role>,
+    /// First coordinate of each landmark.
+    landmarks: Vec<usize>,
+    /// First coordinates of the variables of each row.
+    variables: Vec<Vec<usize>>,
+    /// Row and axis of single coordinates that are held.
+    held: Vec<(usize, usize)>,
+}
+
+impl Roles {
+    fn of<L: Manifold>(problem: &Problem, dimension: usize) -> Result<Self, SolveError> {
+        let Columns { of: columns, .. } = problem.columns();
+        let mut roles =
+            Self { of: Vec::new(), landmarks: Vec::new(), variables: Vec::new(), held: Vec::new() };
+        // Variables that are tied share their first column.
+        let mut row_of_column = BTreeMap::new();
+        for index in 0..problem.values().len() {
+            let coordinates = problem.values().coordinates_of(index).unwrap_or_default();
+            let own = &columns[coordinates.clone()];
+            let Some(first) = own.iter().flatten().next() else {
+                roles.of.push(Role::Held);
+                continue;
+            };
+            let is_landmark = problem.values().key::<L>(index).is_some();
+            if is_landmark && own.iter().all(Option::is_some) {
+                roles.of.push(Role::Landmark(roles.landmarks.len()));
+                roles.landmarks.push(coordinates.start);
+                continue;
+            }
+            if is_landmark || own.len() != dimension {
+                return Err(SolveError::Block { variable: index, found: own.len(), dimension });
+            }
+            let row = *row_of_column.entry(*first).or_insert_with(|| {
+                let row = roles.variables.len();
+                roles.variables.push(Vec::new());
+                let held = own.iter().enumerate().filter(|(_, column)| column.is_none());
+                roles.held.extend(held.map(|(axis, _)| (row, axis)));
+                row
+            });
+            roles.variables[row].push(coordinates.start);
+            roles.of.push(Role::Row(row));
+        }
+        Ok(roles)
+    }
+
+    /// Gives each row its new place.
+    fn reorder(&mut self, order: &[usize]) {
+        let mut variables = vec![Vec::new(); order.len()];
+        for (row, list) in self.variables.drain(..).enumerate() {
+            variables[order[row]] = list;
+        }
+        self.variables = variables;
+        self.held.iter_mut().for_each(|(row, _)| *row = order[*row]);
+    }
+}
