@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::{
     Preintegrated, Preintegrator, Rule, correct_for_bias, linearize, preintegrate,
 };
@@ -32,7 +32,7 @@ fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
 }
 
 fn preintegration(criterion: &mut Criterion) {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let samples = motion.samples(&GRAVITY, 0.005, 100 * WINDOW + 1);
     let mut group = criterion.benchmark_group("window of 200 readings");
     group.throughput(Throughput::Elements(WINDOW as u64));

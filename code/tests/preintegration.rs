@@ -5,8 +5,8 @@ use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::inertial::{
-    Angles, Course, GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState, NoiseError,
-    StampedSample,
+    Angles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, ScalarTrajectory,
+    StampedSample, Trajectory,
 };
 use vislam::least_squares::{Manifold, WhiteningError};
 use vislam::manifold::so3;
@@ -67,7 +67,7 @@ fn after_a_second_at_rest_a_poor_sensor_knows_so_much() {
 #[test]
 fn a_bias_of_a_twentieth_of_a_radian_per_second_is_fourteen_sigmas_of_rotation() {
     let bias = ImuBias { gyro: Vector3::new(0.0, 0.0, 0.05), ..ImuBias::default() };
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY).biased(&bias); 200];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY).biased(&bias); 200];
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &ImuNoise::mems()).unwrap();
     let origin = NavState::origin();
     let unaware = imu_residual(&sums, &origin, &origin, &GRAVITY, &ImuBias::default());
@@ -78,7 +78,7 @@ fn a_bias_of_a_twentieth_of_a_radian_per_second_is_fourteen_sigmas_of_rotation()
 // ANCHOR_END: at_rest
 
 fn at_rest(steps: usize) -> Preintegrated {
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY); steps];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY); steps];
     preintegrate(&samples, 0.005, &ImuBias::default(), &ImuNoise::mems()).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn a_single_step_has_no_whitener_and_two_have_one() {
 }
 
 /// The deltas of a motion between two times, from its formulas.
-fn true_deltas(motion: &Motion, from: f64, duration: f64) -> Deltas {
+fn true_deltas(motion: &Trajectory, from: f64, duration: f64) -> Deltas {
     let (first, last) = (motion.at(from).state, motion.at(from + duration).state);
     let body_from_world = first.world_from_body.inverse();
     let fallen = first.velocity * duration + 0.5 * duration * duration * GRAVITY;
@@ -126,7 +126,7 @@ fn true_deltas(motion: &Motion, from: f64, duration: f64) -> Deltas {
 }
 
 /// Errors of the deltas after one second in this many steps.
-fn errors(motion: &Motion, rule: Rule, steps: usize) -> [f64; 3] {
+fn errors(motion: &Trajectory, rule: Rule, steps: usize) -> [f64; 3] {
     let dt = 1.0 / steps as f64;
     let samples = motion.samples(&GRAVITY, dt, steps + 1);
     let sums = summed(&samples, rule, dt, &ImuBias::default(), &ImuNoise::mems());
@@ -158,7 +158,7 @@ fn summed(
 
 #[test]
 fn halving_the_step_halves_the_error_of_the_left_rule_and_quarters_that_of_the_midpoint_rule() {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     for (rule, order) in [(Rule::Left, 1.0), (Rule::Midpoint, 2.0)] {
         let steps = [50, 100, 200, 400, 800];
         let by_steps = steps.map(|steps| errors(&motion, rule, steps));
@@ -192,8 +192,8 @@ impl Random {
         radius * (std::f64::consts::TAU * self.0.random::<f64>()).cos()
     }
 
-    fn course(&mut self, size: f64) -> Course {
-        Course {
+    fn coordinate(&mut self, size: f64) -> ScalarTrajectory {
+        ScalarTrajectory {
             value: self.uniform(size),
             rate: self.uniform(size),
             acceleration: self.uniform(size),
@@ -203,10 +203,10 @@ impl Random {
         }
     }
 
-    fn motion(&mut self) -> Motion {
-        let position = [self.course(2.0), self.course(2.0), self.course(2.0)];
-        let (yaw, pitch, roll) = (self.course(0.8), self.course(0.4), self.course(0.8));
-        Motion { position, angles: Angles { yaw, pitch, roll } }
+    fn motion(&mut self) -> Trajectory {
+        let position = [self.coordinate(2.0), self.coordinate(2.0), self.coordinate(2.0)];
+        let (yaw, pitch, roll) = (self.coordinate(0.8), self.coordinate(0.4), self.coordinate(0.8));
+        Trajectory { position, angles: Angles { yaw, pitch, roll } }
     }
 
     fn bias(&mut self, gyro: f64, accelerometer: f64) -> ImuBias {
@@ -234,9 +234,9 @@ fn the_covariance_is_that_of_two_thousand_noisy_runs() {
     let noise = ImuNoise::mems();
     let (dt, bias) = (0.005, ImuBias::default());
     for (rule, motion) in [
-        (Rule::Left, Motion::hover()),
-        (Rule::Left, Motion::figure_eight()),
-        (Rule::Midpoint, Motion::figure_eight()),
+        (Rule::Left, Trajectory::hover()),
+        (Rule::Left, Trajectory::figure_eight()),
+        (Rule::Midpoint, Trajectory::figure_eight()),
     ] {
         let samples = motion.samples(&GRAVITY, dt, 201);
         let clean = summed(&samples, rule, dt, &bias, &noise);
@@ -460,7 +460,7 @@ fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
 
 #[test]
 fn sample_by_sample_is_the_same_as_a_slice() {
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, 200);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, 200);
     let (bias, noise) = (Random::new(9).bias(0.1, 0.5), ImuNoise::mems());
     let mut integrator = Preintegrator::new(&bias, &noise).unwrap();
     for (index, sample) in samples.iter().enumerate() {
@@ -472,7 +472,7 @@ fn sample_by_sample_is_the_same_as_a_slice() {
 
 #[test]
 fn stamped_readings_are_summed_with_the_steps_between_their_times() {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let times: [i64; 6] = [0, 5_000_000, 9_000_000, 16_000_000, 21_000_001, 30_000_000];
     let since = 1_403_715_273_262_142_976;
     let stamped: Vec<_> = times
@@ -502,7 +502,7 @@ fn stamped_readings_are_summed_with_the_steps_between_their_times() {
 }
 
 /// How far the corrected position is from that of integrating again.
-fn correction_error(motion: &Motion, bias: &ImuBias) -> f64 {
+fn correction_error(motion: &Trajectory, bias: &ImuBias) -> f64 {
     let samples = motion.samples(&GRAVITY, 0.005, 200);
     let noise = ImuNoise::mems();
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &noise).unwrap();
@@ -512,7 +512,7 @@ fn correction_error(motion: &Motion, bias: &ImuBias) -> f64 {
 
 #[test]
 fn a_tenth_of_the_bias_error_leaves_a_hundredth_of_the_correction_error() {
-    let turn = Motion::level_turn(1.0, 0.5);
+    let turn = Trajectory::level_turn(1.0, 0.5);
     let about = |axis: &Vector3<f64>, size: f64| ImuBias {
         gyro: size * axis,
         accelerometer: Vector3::zeros(),
@@ -525,7 +525,7 @@ fn a_tenth_of_the_bias_error_leaves_a_hundredth_of_the_correction_error() {
     assert_abs_diff_eq!(level, 0.205e-3, epsilon = 0.005e-3);
     let tilted = correction_error(&turn, &about(&Vector3::x(), 0.1));
     assert_abs_diff_eq!(tilted, 4.0e-3, epsilon = 0.1e-3);
-    let spot = correction_error(&Motion::turn_on_the_spot(0.5), &about(&Vector3::z(), 0.1));
+    let spot = correction_error(&Trajectory::turn_on_the_spot(0.5), &about(&Vector3::z(), 0.1));
     assert!(spot < 1e-12);
 }
 
@@ -563,7 +563,7 @@ fn readings_are_summed_again_when_the_bias_has_moved_far() {
 fn each_source_of_noise_alone_grows_by_its_own_law() {
     let accelerometer = ImuNoise { gyro: 0.0, ..ImuNoise::mems() };
     let gyro = ImuNoise { accelerometer: 0.0, ..ImuNoise::mems() };
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let sigmas = |noise: &ImuNoise, steps: usize| {
         let samples = vec![sample; steps];
         preintegrate(&samples, 0.005, &ImuBias::default(), noise).unwrap().sigmas()
@@ -581,7 +581,7 @@ fn each_source_of_noise_alone_grows_by_its_own_law() {
 
 #[test]
 fn a_long_sum_stays_a_rotation_and_its_covariance_symmetric() {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems()).unwrap();
     for k in 0..200_000 {
         integrator.integrate(&motion.at(0.005 * k as f64).sample(&GRAVITY), 0.005).unwrap();
@@ -614,7 +614,7 @@ fn the_walk_of_the_biases_is_whitened() {
 fn no_reading_is_an_error() {
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
     assert_eq!(preintegrate(&[], 0.005, &bias, &noise), Err(PreintegrationError::Empty));
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let one = [StampedSample { nanoseconds: 0, sample }];
     for few in [&one[..0], &one[..]] {
         let found = preintegrate_stamped(few, Rule::Midpoint, LONGEST_STEP, &bias, &noise);
@@ -626,7 +626,7 @@ fn no_reading_is_an_error() {
 #[test]
 fn a_step_must_be_positive_and_no_longer_than_the_limit() {
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     for dt in [0.0, -0.0, -0.005, f64::NEG_INFINITY] {
         let found = preintegrate(&[sample], dt, &bias, &noise);
         assert_eq!(found, Err(PreintegrationError::Step { step: 0, dt }));
@@ -651,7 +651,7 @@ fn a_step_must_be_positive_and_no_longer_than_the_limit() {
 
 #[test]
 fn times_that_repeat_go_back_or_leave_a_gap_are_errors() {
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let at = |times: &[i64]| {
         let stamped: Vec<_> =
             times.iter().map(|&nanoseconds| StampedSample { nanoseconds, sample }).collect();
@@ -667,7 +667,7 @@ fn times_that_repeat_go_back_or_leave_a_gap_are_errors() {
 
 #[test]
 fn a_reading_that_is_not_finite_leaves_the_sums_as_they_were() {
-    let good = Motion::figure_eight().at(0.3).sample(&GRAVITY);
+    let good = Trajectory::figure_eight().at(0.3).sample(&GRAVITY);
     let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems()).unwrap();
     integrator.integrate(&good, 0.005).unwrap();
     let before = integrator.finish().unwrap();
@@ -723,7 +723,7 @@ fn readings_too_large_to_be_summed_are_an_error() {
 #[test]
 fn without_noise_nothing_can_be_whitened() {
     let silent = ImuNoise { gyro: 0.0, accelerometer: 0.0, ..ImuNoise::mems() };
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, 20);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, 20);
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &silent).unwrap();
     assert_eq!(sums.covariance, Matrix9::zeros());
     assert_eq!(sums.sqrt_information(), Err(WhiteningError::NotPositiveDefinite));

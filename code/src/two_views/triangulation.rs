@@ -70,8 +70,9 @@ impl View {
 /// The point in the world that the views see, by the linear method, when it lies in front of
 /// all of them and two of their rays meet at an angle of `least_parallax` or more.
 ///
-/// Exact for pixels without noise. With noise it is a start for
-/// [`refine`](super::refine). Implements {eq:dlt-rows}.
+/// The direct linear transform of [@hartley2004]: exact for pixels without noise, and with noise
+/// a start for [`triangulate_nonlinear`](super::triangulate_nonlinear).
+/// Implements {eq:dlt-rows}.
 ///
 /// # Errors
 ///

@@ -1,7 +1,7 @@
 //! How wrong the two rules are, in one step and after many.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuSample, NavState, Trajectory};
 use vislam::manifold::so3;
 
 use super::noise::STEP;
@@ -25,7 +25,7 @@ struct Local {
 }
 
 impl Local {
-    fn of(motion: &Motion, t: f64) -> Self {
+    fn of(motion: &Trajectory, t: f64) -> Self {
         let read = |s: f64| motion.at(t + s).sample(&GRAVITY);
         let (gyro, force) = (|s: f64| read(s).gyro, |s: f64| read(s).accelerometer);
         Self {
@@ -147,7 +147,7 @@ pub const RATES: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
 /// Error of position after [`DURATION`] along the figure-eight, in metres.
 pub fn position_error(rate: f64, midpoint: bool) -> f64 {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let (dt, steps) = (1.0 / rate, (DURATION * rate).round() as usize);
     let samples = motion.samples(&GRAVITY, dt, steps + 1);
     let mut state = motion.at(0.0).state;

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::{Preintegrated, Preintegrator, Rule, correct_for_bias};
 
 use crate::chapter::Chapter;
@@ -18,7 +18,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.number("integrator_bytes", size_of::<Preintegrator>() as f64, "bytes", 0);
     chapter.number("sums_bytes", size_of::<Preintegrated>() as f64, "bytes", 0);
     let inputs = vec![
-        ("motion", "Motion::figure_eight()".to_owned()),
+        ("motion", "Trajectory::figure_eight()".to_owned()),
         ("window", WINDOW.to_string()),
         ("windows", WINDOWS.to_string()),
         ("runs", RUNS.to_string()),
@@ -51,7 +51,7 @@ fn median(calls: usize, mut call: impl FnMut(usize)) -> f64 {
 }
 
 fn speed() -> Vec<RecordValue> {
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, WINDOW * WINDOWS + 1);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, WINDOW * WINDOWS + 1);
     let time = |rule| {
         let of_window = median(WINDOWS, |index| {
             black_box(window(&samples[WINDOW * index..=WINDOW * (index + 1)], rule));

@@ -2,7 +2,7 @@
 //! estimates, and the rules.
 
 use nalgebra::{Matrix3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::manifold::so3;
 use vislam::preintegration::{Preintegrated, Rule, correct_for_bias, preintegrate};
 
@@ -63,7 +63,7 @@ fn by_hand(chapter: &mut Chapter) {
 
 fn corrections(chapter: &mut Chapter) {
     let (speed, rate, size) = (1.0, 0.5, 0.1);
-    let turn = Motion::level_turn(speed, rate);
+    let turn = Trajectory::level_turn(speed, rate);
     let (up, ahead) = (Vector3::z(), Vector3::x());
     let inward = Vector3::y() * speed * rate;
     let by_formula = |force: &Vector3<f64>, axis: &Vector3<f64>| {
@@ -78,7 +78,7 @@ fn corrections(chapter: &mut Chapter) {
     chapter.number("left_up_formula_mm", by_formula(&inward, &up), "mm", 3);
     chapter.number("left_ahead_mm", 1e3 * left_by(&turn, &ahead, size), "mm", 1);
     chapter.number("left_ahead_formula_mm", by_formula(&(inward - GRAVITY), &ahead), "mm", 1);
-    let eight = Motion::figure_eight();
+    let eight = Trajectory::figure_eight();
     chapter.number("left_eight_up_mm", 1e3 * left_by(&eight, &up, size), "mm", 1);
     chapter.number("left_eight_ahead_mm", 1e3 * left_by(&eight, &ahead, size), "mm", 1);
     let ratio = left_by(&turn, &up, size) / left_by(&turn, &up, size / 10.0);
@@ -88,7 +88,7 @@ fn corrections(chapter: &mut Chapter) {
 /// How far the gyroscope's bias may move about a level axis until readings of a second at rest are
 /// summed again.
 fn farthest(noise: &ImuNoise, seconds: f64) -> f64 {
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY); (200.0 * seconds) as usize];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY); (200.0 * seconds) as usize];
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), noise).expect("finite numbers");
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..40 {
