@@ -138,7 +138,7 @@ fn propagated(motion: &Trajectory, steps: usize, midpoint: bool) -> [f64; 3] {
 }
 
 #[test]
-fn propagation_is_of_first_order_by_the_left_rule_and_of_second_by_the_midpoint_rule() {
+fn propagation_is_of_first_order_by_the_euler_rule_and_of_second_by_the_midpoint_rule() {
     for (midpoint, order) in [(false, 1.0), (true, 2.0)] {
         let motion = Trajectory::figure_eight();
         let [coarse, fine] = [400, 800].map(|steps| propagated(&motion, steps, midpoint));
@@ -265,7 +265,7 @@ fn a_state_moves_by_nine_numbers_rotation_first() {
     assert_abs_diff_eq!(turned, Vector3::new(0.1, 0.2, 0.3), epsilon = 1e-14);
     assert_eq!(moved.velocity, state.velocity + Vector3::new(1.0, 2.0, 3.0));
     assert_eq!(moved.position, state.position + Vector3::new(4.0, 5.0, 6.0));
-    assert_eq!(NavState::origin().world_from_body(), Isometry3::identity());
+    assert_eq!(NavState::origin().pose(), Isometry3::identity());
 }
 
 // ANCHOR: densities

@@ -149,7 +149,7 @@ fn summed(
     let mut integrator = Preintegrator::new(bias, noise).unwrap();
     for pair in samples.windows(2) {
         match rule {
-            Rule::Left => integrator.integrate(&pair[0], dt).unwrap(),
+            Rule::Euler => integrator.integrate(&pair[0], dt).unwrap(),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], dt).unwrap(),
         }
     }
@@ -157,9 +157,9 @@ fn summed(
 }
 
 #[test]
-fn halving_the_step_halves_the_error_of_the_left_rule_and_quarters_that_of_the_midpoint_rule() {
+fn halving_the_step_halves_the_error_of_the_euler_rule_and_quarters_that_of_the_midpoint_rule() {
     let motion = Trajectory::figure_eight();
-    for (rule, order) in [(Rule::Left, 1.0), (Rule::Midpoint, 2.0)] {
+    for (rule, order) in [(Rule::Euler, 1.0), (Rule::Midpoint, 2.0)] {
         let steps = [50, 100, 200, 400, 800];
         let by_steps = steps.map(|steps| errors(&motion, rule, steps));
         for pair in by_steps.windows(2) {
@@ -234,8 +234,8 @@ fn the_covariance_is_that_of_two_thousand_noisy_runs() {
     let noise = ImuNoise::mems();
     let (dt, bias) = (0.005, ImuBias::default());
     for (rule, motion) in [
-        (Rule::Left, Trajectory::hover()),
-        (Rule::Left, Trajectory::figure_eight()),
+        (Rule::Euler, Trajectory::hover()),
+        (Rule::Euler, Trajectory::figure_eight()),
         (Rule::Midpoint, Trajectory::figure_eight()),
     ] {
         let samples = motion.samples(&GRAVITY, dt, 201);
@@ -262,7 +262,7 @@ fn the_covariance_is_that_of_two_thousand_noisy_runs() {
 fn the_sums_are_those_of_the_dense_recursion() {
     let mut random = Random::new(3);
     let noise = ImuNoise::mems();
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         for _ in 0..20 {
             let motion = random.motion();
             let bias = random.bias(0.1, 0.5);
@@ -287,7 +287,7 @@ fn the_sums_are_those_of_the_dense_recursion() {
 fn steps_of_any_turn_are_those_of_the_dense_recursion() {
     let (noise, bias) = (ImuNoise::mems(), ImuBias::default());
     let force = Vector3::new(1.0, -2.0, 9.0);
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         // From a hundredth of a degree to more than a whole turn in a step.
         for angle in [2e-4, 0.1, 0.13, 0.9, 2.5, 4.0, 7.0] {
             let gyro = angle / 0.05 * Vector3::new(0.48, -0.6, 0.64);
@@ -316,7 +316,7 @@ fn dense(
     let mut rotation = Rotation3::identity();
     for pair in samples.windows(2) {
         let reading = match rule {
-            Rule::Left => pair[0],
+            Rule::Euler => pair[0],
             Rule::Midpoint => ImuSample::mean(&pair[0], &pair[1]),
         };
         let reading = reading.corrected(bias);
@@ -368,7 +368,7 @@ fn assert_blocks<const N: usize>(
 fn the_bias_jacobian_is_the_slope_of_integrating_again() {
     let mut random = Random::new(5);
     for trajectory in 0..500 {
-        let rule = if trajectory % 2 == 0 { Rule::Left } else { Rule::Midpoint };
+        let rule = if trajectory % 2 == 0 { Rule::Euler } else { Rule::Midpoint };
         let motion = random.motion();
         let bias = random.bias(0.1, 0.5);
         let samples = motion.samples(&GRAVITY, 0.01, 51);
@@ -434,7 +434,7 @@ fn whitening_multiplies_residual_and_jacobians() {
 #[test]
 fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
     let mut random = Random::new(8);
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         let samples = random.motion().samples(&GRAVITY, 0.005, 201);
         let bias = random.bias(0.1, 0.5);
         let sums = summed(&samples, rule, 0.005, &bias, &ImuNoise::mems());
@@ -444,7 +444,7 @@ fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
             for pair in samples.windows(2) {
                 let [start, end] = [pair[0].corrected(&bias), pair[1].corrected(&bias)];
                 state = match rule {
-                    Rule::Left => state.propagate(&start, &GRAVITY, 0.005),
+                    Rule::Euler => state.propagate(&start, &GRAVITY, 0.005),
                     Rule::Midpoint => state.propagate_midpoint(&start, &end, &GRAVITY, 0.005),
                 };
             }
@@ -483,12 +483,12 @@ fn stamped_readings_are_summed_with_the_steps_between_their_times() {
         })
         .collect();
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         let mut integrator = Preintegrator::new(&bias, &noise).unwrap();
         for (pair, times) in stamped.windows(2).zip(times.windows(2)) {
             let dt = 1e-9 * (times[1] - times[0]) as f64;
             match rule {
-                Rule::Left => integrator.integrate(&pair[0].sample, dt),
+                Rule::Euler => integrator.integrate(&pair[0].sample, dt),
                 Rule::Midpoint => {
                     integrator.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)
                 }
@@ -540,7 +540,7 @@ fn what_a_correction_leaves_out_is_below_its_bound() {
         let bias = random.bias(0.03, 0.1);
         let again = preintegrate(&samples, 0.01, &bias, &noise).unwrap();
         let error = difference(&again.deltas, &correct_for_bias(&sums, &bias));
-        let bound = sums.neglected(&bias);
+        let bound = sums.linearization_error_bound(&bias);
         let bounds = [bound.rotation, bound.velocity, bound.position];
         for (block, bound) in bounds.into_iter().enumerate() {
             let part = error.fixed_rows::<3>(3 * block).norm() / bound;
@@ -554,9 +554,59 @@ fn what_a_correction_leaves_out_is_below_its_bound() {
 fn readings_are_summed_again_when_the_bias_has_moved_far() {
     let sums = at_rest(200);
     let gyro = |size: f64| ImuBias { gyro: Vector3::x() * size, ..ImuBias::default() };
-    assert!(!sums.should_reintegrate(&sums.bias, 0.1));
-    assert!(!sums.should_reintegrate(&gyro(0.01), 0.1));
-    assert!(sums.should_reintegrate(&gyro(0.1), 0.1));
+    assert!(!sums.should_reintegrate(&sums.bias, 0.01));
+    assert!(!sums.should_reintegrate(&gyro(0.02), 0.01));
+    assert!(sums.should_reintegrate(&gyro(0.03), 0.01));
+    assert!(sums.should_reintegrate(&gyro(f64::NAN), 0.01));
+    // Without a square root of the information there is no limit to keep.
+    let tied = at_rest(1);
+    assert!(
+        !tied.should_reintegrate(&tied.bias, 0.01) && tied.should_reintegrate(&gyro(1e-9), 0.01)
+    );
+}
+
+#[test]
+fn a_correction_that_is_kept_adds_no_more_to_the_squared_error_than_was_allowed() {
+    let mut random = Random::new(12);
+    let noise = ImuNoise::mems();
+    let (mut kept, mut closest) = (0, 0.0_f64);
+    for _ in 0..300 {
+        let samples = random.motion().samples(&GRAVITY, 0.01, 100);
+        let sums = preintegrate(&samples, 0.01, &ImuBias::default(), &noise).unwrap();
+        let bias = random.bias(0.02, 0.1);
+        let again = preintegrate(&samples, 0.01, &bias, &noise).unwrap();
+        let error = difference(&again.deltas, &correct_for_bias(&sums, &bias));
+        let whiten = sums.sqrt_information().unwrap();
+        let part = (whiten * error).norm_squared() / sums.squared_error_bound(&bias, &whiten);
+        closest = closest.max(part);
+        if !sums.should_reintegrate(&bias, 0.01) {
+            kept += 1;
+            assert!((whiten * error).norm_squared() < 0.09);
+        }
+    }
+    assert!(closest < 1.0 && closest > 1e-3, "{closest}");
+    assert!(kept > 30 && kept < 270, "{kept}");
+}
+
+#[test]
+fn a_tenth_of_every_standard_deviation_may_be_much_of_the_squared_error() {
+    // Ascent to the worst directions of errors whose lengths are a tenth of the deviations.
+    let worst = |sums: &Preintegrated| {
+        let whiten = sums.sqrt_information().unwrap();
+        let tenths = sums.sigmas().map(|sigma| 0.1 * sigma);
+        let mut error = Vector9::from_fn(|row, _| [1.0, -0.5, 0.3][row % 3] * (row as f64 - 3.7));
+        for _ in 0..300 {
+            let gradient = whiten.tr_mul(&(whiten * error));
+            for (block, tenth) in tenths.into_iter().enumerate() {
+                let uphill = gradient.fixed_rows::<3>(3 * block).normalize();
+                error.fixed_rows_mut::<3>(3 * block).copy_from(&(tenth * uphill));
+            }
+        }
+        (whiten * error).norm_squared()
+    };
+    let (second, five) = (worst(&at_rest(200)), worst(&at_rest(1000)));
+    assert!(second > 0.2 && second < 0.34, "{second}");
+    assert!(five > 1.5 && five < 2.91, "{five}");
 }
 
 #[test]
@@ -656,7 +706,7 @@ fn times_that_repeat_go_back_or_leave_a_gap_are_errors() {
         let stamped: Vec<_> =
             times.iter().map(|&nanoseconds| StampedSample { nanoseconds, sample }).collect();
         let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-        preintegrate_stamped(&stamped, Rule::Left, 0.02, &bias, &noise).unwrap_err()
+        preintegrate_stamped(&stamped, Rule::Euler, 0.02, &bias, &noise).unwrap_err()
     };
     let repeated = at(&[0, 5_000_000, 5_000_000]);
     assert_eq!(repeated, PreintegrationError::Step { step: 1, dt: 0.0 });

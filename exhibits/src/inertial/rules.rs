@@ -12,7 +12,7 @@ use crate::random::Random;
 
 /// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
-    left(chapter);
+    euler(chapter);
     midpoint(chapter);
     numbers(chapter);
 }
@@ -44,7 +44,7 @@ impl Local {
 /// Gives the errors of rotation, velocity and position, each divided by its power of the step.
 type StepError = fn(&Local) -> [Vector3<f64>; 3];
 
-fn left(chapter: &mut Chapter) {
+fn euler(chapter: &mut Chapter) {
     let formula: StepError = |x| [x.w[1] / 2.0, x.jerk() / 2.0, x.jerk() / 6.0];
     let mutants: [(_, StepError); 4] = [
         ("sign", |x| [x.w[1] / -2.0, x.jerk() / -2.0, x.jerk() / -6.0]),
@@ -60,10 +60,10 @@ fn left(chapter: &mut Chapter) {
             [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
         }),
     ];
-    chapter.equation("inertial-left-error", inertial_left_error, formula, &mutants);
+    chapter.equation("inertial-euler-error", inertial_euler_error, formula, &mutants);
 }
 
-fn inertial_left_error(formula: StepError) -> Comparison {
+fn inertial_euler_error(formula: StepError) -> Comparison {
     let step =
         |x: &NavState, [start, _]: &[ImuSample; 2], dt: f64| x.propagate(start, &GRAVITY, dt);
     single_steps(30, formula, step, [2, 2, 3])
@@ -179,9 +179,9 @@ fn numbers(chapter: &mut Chapter) {
         let errors = RATES.map(|rate| position_error(rate, midpoint));
         exponent(&steps[2..], &errors[2..])
     };
-    chapter.number("left_order", fitted(false), "", 2);
+    chapter.number("euler_order", fitted(false), "", 2);
     chapter.number("midpoint_order", fitted(true), "", 2);
-    chapter.number("left_200_cm", 100.0 * position_error(200.0, false), "cm", 1);
+    chapter.number("euler_200_cm", 100.0 * position_error(200.0, false), "cm", 1);
     chapter.number("midpoint_200_mm", 1e3 * position_error(200.0, true), "mm", 1);
     // A velocity that is brought up to date before the position adds g dt² in every step.
     let too_much = GRAVITY.norm() * STEP;

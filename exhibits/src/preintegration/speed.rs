@@ -30,7 +30,7 @@ fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
     let mut sums = Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc()).expect("a sensor");
     for pair in samples.windows(2) {
         let added = match rule {
-            Rule::Left => sums.integrate(&pair[0], 0.005),
+            Rule::Euler => sums.integrate(&pair[0], 0.005),
             Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], 0.005),
         };
         added.expect("a good reading");
@@ -58,7 +58,7 @@ fn speed() -> Vec<RecordValue> {
         });
         of_window / WINDOW as f64
     };
-    let (left, midpoint) = (time(Rule::Left), time(Rule::Midpoint));
+    let (euler, midpoint) = (time(Rule::Euler), time(Rule::Midpoint));
     let sums = window(&samples[..=WINDOW], Rule::Midpoint);
     let bias = ImuBias::default();
     let corrected = median(1000, |_| {
@@ -68,7 +68,7 @@ fn speed() -> Vec<RecordValue> {
     let value = |name, value, unit| RecordValue { name, value, unit, decimals: 0, within: 3.0 };
     vec![
         value("window", WINDOW as f64, ""),
-        value("left", left, "ns"),
+        value("euler", euler, "ns"),
         value("midpoint", midpoint, "ns"),
         value("again", 1e-3 * midpoint * WINDOW as f64, "µs"),
         value("corrected", corrected, "ns"),

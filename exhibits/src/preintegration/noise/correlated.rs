@@ -95,13 +95,13 @@ impl Remembering {
 fn mean_nees(memory: f64) -> f64 {
     let (noise, mut random) = (ImuNoise::mems(), Random::new(462));
     let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
-    let clean = by_rule(Rule::Left, &samples, &noise);
+    let clean = by_rule(Rule::Euler, &samples, &noise);
     let whiten = clean.sqrt_information().expect("after many steps everything varies");
     let squares = (0..RUNS).map(|_| {
         let mut remembering = Remembering::new(memory, &mut random);
         let corrupt = |sample| remembering.corrupt(sample, &noise, &mut random);
         let noisy: Vec<_> = samples.iter().map(corrupt).collect();
-        let run = by_rule(Rule::Left, &noisy, &noise);
+        let run = by_rule(Rule::Euler, &noisy, &noise);
         (whiten * errors(&clean.deltas, &run.deltas)).norm_squared()
     });
     squares.sum::<f64>() / RUNS as f64

@@ -31,7 +31,7 @@ pub fn at_rest(noise: &ImuNoise, dt: f64, steps: usize) -> Preintegrated {
     of_readings(&vec![rest(); steps], dt, noise)
 }
 
-/// The sums of readings by the left rule.
+/// The sums of readings by the Euler rule.
 pub fn of_readings(samples: &[ImuSample], dt: f64, noise: &ImuNoise) -> Preintegrated {
     preintegrate(samples, dt, &ImuBias::default(), noise).expect("the readings are finite")
 }
@@ -42,7 +42,7 @@ pub fn by_rule(rule: Rule, samples: &[ImuSample], noise: &ImuNoise) -> Preintegr
         .expect("the densities are those of a sensor");
     for pair in samples.windows(2) {
         let added = match rule {
-            Rule::Left => integrator.integrate(&pair[0], DT),
+            Rule::Euler => integrator.integrate(&pair[0], DT),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], DT),
         };
         added.expect("the readings are finite");
@@ -68,8 +68,8 @@ pub fn noisy(samples: &[ImuSample], noise: &ImuNoise, random: &mut Random) -> Ve
 type Case = (&'static str, Rule, fn() -> Trajectory);
 
 pub const CASES: [Case; 3] = [
-    ("at rest", Rule::Left, Trajectory::hover),
-    ("figure-eight", Rule::Left, Trajectory::figure_eight),
+    ("at rest", Rule::Euler, Trajectory::hover),
+    ("figure-eight", Rule::Euler, Trajectory::figure_eight),
     ("figure-eight (midpoint)", Rule::Midpoint, Trajectory::figure_eight),
 ];
 

@@ -103,7 +103,7 @@ fn clipping(chapter: &mut Chapter) {
 }
 
 /// Errors of velocity in m/s when the readings of a stretch in the middle of a second are lost, with
-/// the left rule and with the midpoint rule.
+/// the Euler rule and with the midpoint rule.
 fn with_a_gap(seconds: f64) -> [f64; 2] {
     let motion = Trajectory::figure_eight();
     let missing = (seconds / DT).round() as usize;
@@ -131,11 +131,11 @@ fn with_a_gap(seconds: f64) -> [f64; 2] {
 
 fn gaps(chapter: &mut Chapter) {
     let gap = 0.1;
-    let [left, midpoint] = with_a_gap(gap);
+    let [euler, midpoint] = with_a_gap(gap);
     let [without, without_midpoint] = with_a_gap(DT);
     chapter.number("gap_ms", 1e3 * gap, "ms", 0);
     chapter.number("gap_lost", gap / DT - 1.0, "", 0);
-    chapter.number("gap_left_mm", 1e3 * left, "mm/s", 0);
+    chapter.number("gap_euler_mm", 1e3 * euler, "mm/s", 0);
     chapter.number("gap_midpoint_mm", 1e3 * midpoint, "mm/s", 1);
     chapter.number("gap_without_mm", 1e3 * without, "mm/s", 0);
     chapter.number("gap_without_midpoint_mm", 1e3 * without_midpoint, "mm/s", 2);

@@ -70,7 +70,7 @@ pub fn summed_by(rule: Rule, samples: &[ImuSample], dt: f64) -> Preintegrated {
         .expect("the noise is that of a sensor");
     for pair in samples.windows(2) {
         match rule {
-            Rule::Left => integrator.integrate(&pair[0], dt),
+            Rule::Euler => integrator.integrate(&pair[0], dt),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], dt),
         }
         .expect("the readings are finite");
