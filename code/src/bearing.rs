@@ -135,7 +135,8 @@ pub fn inverse_depth_sigma(camera: &Pinhole, baseline: f64, disparity_sigma: f64
 // ANCHOR_END: inverse_depth_sigma
 
 // ANCHOR: inverse_depth
-/// A point written as the camera that first saw it would: which way, and how near.
+/// A point written as the camera that first saw it would: which way, and how near
+/// [@civera2008].
 ///
 /// A point at infinity has inverse depth zero. Noise can push the inverse depth below
 /// zero, "beyond infinity"; such a value has no point but still has pixels.

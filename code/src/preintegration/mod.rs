@@ -1,4 +1,5 @@
-//! Many inertial readings between two states as one measurement that depends on neither.
+//! Many inertial readings between two states as one measurement that depends on neither: the
+//! preintegration of [@lupton2012], on the rotation group as [@forster2017] have it.
 //!
 //! [`preintegrate`] sums readings into [`Deltas`], relative rotation, velocity and position
 //! without gravity, with their covariance and their derivatives by the biases. [`imu_residual`]
@@ -136,8 +137,8 @@ pub fn preintegrate_stamped(
 // ANCHOR_END: preintegrate_stamped
 
 // ANCHOR: correct_for_bias
-/// The deltas as they would be at another bias, to first order in the difference, at the cost of
-/// a few small products. Implements {eq:bias-update}.
+/// The deltas as they would be at another bias, to first order in the difference [@forster2017],
+/// at the cost of a few small products. Implements {eq:bias-update}.
 pub fn correct_for_bias(preintegrated: &Preintegrated, bias: &ImuBias) -> Deltas {
     let Deltas { rotation, velocity, position } = preintegrated.deltas;
     let step = preintegrated.bias_jacobian * preintegrated.bias_step(bias);

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix2x4, Matrix4, Matrix6x4, SMatrix, Vector2, Vecto
 use thiserror::Error;
 
 use crate::bearing::{back_project, parallax};
+use crate::manifold::se3;
 use crate::reprojection::{Pinhole, Z_MIN};
 
 // ANCHOR: view
@@ -62,7 +63,7 @@ impl View {
 
     /// Coordinates of a point of the world in the camera, in metres.
     pub(super) fn in_camera(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.camera_from_world.rotation * point + self.camera_from_world.translation.vector
+        se3::transform(&self.camera_from_world, point)
     }
 }
 
