@@ -82,7 +82,8 @@ pub fn sampson_distance(
 
 // ANCHOR: relative_poses
 /// The decomposition of an essential matrix: the four motions `second_from_first` that have it
-/// [@hartley2004], with a baseline of one, since the scale is not in it. Only one of them puts the scene in front of both cameras.
+/// [@hartley2004], with a baseline of one, since the scale is not in it. Only one of them puts
+/// the scene in front of both cameras.
 ///
 /// A matrix that is only nearly essential, as estimates are, is first replaced by the
 /// nearest one that is. Implements {eq:essential-poses}.
@@ -158,7 +159,8 @@ pub fn ray_depths(
 
 // ANCHOR: relative_pose
 /// The one of [`relative_poses`] that puts the most points in front of both cameras, which is the
-/// test of cheirality [@hartley2004], and how many those are. Each pair holds the directions of one point in the first and the second.
+/// test of cheirality [@hartley2004], and how many those are. Each pair holds the directions of
+/// one point in the first and the second.
 ///
 /// # Errors
 ///

@@ -29,7 +29,6 @@ const MOST_HALVINGS: usize = 30;
 /// Beyond this the smallest eigenvalue of the information is mostly rounding.
 const LARGEST_CONDITION: f64 = 1e12;
 
-// ANCHOR: triangulate_nonlinear
 /// Nonlinear triangulation: the point at which the pixels of the views are most likely, by
 /// Gauss-Newton steps from `start`. A step that does not lower the cost is halved. For two views
 /// [@hartley1997] find that point without a start.
@@ -39,6 +38,7 @@ const LARGEST_CONDITION: f64 = 1e12;
 /// # Errors
 ///
 /// [`TriangulationError`] when there is no such point, or no steps lead to it.
+// ANCHOR: triangulate_nonlinear
 pub fn triangulate_nonlinear(
     views: &[View],
     start: &Vector3<f64>,
