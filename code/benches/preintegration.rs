@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::{
     Preintegrated, Preintegrator, Rule, correct_for_bias, linearize, preintegrate,
 };
@@ -21,7 +21,7 @@ fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
         Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc()).expect("finite");
     for index in 0..WINDOW {
         let sum = match rule {
-            Rule::Left => integrator.integrate(&samples[index], 0.005),
+            Rule::Euler => integrator.integrate(&samples[index], 0.005),
             Rule::Midpoint => {
                 integrator.integrate_midpoint(&samples[index], &samples[index + 1], 0.005)
             }
@@ -32,11 +32,11 @@ fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
 }
 
 fn preintegration(criterion: &mut Criterion) {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let samples = motion.samples(&GRAVITY, 0.005, 100 * WINDOW + 1);
     let mut group = criterion.benchmark_group("window of 200 readings");
     group.throughput(Throughput::Elements(WINDOW as u64));
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         group.bench_function(format!("{rule:?}"), |bencher| {
             bencher.iter(|| window(black_box(&samples[..=WINDOW]), rule));
         });
@@ -52,7 +52,7 @@ fn preintegration(criterion: &mut Criterion) {
     criterion.bench_function("residual with Jacobians", |bencher| {
         bencher.iter(|| linearize(black_box(&sums), &first, &second, &GRAVITY, black_box(&bias)));
     });
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         println!("{rule:?}: {:.1} ns per sample", median(&samples, rule));
     }
 }

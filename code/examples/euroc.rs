@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "rule      s  intervals  error  predicted   error  predicted   error  predicted   of 9"
     );
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         for seconds in LENGTHS {
             report(&samples, &truth, rule, seconds)?;
         }
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gravity = gravity(&samples, &truth)?;
     let tilt = 1e3 * gravity.xy().norm().atan2(-gravity.z);
     println!("gravity: {:.4} m/s², {tilt:.1} mrad from the vertical", gravity.norm());
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         println!("{}: {:.1} ns per sample", name(rule), time(&samples, rule)?);
     }
     Ok(())
@@ -68,7 +68,7 @@ fn read(file: &str) -> Result<String, String> {
 
 fn name(rule: Rule) -> &'static str {
     match rule {
-        Rule::Left => "left",
+        Rule::Euler => "Euler",
         Rule::Midpoint => "midpoint",
     }
 }
@@ -161,7 +161,7 @@ fn time(samples: &[StampedSample], rule: Rule) -> Result<f64, Box<dyn Error>> {
             let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc())?;
             for pair in samples[WINDOW * window..].windows(2).take(WINDOW) {
                 match rule {
-                    Rule::Left => integrator.integrate(&pair[0].sample, 0.005)?,
+                    Rule::Euler => integrator.integrate(&pair[0].sample, 0.005)?,
                     Rule::Midpoint => {
                         integrator.integrate_midpoint(&pair[0].sample, &pair[1].sample, 0.005)?;
                     }

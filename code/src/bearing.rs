@@ -41,13 +41,13 @@ pub fn pixel_of_direction(camera: &Pinhole, direction: &Vector3<f64>) -> Option<
 }
 // ANCHOR_END: pixel_of_direction
 
-// ANCHOR: turned_pixel
-/// Where a pixel goes when the camera turns about its own centre, or `None` when it
-/// turns out of sight.
+// ANCHOR: infinite_homography
+/// Where the infinite homography K R K⁻¹ takes a pixel: where it goes when the camera turns about
+/// its own centre [@hartley2004]. `None` when it turns out of sight.
 ///
 /// `second_from_first` takes directions in the camera before the turn to the camera
 /// after it. Implements {eq:rotation-blind}, which holds at every depth.
-pub fn turned_pixel(
+pub fn transfer_by_infinite_homography(
     camera: &Pinhole,
     second_from_first: &Rotation3<f64>,
     pixel: &Vector2<f64>,
@@ -55,7 +55,7 @@ pub fn turned_pixel(
     let turned = second_from_first * back_project(camera, pixel, 1.0);
     pixel_of_direction(camera, &turned)
 }
-// ANCHOR_END: turned_pixel
+// ANCHOR_END: infinite_homography
 
 // ANCHOR: parallax
 /// Angle, in radians, between the rays from two camera centres to a point, all three in
@@ -135,7 +135,8 @@ pub fn inverse_depth_sigma(camera: &Pinhole, baseline: f64, disparity_sigma: f64
 // ANCHOR_END: inverse_depth_sigma
 
 // ANCHOR: inverse_depth
-/// A point written as the camera that first saw it would: which way, and how near.
+/// A point written as the camera that first saw it would: which way, and how near
+/// [@civera2008].
 ///
 /// A point at infinity has inverse depth zero. Noise can push the inverse depth below
 /// zero, "beyond infinity"; such a value has no point but still has pixels.

@@ -4,10 +4,12 @@
 //! Lengths are in metres, angles in radians, image coordinates in pixels. A camera
 //! looks along its +z axis, x points to the right of the image and y down. A transform
 //! is named by its frames: `camera_from_world` takes the coordinates of a point in the
-//! world to its coordinates in the camera.
+//! world to its coordinates in the camera. Points are vectors of three coordinates, and
+//! [`manifold::se3::transform`] takes them from frame to frame. `pose * point` would not: for
+//! `nalgebra` a `Vector3` is a direction, which a transform turns and does not move.
 //!
 //! `{eq:label}` in a description names the equation of the book that an item
-//! implements.
+//! implements, `[@key]` a work of the bibliography.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix2x3, Rotation3, Vector2, Vector3};
 use vislam::bearing::{
     InverseDepth, back_project, bearing, depth_from_disparity, depth_sigma, disparity,
     disparity_sigma, inverse_depth_sigma, parallax, pixel_of_direction, stretch_shift,
-    turned_pixel,
+    transfer_by_infinite_homography,
 };
 use vislam::reprojection::{Pinhole, Z_MIN};
 
@@ -103,7 +103,7 @@ fn a_world_of_twice_the_size_makes_the_same_pictures() {
 fn a_turn_on_the_spot_leaves_no_trace_of_depth() {
     let second_from_first = Rotation3::from_euler_angles(0.05, -0.1, 0.2);
     let pixel = Vector2::new(336.0, 232.0);
-    let expected = turned_pixel(&camera(), &second_from_first, &pixel).unwrap();
+    let expected = transfer_by_infinite_homography(&camera(), &second_from_first, &pixel).unwrap();
     for depth in [0.5, 5.0, 500.0] {
         let turned = second_from_first * back_project(&camera(), &pixel, depth);
         let seen = camera().project_cam(&turned).unwrap();
@@ -114,7 +114,10 @@ fn a_turn_on_the_spot_leaves_no_trace_of_depth() {
 #[test]
 fn a_pixel_can_turn_out_of_sight() {
     let half_turn = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);
-    assert_eq!(turned_pixel(&camera(), &half_turn, &Vector2::new(336.0, 232.0)), None);
+    assert_eq!(
+        transfer_by_infinite_homography(&camera(), &half_turn, &Vector2::new(336.0, 232.0)),
+        None
+    );
 }
 
 #[test]

@@ -4,8 +4,8 @@ use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
 use vislam::inertial::euroc::{EurocError, EurocFault, read_ground_truth, read_imu};
 use vislam::inertial::{
-    Angles, CameraImu, Course, GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState, NoiseError,
-    StampedSample, WindowError, between,
+    Angles, CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError,
+    ScalarTrajectory, StampedSample, Trajectory, WindowError, between,
 };
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
@@ -14,14 +14,14 @@ use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
 // ANCHOR: at_rest
 #[test]
 fn a_sensor_on_a_table_reads_gravity_upward() {
-    let sample = Motion::hover().at(3.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(3.0).sample(&GRAVITY);
     assert_eq!(sample.gyro, Vector3::zeros());
     assert_eq!(sample.accelerometer, Vector3::new(0.0, 0.0, 9.81));
 }
 
 #[test]
 fn a_sensor_in_free_fall_reads_nothing() {
-    let falling = Motion::constant_acceleration(&GRAVITY, Angles::default());
+    let falling = Trajectory::constant_acceleration(&GRAVITY, Angles::default());
     let sample = falling.at(3.0).sample(&GRAVITY);
     assert_abs_diff_eq!(sample.accelerometer, Vector3::zeros(), epsilon = 1e-12);
 }
@@ -29,9 +29,9 @@ fn a_sensor_in_free_fall_reads_nothing() {
 
 #[test]
 fn a_sensor_on_its_nose_reads_gravity_along_its_own_axis() {
-    let pitch = Course::constant(std::f64::consts::FRAC_PI_2);
+    let pitch = ScalarTrajectory::constant(std::f64::consts::FRAC_PI_2);
     let angles = Angles { pitch, ..Angles::default() };
-    let tilted = Motion { angles, ..Motion::hover() };
+    let tilted = Trajectory { angles, ..Trajectory::hover() };
     let sample = tilted.at(0.0).sample(&GRAVITY);
     assert_abs_diff_eq!(sample.accelerometer, Vector3::new(-9.81, 0.0, 0.0), epsilon = 1e-12);
 }
@@ -39,21 +39,21 @@ fn a_sensor_on_its_nose_reads_gravity_along_its_own_axis() {
 #[test]
 fn a_level_turn_reads_a_constant_force_to_the_inside() {
     for t in [0.0, 0.7, 5.0] {
-        let moment = Motion::level_turn(1.0, 0.5).at(t);
-        let sample = moment.sample(&GRAVITY);
+        let kinematics = Trajectory::level_turn(1.0, 0.5).at(t);
+        let sample = kinematics.sample(&GRAVITY);
         assert_abs_diff_eq!(sample.gyro, Vector3::new(0.0, 0.0, 0.5), epsilon = 1e-12);
         assert_abs_diff_eq!(sample.accelerometer, Vector3::new(0.0, 0.5, 9.81), epsilon = 1e-12);
-        let velocity = moment.state.world_from_body.inverse() * moment.state.velocity;
+        let velocity = kinematics.state.world_from_body.inverse() * kinematics.state.velocity;
         assert_abs_diff_eq!(velocity, Vector3::x(), epsilon = 1e-12);
     }
-    let start = Motion::level_turn(1.0, 0.5).at(0.0).state;
+    let start = Trajectory::level_turn(1.0, 0.5).at(0.0).state;
     assert_abs_diff_eq!(start.position, Vector3::zeros(), epsilon = 1e-12);
 }
 
 #[test]
 fn an_acceleration_constant_in_the_body_frame_begins_at_rest() {
     let acceleration = Vector3::new(0.4, -0.7, 0.2);
-    let motion = Motion::constant_body_acceleration(&acceleration, 0.6);
+    let motion = Trajectory::constant_body_acceleration(&acceleration, 0.6);
     let start = motion.at(0.0).state;
     assert_abs_diff_eq!(start.position, Vector3::zeros(), epsilon = 1e-12);
     assert_abs_diff_eq!(start.velocity, Vector3::zeros(), epsilon = 1e-12);
@@ -66,24 +66,24 @@ fn an_acceleration_constant_in_the_body_frame_begins_at_rest() {
 
 #[test]
 fn a_constant_velocity_reads_like_rest_however_it_turns() {
-    let angles = Angles { yaw: Course::linear(0.4), ..Motion::figure_eight().angles };
+    let angles = Angles { yaw: ScalarTrajectory::linear(0.4), ..Trajectory::figure_eight().angles };
     let velocity = Vector3::new(1.0, -2.0, 0.5);
-    let moment = Motion::constant_velocity(&velocity, angles).at(2.0);
-    assert_eq!(moment.state.velocity, velocity);
-    assert_eq!(moment.state.position, 2.0 * velocity);
-    assert_abs_diff_eq!(moment.sample(&GRAVITY).accelerometer.norm(), 9.81, epsilon = 1e-12);
+    let kinematics = Trajectory::constant_velocity(&velocity, angles).at(2.0);
+    assert_eq!(kinematics.state.velocity, velocity);
+    assert_eq!(kinematics.state.position, 2.0 * velocity);
+    assert_abs_diff_eq!(kinematics.sample(&GRAVITY).accelerometer.norm(), 9.81, epsilon = 1e-12);
 }
 
-fn every_motion() -> [Motion; 7] {
-    let turning = Motion::figure_eight().angles;
+fn every_motion() -> [Trajectory; 7] {
+    let turning = Trajectory::figure_eight().angles;
     [
-        Motion::hover(),
-        Motion::turn_on_the_spot(0.7),
-        Motion::level_turn(1.0, 0.5),
-        Motion::figure_eight(),
-        Motion::constant_velocity(&Vector3::new(1.0, 2.0, 0.3), turning),
-        Motion::constant_acceleration(&Vector3::new(0.1, -0.2, 0.3), turning),
-        Motion::constant_body_acceleration(&Vector3::new(0.5, 0.2, 0.1), 0.4),
+        Trajectory::hover(),
+        Trajectory::turn_on_the_spot(0.7),
+        Trajectory::level_turn(1.0, 0.5),
+        Trajectory::figure_eight(),
+        Trajectory::constant_velocity(&Vector3::new(1.0, 2.0, 0.3), turning),
+        Trajectory::constant_acceleration(&Vector3::new(0.1, -0.2, 0.3), turning),
+        Trajectory::constant_body_acceleration(&Vector3::new(0.5, 0.2, 0.1), 0.4),
     ]
 }
 
@@ -91,21 +91,21 @@ fn every_motion() -> [Motion; 7] {
 fn velocity_acceleration_and_angular_velocity_are_derivatives_of_the_motion() {
     for motion in every_motion() {
         for t in [0.0, 0.4, 1.7, 6.0] {
-            let (h, moment) = (1e-4, motion.at(t));
+            let (h, kinematics) = (1e-4, motion.at(t));
             let (before, after) = (motion.at(t - h).state, motion.at(t + h).state);
             let velocity = (after.position - before.position) / (2.0 * h);
-            assert_abs_diff_eq!(moment.state.velocity, velocity, epsilon = 1e-6);
+            assert_abs_diff_eq!(kinematics.state.velocity, velocity, epsilon = 1e-6);
             let acceleration = (after.velocity - before.velocity) / (2.0 * h);
-            assert_abs_diff_eq!(moment.acceleration, acceleration, epsilon = 1e-6);
+            assert_abs_diff_eq!(kinematics.acceleration, acceleration, epsilon = 1e-6);
             let turned = so3::local(&before.world_from_body, &after.world_from_body) / (2.0 * h);
-            assert_abs_diff_eq!(moment.angular_velocity, turned, epsilon = 1e-6);
+            assert_abs_diff_eq!(kinematics.angular_velocity, turned, epsilon = 1e-6);
         }
     }
 }
 
 #[test]
 fn the_figure_eight_excites_every_axis_of_both_sensors() {
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.01, 1000);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.01, 1000);
     let spread = |value: fn(&ImuSample) -> Vector3<f64>| {
         let values: Vec<_> = samples.iter().map(value).collect();
         let mean = values.iter().sum::<Vector3<f64>>() / values.len() as f64;
@@ -118,7 +118,7 @@ fn the_figure_eight_excites_every_axis_of_both_sensors() {
 }
 
 /// Error of position and velocity and angle after two seconds in so many steps.
-fn propagated(motion: &Motion, steps: usize, midpoint: bool) -> [f64; 3] {
+fn propagated(motion: &Trajectory, steps: usize, midpoint: bool) -> [f64; 3] {
     let dt = 2.0 / steps as f64;
     let samples = motion.samples(&GRAVITY, dt, steps + 1);
     let mut state = motion.at(0.0).state;
@@ -138,9 +138,9 @@ fn propagated(motion: &Motion, steps: usize, midpoint: bool) -> [f64; 3] {
 }
 
 #[test]
-fn propagation_is_of_first_order_by_the_left_rule_and_of_second_by_the_midpoint_rule() {
+fn propagation_is_of_first_order_by_the_euler_rule_and_of_second_by_the_midpoint_rule() {
     for (midpoint, order) in [(false, 1.0), (true, 2.0)] {
-        let motion = Motion::figure_eight();
+        let motion = Trajectory::figure_eight();
         let [coarse, fine] = [400, 800].map(|steps| propagated(&motion, steps, midpoint));
         for (coarse, fine) in coarse.into_iter().zip(fine) {
             let measured = (coarse / fine).log2();
@@ -152,7 +152,7 @@ fn propagation_is_of_first_order_by_the_left_rule_and_of_second_by_the_midpoint_
 /// Error of position after two seconds with readings that are averages over the step after them;
 /// the second end of a step is given its own reading or the next one.
 fn propagated_with_averages(steps: usize, next: usize) -> f64 {
-    let (motion, parts) = (Motion::figure_eight(), 20);
+    let (motion, parts) = (Trajectory::figure_eight(), 20);
     let dt = 2.0 / steps as f64;
     let average = |k: usize| {
         let times = (0..parts).map(|part| (k as f64 + (part as f64 + 0.5) / parts as f64) * dt);
@@ -181,13 +181,14 @@ fn readings_that_are_averages_over_their_step_must_not_be_averaged_with_the_next
 
 #[test]
 fn without_rotation_a_constant_acceleration_is_propagated_exactly() {
-    let motion = Motion::constant_acceleration(&Vector3::new(1.0, 2.0, -3.0), Angles::default());
+    let motion =
+        Trajectory::constant_acceleration(&Vector3::new(1.0, 2.0, -3.0), Angles::default());
     assert!(propagated(&motion, 20, false).iter().all(|error| *error < 1e-12));
 }
 
 /// Where a level sensor that rests at the origin is believed to be after a minute.
 fn after_a_minute(bias: &ImuBias) -> NavState {
-    let read = Motion::hover().at(0.0).sample(&GRAVITY).biased(bias);
+    let read = Trajectory::hover().at(0.0).sample(&GRAVITY).biased(bias);
     let step = |state: NavState, _| state.propagate_midpoint(&read, &read, &GRAVITY, 0.01);
     (0..6000).fold(NavState::origin(), step)
 }
@@ -213,14 +214,14 @@ fn a_bias_of_the_gyroscope_drifts_with_its_cube_through_gravity() {
 
 #[test]
 fn the_first_state_stays_outside_of_what_the_readings_add() {
-    let samples = Motion::level_turn(1.5, 0.8).samples(&GRAVITY, 0.01, 101);
+    let samples = Trajectory::level_turn(1.5, 0.8).samples(&GRAVITY, 0.01, 101);
     let run = |first: NavState, gravity: Vector3<f64>| {
         samples
             .windows(2)
             .fold(first, |state, pair| state.propagate_midpoint(&pair[0], &pair[1], &gravity, 0.01))
     };
     let own = run(NavState::origin(), Vector3::zeros());
-    let first = Motion::figure_eight().at(2.0).state;
+    let first = Trajectory::figure_eight().at(2.0).state;
     let (reached, turned) = (run(first, GRAVITY), first.world_from_body);
     let rotation = turned * own.world_from_body;
     assert_abs_diff_eq!(reached.world_from_body, rotation, epsilon = 1e-12);
@@ -233,9 +234,9 @@ fn the_first_state_stays_outside_of_what_the_readings_add() {
 #[test]
 fn a_turn_about_the_vertical_changes_nothing_that_a_resting_sensor_reads() {
     let facing = |yaw: f64| {
-        let (pitch, roll) = (Course::constant(0.3), Course::constant(-0.8));
-        let angles = Angles { yaw: Course::constant(yaw), pitch, roll };
-        Motion { angles, ..Motion::hover() }.at(0.0).sample(&GRAVITY).accelerometer
+        let (pitch, roll) = (ScalarTrajectory::constant(0.3), ScalarTrajectory::constant(-0.8));
+        let angles = Angles { yaw: ScalarTrajectory::constant(yaw), pitch, roll };
+        Trajectory { angles, ..Trajectory::hover() }.at(0.0).sample(&GRAVITY).accelerometer
     };
     assert_abs_diff_eq!(facing(0.0), facing(2.2), epsilon = 1e-12);
     let force = facing(1.0);
@@ -246,16 +247,17 @@ fn a_turn_about_the_vertical_changes_nothing_that_a_resting_sensor_reads() {
 #[test]
 fn on_a_level_turn_a_clock_that_is_off_is_corrected_exactly() {
     let (camera, motion) =
-        (CameraImu { time_offset: 0.2, ..camera() }, Motion::level_turn(1.0, 2.0));
-    let moment = motion.at(0.5);
-    let moved = camera.world_from_camera_at_same_reading(&moment.state, &moment.angular_velocity);
+        (CameraImu { time_offset: 0.2, ..camera() }, Trajectory::level_turn(1.0, 2.0));
+    let kinematics = motion.at(0.5);
+    let moved =
+        camera.world_from_camera_at_same_reading(&kinematics.state, &kinematics.angular_velocity);
     let truth = camera.world_from_camera(&motion.at(0.7).state);
     assert_abs_diff_eq!(se3::local(&moved, &truth), Vector6::zeros(), epsilon = 1e-12);
 }
 
 #[test]
 fn a_state_moves_by_nine_numbers_rotation_first() {
-    let state = Motion::figure_eight().at(1.0).state;
+    let state = Trajectory::figure_eight().at(1.0).state;
     assert_eq!(state.dimension(), 9);
     assert_eq!(state.retract(&[0.0; 9]), state);
     let moved = state.retract(&[0.1, 0.2, 0.3, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
@@ -263,7 +265,7 @@ fn a_state_moves_by_nine_numbers_rotation_first() {
     assert_abs_diff_eq!(turned, Vector3::new(0.1, 0.2, 0.3), epsilon = 1e-14);
     assert_eq!(moved.velocity, state.velocity + Vector3::new(1.0, 2.0, 3.0));
     assert_eq!(moved.position, state.position + Vector3::new(4.0, 5.0, 6.0));
-    assert_eq!(NavState::origin().world_from_body(), Isometry3::identity());
+    assert_eq!(NavState::origin().pose(), Isometry3::identity());
 }
 
 // ANCHOR: densities
@@ -286,7 +288,7 @@ fn the_noise_of_a_reading_depends_on_its_step_and_that_of_an_average_does_not() 
 fn a_corrupted_reading_has_the_bias_as_mean_error_and_the_density_as_scatter() {
     let (noise, dt) = (ImuNoise::euroc(), 0.005);
     let bias = ImuBias::from_vector(&Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6));
-    let truth = Motion::figure_eight().at(1.0).sample(&GRAVITY);
+    let truth = Trajectory::figure_eight().at(1.0).sample(&GRAVITY);
     let drawn = noise.corrupt(&truth, &bias, dt, || 1.0);
     let error = drawn.corrected(&bias);
     let sigma = noise.discrete(dt).diagonal().map(f64::sqrt);
@@ -323,7 +325,7 @@ fn camera() -> CameraImu {
 
 #[test]
 fn a_camera_sits_at_the_end_of_its_lever_arm() {
-    let (camera, state) = (camera(), Motion::figure_eight().at(0.8).state);
+    let (camera, state) = (camera(), Trajectory::figure_eight().at(0.8).state);
     let lever = camera.body_from_camera.translation.vector;
     let centre = state.position + state.world_from_body * lever;
     assert_abs_diff_eq!(
@@ -337,24 +339,24 @@ fn a_camera_sits_at_the_end_of_its_lever_arm() {
 
 #[test]
 fn the_twist_of_the_camera_is_the_derivative_of_its_pose() {
-    let (camera, motion, h) = (camera(), Motion::figure_eight(), 1e-4);
+    let (camera, motion, h) = (camera(), Trajectory::figure_eight(), 1e-4);
     for t in [0.0, 0.8, 2.1] {
-        let moment = motion.at(t);
+        let kinematics = motion.at(t);
         let pose = |t: f64| camera.world_from_camera(&motion.at(t).state);
         let slope = se3::local(&pose(t - h), &pose(t + h)) / (2.0 * h);
-        let twist = camera.twist(&moment.state, &moment.angular_velocity);
+        let twist = camera.twist(&kinematics.state, &kinematics.angular_velocity);
         assert_abs_diff_eq!(twist, slope, epsilon = 1e-6);
     }
 }
 
 #[test]
 fn a_clock_that_is_off_shows_the_camera_further_on() {
-    let (camera, motion) = (camera(), Motion::figure_eight());
+    let (camera, motion) = (camera(), Trajectory::figure_eight());
     let error = |offset: f64| {
         let camera = CameraImu { time_offset: offset, ..camera };
-        let moment = motion.at(0.5);
-        let moved =
-            camera.world_from_camera_at_same_reading(&moment.state, &moment.angular_velocity);
+        let kinematics = motion.at(0.5);
+        let moved = camera
+            .world_from_camera_at_same_reading(&kinematics.state, &kinematics.angular_velocity);
         let truth = camera.world_from_camera(&motion.at(0.5 + offset).state);
         se3::local(&moved, &truth).norm()
     };
@@ -365,14 +367,14 @@ fn a_clock_that_is_off_shows_the_camera_further_on() {
 
 #[test]
 fn the_acceleration_at_the_camera_is_the_second_derivative_of_its_centre() {
-    let (camera, motion, h) = (camera(), Motion::figure_eight(), 1e-3);
+    let (camera, motion, h) = (camera(), Trajectory::figure_eight(), 1e-3);
     let t = 0.9;
-    let moment = motion.at(t);
-    let body_from_world = moment.state.world_from_body.inverse();
+    let kinematics = motion.at(t);
+    let body_from_world = kinematics.state.world_from_body.inverse();
     let turning =
         (motion.at(t + h).angular_velocity - motion.at(t - h).angular_velocity) / (2.0 * h);
-    let own = body_from_world * moment.acceleration;
-    let found = camera.acceleration(&own, &moment.angular_velocity, &turning);
+    let own = body_from_world * kinematics.acceleration;
+    let found = camera.acceleration(&own, &kinematics.angular_velocity, &turning);
     let centre = |t: f64| camera.world_from_camera(&motion.at(t).state).translation.vector;
     let second = (centre(t + h) - 2.0 * centre(t) + centre(t - h)) / (h * h);
     assert_abs_diff_eq!(found, body_from_world * second, epsilon = 1e-5);

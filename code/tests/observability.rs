@@ -3,7 +3,7 @@
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
-use vislam::inertial::{Angles, Course, GRAVITY, ImuBias, ImuNoise, Motion};
+use vislam::inertial::{Angles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Trajectory};
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
@@ -16,29 +16,32 @@ const LEVEL: Vector3<f64> = Vector3::new(0.7, -0.3, 0.0);
 const VELOCITY: Vector3<f64> = Vector3::new(1.0, 0.5, 0.2);
 const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.03);
 
-fn window(motion: Motion, assumption: BiasAssumption) -> Window {
+fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
     Flight::new(motion).window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap()
 }
 
 /// About all axes.
 fn turning() -> Angles {
-    Motion::figure_eight().angles
+    Trajectory::figure_eight().angles
 }
 
 fn pitching() -> Angles {
-    Angles { pitch: Course::wave(0.3, 1.3, 1.0), ..Angles::default() }
+    Angles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..Angles::default() }
 }
 
 /// With an acceleration that changes in size and direction.
-fn swaying(angles: Angles) -> Motion {
-    let position =
-        [Course::wave(0.3, 2.0, 0.0), Course::wave(0.4, 3.0, 0.0), Course::wave(0.2, 2.5, 0.0)];
-    Motion { position, angles }
+fn swaying(angles: Angles) -> Trajectory {
+    let position = [
+        ScalarTrajectory::wave(0.3, 2.0, 0.0),
+        ScalarTrajectory::wave(0.4, 3.0, 0.0),
+        ScalarTrajectory::wave(0.2, 2.5, 0.0),
+    ];
+    Trajectory { position, angles }
 }
 
 /// What is free when the biases are unknown, and when they are known. What is said of constant
 /// biases must hold for walking ones.
-fn free(motion: Motion) -> [String; 2] {
+fn free(motion: Trajectory) -> [String; 2] {
     let noise = ImuNoise::euroc();
     let [constant, walking, known] =
         [BiasAssumption::CONSTANT, BiasAssumption::walking(noise), BiasAssumption::KNOWN]
@@ -52,22 +55,22 @@ const POSITION: &str = "translation x, translation y, translation z";
 #[test]
 fn with_enough_excitation_four_directions_are_free_and_no_bias_matters() {
     let four = format!("4: {POSITION}, yaw");
-    assert_eq!(free(Motion::figure_eight()), [four.clone(), four]);
+    assert_eq!(free(Trajectory::figure_eight()), [four.clone(), four]);
 }
 
 #[test]
 fn at_constant_velocity_scale_is_free_even_with_known_biases() {
     let five = format!("5: {POSITION}, yaw, scale");
-    assert_eq!(free(Motion::constant_velocity(&VELOCITY, turning())), [five.clone(), five]);
+    assert_eq!(free(Trajectory::constant_velocity(&VELOCITY, turning())), [five.clone(), five]);
 }
 
 #[test]
 fn an_acceleration_constant_in_the_body_hides_scale_in_an_unknown_bias() {
     let five = format!("5: {POSITION}, yaw, scale");
     let four = format!("4: {POSITION}, yaw");
-    let turning = Motion::constant_body_acceleration(&ACCELERATION, 0.5);
+    let turning = Trajectory::constant_body_acceleration(&ACCELERATION, 0.5);
     assert_eq!(free(turning), [five.clone(), four.clone()]);
-    assert_eq!(free(Motion::level_turn(1.0, 0.5)), [five, four]);
+    assert_eq!(free(Trajectory::level_turn(1.0, 0.5)), [five, four]);
 }
 
 #[test]
@@ -86,8 +89,8 @@ fn turning_about_a_horizontal_axis_leaves_one_tilt() {
 
 #[test]
 fn a_ship_that_rolls_on_its_course_knows_neither_its_size_nor_how_far_its_bow_is_down() {
-    let rolling = Angles { roll: Course::wave(0.3, 0.9, 0.0), ..Angles::default() };
-    let ship = Motion::constant_velocity(&Vector3::x(), rolling);
+    let rolling = Angles { roll: ScalarTrajectory::wave(0.3, 0.9, 0.0), ..Angles::default() };
+    let ship = Trajectory::constant_velocity(&Vector3::x(), rolling);
     let six = format!("6: {POSITION}, tilt y, yaw, scale");
     let five = format!("5: {POSITION}, yaw, scale");
     assert_eq!(free(ship), [six, five]);
@@ -97,7 +100,7 @@ fn a_ship_that_rolls_on_its_course_knows_neither_its_size_nor_how_far_its_bow_is
 fn constant_acceleration_without_rotation_hides_scale_and_tilt_in_an_unknown_bias() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
     let four = format!("4: {POSITION}, yaw");
-    let motion = Motion::constant_acceleration(&ACCELERATION, Angles::default());
+    let motion = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
     assert_eq!(free(motion), [seven, four]);
 }
 
@@ -105,9 +108,9 @@ fn constant_acceleration_without_rotation_hides_scale_and_tilt_in_an_unknown_bia
 fn a_constant_level_acceleration_mixes_scale_with_tilt_even_with_known_biases() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
     let five = format!("5: {POSITION}, yaw, scale with tilt x with tilt y");
-    let straight = Motion::constant_acceleration(&LEVEL, Angles::default());
+    let straight = Trajectory::constant_acceleration(&LEVEL, Angles::default());
     assert_eq!(free(straight), [seven, five.clone()]);
-    assert_eq!(free(Motion::constant_acceleration(&LEVEL, turning())), [five.clone(), five]);
+    assert_eq!(free(Trajectory::constant_acceleration(&LEVEL, turning())), [five.clone(), five]);
 
     // It is the mixture in which gravity leans as the acceleration grows: e × g = −a.
     let window = window(straight, BiasAssumption::KNOWN);
@@ -120,7 +123,8 @@ fn a_constant_level_acceleration_mixes_scale_with_tilt_even_with_known_biases() 
 
 #[test]
 fn standing_still_every_landmark_keeps_its_depth() {
-    for (motion, tilts) in [(Motion::hover(), true), (Motion::turn_on_the_spot(0.4), false)] {
+    for (motion, tilts) in [(Trajectory::hover(), true), (Trajectory::turn_on_the_spot(0.4), false)]
+    {
         let landmarks = window(motion, BiasAssumption::KNOWN).landmarks.len();
         let depths = format!("depth of {landmarks} landmarks");
         let known = format!("{}: {POSITION}, yaw, {depths}", landmarks + 4);
@@ -132,7 +136,7 @@ fn standing_still_every_landmark_keeps_its_depth() {
 #[test]
 fn pictures_alone_leave_seven_directions_free() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
-    for motion in [Motion::figure_eight(), Motion::level_turn(1.0, 0.5)] {
+    for motion in [Trajectory::figure_eight(), Trajectory::level_turn(1.0, 0.5)] {
         let mut window = window(motion, BiasAssumption::KNOWN);
         window.intervals.clear();
         assert_eq!(window.free_directions().unwrap().to_string(), seven);
@@ -142,7 +146,9 @@ fn pictures_alone_leave_seven_directions_free() {
 #[test]
 fn an_unknown_gyroscope_bias_frees_nothing() {
     let gyro = BiasAssumption { accelerometer_known: true, ..BiasAssumption::CONSTANT };
-    for motion in [Motion::figure_eight(), Motion::hover(), Motion::level_turn(1.0, 0.5)] {
+    for motion in
+        [Trajectory::figure_eight(), Trajectory::hover(), Trajectory::level_turn(1.0, 0.5)]
+    {
         let free = |assumption| window(motion, assumption).free_directions().unwrap().to_string();
         assert_eq!(free(gyro), free(BiasAssumption::KNOWN));
     }
@@ -158,17 +164,17 @@ fn it_is_the_camera_whose_acceleration_counts() {
     let five = format!("5: {POSITION}, yaw, scale");
     let four = format!("4: {POSITION}, yaw");
     // A body at constant velocity that turns swings its camera about.
-    let coasting = Motion::constant_velocity(&VELOCITY, turning());
+    let coasting = Trajectory::constant_velocity(&VELOCITY, turning());
     assert_eq!(free(coasting, BiasAssumption::CONSTANT), four);
     // A camera on an arm has a baseline when the body turns on the spot.
-    let spot = Motion::turn_on_the_spot(0.4);
+    let spot = Trajectory::turn_on_the_spot(0.4);
     assert_eq!(free(spot, BiasAssumption::CONSTANT), five);
     assert_eq!(free(spot, BiasAssumption::KNOWN), four);
 }
 
 #[test]
 fn without_gravity_acceleration_still_fixes_scale() {
-    let mut flight = Flight::new(Motion::figure_eight());
+    let mut flight = Flight::new(Trajectory::figure_eight());
     flight.gravity = Vector3::zeros();
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     for assumption in [BiasAssumption::CONSTANT, BiasAssumption::KNOWN] {
@@ -180,7 +186,7 @@ fn without_gravity_acceleration_still_fixes_scale() {
 #[test]
 fn three_pictures_are_enough_with_known_biases_and_four_without() {
     let count = |states, assumption| {
-        let flight = Flight { states, ..Flight::new(Motion::figure_eight()) };
+        let flight = Flight { states, ..Flight::new(Trajectory::figure_eight()) };
         let window = flight.window(&landmarks_around(&Vector3::zeros(), 90), assumption).unwrap();
         window.free_directions().unwrap().count()
     };
@@ -191,7 +197,7 @@ fn three_pictures_are_enough_with_known_biases_and_four_without() {
 // ANCHOR: worked_example
 #[test]
 fn a_level_turn_of_another_size_reads_the_same_with_another_bias() {
-    let flight = Flight::new(Motion::level_turn(1.0, 0.5));
+    let flight = Flight::new(Trajectory::level_turn(1.0, 0.5));
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     let larger = Similarity { scale: 1.1, ..Similarity::identity() };
 
@@ -211,7 +217,7 @@ fn a_level_turn_of_another_size_reads_the_same_with_another_bias() {
 // ANCHOR_END: worked_example
 
 /// A window moved off the truth, so that no residual is zero.
-fn disturbed(motion: Motion, assumption: BiasAssumption) -> Window {
+fn disturbed(motion: Trajectory, assumption: BiasAssumption) -> Window {
     let flight = Flight::new(motion).with_lever(LEVER);
     let window = flight.window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap();
     let step: Vec<f64> = (0..window.dimension()).map(|i| 0.02 * (1.7 * i as f64).sin()).collect();
@@ -221,7 +227,9 @@ fn disturbed(motion: Motion, assumption: BiasAssumption) -> Window {
 // ANCHOR: symmetry
 #[test]
 fn shift_and_yaw_change_no_residual_at_any_estimate() {
-    for motion in [Motion::figure_eight(), Motion::hover(), Motion::level_turn(1.0, 0.5)] {
+    for motion in
+        [Trajectory::figure_eight(), Trajectory::hover(), Trajectory::level_turn(1.0, 0.5)]
+    {
         let window = disturbed(motion, BiasAssumption::KNOWN);
         let moved = window.transformed(&Similarity {
             scale: 1.0,
@@ -238,7 +246,7 @@ fn shift_and_yaw_change_no_residual_at_any_estimate() {
 #[test]
 fn the_four_directions_are_null_at_any_estimate() {
     for assumption in [BiasAssumption::CONSTANT, BiasAssumption::walking(ImuNoise::mems())] {
-        let window = disturbed(Motion::figure_eight(), assumption);
+        let window = disturbed(Trajectory::figure_eight(), assumption);
         let jacobian = window.linearize().unwrap().jacobian;
         let four = [0, 1, 2].map(Direction::Translation);
         for direction in four.into_iter().chain([Direction::Yaw]) {
@@ -254,7 +262,7 @@ fn the_four_directions_are_null_at_any_estimate() {
 
 #[test]
 fn directions_are_derivatives_of_similarities() {
-    let window = disturbed(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let window = disturbed(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let step = 1e-6;
     let turned = |axis: Vector3<f64>| Similarity {
         rotation: so3::exp(&(step * axis)),
@@ -295,13 +303,13 @@ fn every_degenerate_motion_has_copies_that_read_the_same() {
     let tilted = Similarity { rotation, ..Similarity::identity() };
     let both = Similarity { scale: 0.8, ..tilted };
     let (known, constant) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
-    let straight = Motion::constant_acceleration(&ACCELERATION, Angles::default());
+    let straight = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
     for (motion, assumption, similarity) in [
-        (Motion::constant_velocity(&VELOCITY, turning()), known, grown),
-        (Motion::constant_body_acceleration(&ACCELERATION, 0.5), constant, grown),
+        (Trajectory::constant_velocity(&VELOCITY, turning()), known, grown),
+        (Trajectory::constant_body_acceleration(&ACCELERATION, 0.5), constant, grown),
         (swaying(Angles::default()), constant, tilted),
         (straight, constant, both),
-        (Motion::hover(), constant, tilted),
+        (Trajectory::hover(), constant, tilted),
     ] {
         let window = window(motion, assumption);
         assert!(window.transformed(&similarity).residual().unwrap().norm() < 1e-5);
@@ -317,14 +325,14 @@ fn the_tilt_of_a_pitching_body_is_flat_and_not_a_family() {
     };
     let ratio = |motion| objection(motion, 0.02) / objection(motion, 0.01);
     assert!((ratio(swaying(pitching())) - 4.0).abs() < 0.05);
-    assert!((ratio(Motion::figure_eight()) - 2.0).abs() < 0.05);
+    assert!((ratio(Trajectory::figure_eight()) - 2.0).abs() < 0.05);
 }
 
 #[test]
 fn a_constant_acceleration_that_climbs_has_exactly_one_false_scale() {
     let acceleration = Vector3::new(2.0, 0.0, 0.2);
     let window =
-        window(Motion::constant_acceleration(&acceleration, turning()), BiasAssumption::KNOWN);
+        window(Trajectory::constant_acceleration(&acceleration, turning()), BiasAssumption::KNOWN);
     let scale = 1.0 - 2.0 * GRAVITY.dot(&acceleration) / acceleration.norm_squared();
     let copy = |scale: f64| {
         // The rotation that takes the gravity that the readings want to where gravity is.
@@ -345,7 +353,7 @@ fn jacobians_are_those_of_central_differences() {
         BiasAssumption::walking(ImuNoise::mems()),
     ];
     for assumption in assumptions {
-        let window = disturbed(Motion::figure_eight(), assumption);
+        let window = disturbed(Trajectory::figure_eight(), assumption);
         let jacobian = window.linearize().unwrap().jacobian;
         let step = 1e-6;
         for column in 0..window.dimension() {
@@ -363,7 +371,7 @@ fn jacobians_are_those_of_central_differences() {
 
 #[test]
 fn the_twist_of_a_state_is_that_of_central_differences_and_gives_the_pixels() {
-    let window = disturbed(Motion::figure_eight(), BiasAssumption::KNOWN);
+    let window = disturbed(Trajectory::figure_eight(), BiasAssumption::KNOWN);
     let state = window.states[3];
     let pose = window.rig.camera_from_world(&state);
     let step = 1e-6;
@@ -385,7 +393,7 @@ fn the_twist_of_a_state_is_that_of_central_differences_and_gives_the_pixels() {
 
 #[test]
 fn at_inconsistent_estimates_yaw_seems_to_be_known() {
-    let truth = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let truth = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let step: Vec<f64> = (0..truth.dimension()).map(|i| 0.01 * (1.7 * i as f64).sin()).collect();
     let elsewhere = truth.retract(&step);
     let (mut mixed, other) =
@@ -414,7 +422,7 @@ fn log_distance(window: &Window) -> DVector<f64> {
 
 #[test]
 fn sigma_is_that_of_the_inverse_with_position_and_yaw_held() {
-    let window = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let window = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let jacobian = window.linearize().unwrap().jacobian;
     let gradient = log_distance(&window);
     let spectrum = Spectrum::of(&jacobian).unwrap();
@@ -437,9 +445,13 @@ fn sigma_is_that_of_the_inverse_with_position_and_yaw_held() {
 #[test]
 fn scale_is_as_uncertain_as_the_change_of_velocity_is_small() {
     let sigma = |amplitude: f64| {
-        let mut motion = Motion::constant_velocity(&VELOCITY, turning());
-        motion.position[1] =
-            Course { amplitude: amplitude / 9.0, frequency: 3.0, rate: 0.5, ..Course::default() };
+        let mut motion = Trajectory::constant_velocity(&VELOCITY, turning());
+        motion.position[1] = ScalarTrajectory {
+            amplitude: amplitude / 9.0,
+            frequency: 3.0,
+            rate: 0.5,
+            ..ScalarTrajectory::default()
+        };
         let window = window(motion, BiasAssumption::KNOWN);
         let spectrum = Spectrum::of(&window.linearize().unwrap().jacobian).unwrap();
         spectrum.sigma(&log_distance(&window)).unwrap()
@@ -452,7 +464,7 @@ fn scale_is_as_uncertain_as_the_change_of_velocity_is_small() {
 fn a_motion_that_is_nearly_degenerate_is_four_or_five_or_refused_but_nothing_else() {
     let mut outcomes = Vec::new();
     for exponent in -18..=-4 {
-        let mut motion = Motion::constant_velocity(&VELOCITY, turning());
+        let mut motion = Trajectory::constant_velocity(&VELOCITY, turning());
         motion.position[1].amplitude = 10_f64.powi(exponent);
         motion.position[1].frequency = 3.0;
         outcomes.push(match window(motion, BiasAssumption::KNOWN).free_directions() {
@@ -478,7 +490,7 @@ fn a_spectrum_without_a_gap_is_refused() {
 
 #[test]
 fn a_landmark_that_nobody_sees_is_free_without_a_name() {
-    let mut window = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let mut window = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     window.landmarks.push(Vector3::zeros());
     let free = window.free_directions().unwrap();
     assert_eq!((free.count(), free.unnamed()), (7, 3));
@@ -487,7 +499,7 @@ fn a_landmark_that_nobody_sees_is_free_without_a_name() {
 
 #[test]
 fn what_does_not_fit_together_is_an_error_that_says_so() {
-    let good = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let good = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let refused = |change: fn(&mut Window)| {
         let mut bad = good.clone();
         change(&mut bad);
@@ -513,7 +525,7 @@ fn what_does_not_fit_together_is_an_error_that_says_so() {
 
 #[test]
 fn a_window_that_does_not_fit_together_can_still_be_moved_without_a_panic() {
-    let mut window = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let mut window = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     window.states.truncate(2);
     window.angular_velocities.clear();
     let all = [0, 7, 4000].map(Direction::Depth).into_iter().chain([Direction::Scale]);

@@ -5,8 +5,8 @@ use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::inertial::{
-    Angles, Course, GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState, NoiseError,
-    StampedSample,
+    Angles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, ScalarTrajectory,
+    StampedSample, Trajectory,
 };
 use vislam::least_squares::{Manifold, WhiteningError};
 use vislam::manifold::so3;
@@ -67,7 +67,7 @@ fn after_a_second_at_rest_a_poor_sensor_knows_so_much() {
 #[test]
 fn a_bias_of_a_twentieth_of_a_radian_per_second_is_fourteen_sigmas_of_rotation() {
     let bias = ImuBias { gyro: Vector3::new(0.0, 0.0, 0.05), ..ImuBias::default() };
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY).biased(&bias); 200];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY).biased(&bias); 200];
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &ImuNoise::mems()).unwrap();
     let origin = NavState::origin();
     let unaware = imu_residual(&sums, &origin, &origin, &GRAVITY, &ImuBias::default());
@@ -78,7 +78,7 @@ fn a_bias_of_a_twentieth_of_a_radian_per_second_is_fourteen_sigmas_of_rotation()
 // ANCHOR_END: at_rest
 
 fn at_rest(steps: usize) -> Preintegrated {
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY); steps];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY); steps];
     preintegrate(&samples, 0.005, &ImuBias::default(), &ImuNoise::mems()).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn a_single_step_has_no_whitener_and_two_have_one() {
 }
 
 /// The deltas of a motion between two times, from its formulas.
-fn true_deltas(motion: &Motion, from: f64, duration: f64) -> Deltas {
+fn true_deltas(motion: &Trajectory, from: f64, duration: f64) -> Deltas {
     let (first, last) = (motion.at(from).state, motion.at(from + duration).state);
     let body_from_world = first.world_from_body.inverse();
     let fallen = first.velocity * duration + 0.5 * duration * duration * GRAVITY;
@@ -126,7 +126,7 @@ fn true_deltas(motion: &Motion, from: f64, duration: f64) -> Deltas {
 }
 
 /// Errors of the deltas after one second in this many steps.
-fn errors(motion: &Motion, rule: Rule, steps: usize) -> [f64; 3] {
+fn errors(motion: &Trajectory, rule: Rule, steps: usize) -> [f64; 3] {
     let dt = 1.0 / steps as f64;
     let samples = motion.samples(&GRAVITY, dt, steps + 1);
     let sums = summed(&samples, rule, dt, &ImuBias::default(), &ImuNoise::mems());
@@ -149,7 +149,7 @@ fn summed(
     let mut integrator = Preintegrator::new(bias, noise).unwrap();
     for pair in samples.windows(2) {
         match rule {
-            Rule::Left => integrator.integrate(&pair[0], dt).unwrap(),
+            Rule::Euler => integrator.integrate(&pair[0], dt).unwrap(),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], dt).unwrap(),
         }
     }
@@ -157,9 +157,9 @@ fn summed(
 }
 
 #[test]
-fn halving_the_step_halves_the_error_of_the_left_rule_and_quarters_that_of_the_midpoint_rule() {
-    let motion = Motion::figure_eight();
-    for (rule, order) in [(Rule::Left, 1.0), (Rule::Midpoint, 2.0)] {
+fn halving_the_step_halves_the_error_of_the_euler_rule_and_quarters_that_of_the_midpoint_rule() {
+    let motion = Trajectory::figure_eight();
+    for (rule, order) in [(Rule::Euler, 1.0), (Rule::Midpoint, 2.0)] {
         let steps = [50, 100, 200, 400, 800];
         let by_steps = steps.map(|steps| errors(&motion, rule, steps));
         for pair in by_steps.windows(2) {
@@ -192,8 +192,8 @@ impl Random {
         radius * (std::f64::consts::TAU * self.0.random::<f64>()).cos()
     }
 
-    fn course(&mut self, size: f64) -> Course {
-        Course {
+    fn coordinate(&mut self, size: f64) -> ScalarTrajectory {
+        ScalarTrajectory {
             value: self.uniform(size),
             rate: self.uniform(size),
             acceleration: self.uniform(size),
@@ -203,10 +203,10 @@ impl Random {
         }
     }
 
-    fn motion(&mut self) -> Motion {
-        let position = [self.course(2.0), self.course(2.0), self.course(2.0)];
-        let (yaw, pitch, roll) = (self.course(0.8), self.course(0.4), self.course(0.8));
-        Motion { position, angles: Angles { yaw, pitch, roll } }
+    fn motion(&mut self) -> Trajectory {
+        let position = [self.coordinate(2.0), self.coordinate(2.0), self.coordinate(2.0)];
+        let (yaw, pitch, roll) = (self.coordinate(0.8), self.coordinate(0.4), self.coordinate(0.8));
+        Trajectory { position, angles: Angles { yaw, pitch, roll } }
     }
 
     fn bias(&mut self, gyro: f64, accelerometer: f64) -> ImuBias {
@@ -234,9 +234,9 @@ fn the_covariance_is_that_of_two_thousand_noisy_runs() {
     let noise = ImuNoise::mems();
     let (dt, bias) = (0.005, ImuBias::default());
     for (rule, motion) in [
-        (Rule::Left, Motion::hover()),
-        (Rule::Left, Motion::figure_eight()),
-        (Rule::Midpoint, Motion::figure_eight()),
+        (Rule::Euler, Trajectory::hover()),
+        (Rule::Euler, Trajectory::figure_eight()),
+        (Rule::Midpoint, Trajectory::figure_eight()),
     ] {
         let samples = motion.samples(&GRAVITY, dt, 201);
         let clean = summed(&samples, rule, dt, &bias, &noise);
@@ -262,7 +262,7 @@ fn the_covariance_is_that_of_two_thousand_noisy_runs() {
 fn the_sums_are_those_of_the_dense_recursion() {
     let mut random = Random::new(3);
     let noise = ImuNoise::mems();
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         for _ in 0..20 {
             let motion = random.motion();
             let bias = random.bias(0.1, 0.5);
@@ -287,7 +287,7 @@ fn the_sums_are_those_of_the_dense_recursion() {
 fn steps_of_any_turn_are_those_of_the_dense_recursion() {
     let (noise, bias) = (ImuNoise::mems(), ImuBias::default());
     let force = Vector3::new(1.0, -2.0, 9.0);
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         // From a hundredth of a degree to more than a whole turn in a step.
         for angle in [2e-4, 0.1, 0.13, 0.9, 2.5, 4.0, 7.0] {
             let gyro = angle / 0.05 * Vector3::new(0.48, -0.6, 0.64);
@@ -316,7 +316,7 @@ fn dense(
     let mut rotation = Rotation3::identity();
     for pair in samples.windows(2) {
         let reading = match rule {
-            Rule::Left => pair[0],
+            Rule::Euler => pair[0],
             Rule::Midpoint => ImuSample::mean(&pair[0], &pair[1]),
         };
         let reading = reading.corrected(bias);
@@ -368,7 +368,7 @@ fn assert_blocks<const N: usize>(
 fn the_bias_jacobian_is_the_slope_of_integrating_again() {
     let mut random = Random::new(5);
     for trajectory in 0..500 {
-        let rule = if trajectory % 2 == 0 { Rule::Left } else { Rule::Midpoint };
+        let rule = if trajectory % 2 == 0 { Rule::Euler } else { Rule::Midpoint };
         let motion = random.motion();
         let bias = random.bias(0.1, 0.5);
         let samples = motion.samples(&GRAVITY, 0.01, 51);
@@ -434,7 +434,7 @@ fn whitening_multiplies_residual_and_jacobians() {
 #[test]
 fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
     let mut random = Random::new(8);
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         let samples = random.motion().samples(&GRAVITY, 0.005, 201);
         let bias = random.bias(0.1, 0.5);
         let sums = summed(&samples, rule, 0.005, &bias, &ImuNoise::mems());
@@ -444,7 +444,7 @@ fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
             for pair in samples.windows(2) {
                 let [start, end] = [pair[0].corrected(&bias), pair[1].corrected(&bias)];
                 state = match rule {
-                    Rule::Left => state.propagate(&start, &GRAVITY, 0.005),
+                    Rule::Euler => state.propagate(&start, &GRAVITY, 0.005),
                     Rule::Midpoint => state.propagate_midpoint(&start, &end, &GRAVITY, 0.005),
                 };
             }
@@ -460,7 +460,7 @@ fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
 
 #[test]
 fn sample_by_sample_is_the_same_as_a_slice() {
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, 200);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, 200);
     let (bias, noise) = (Random::new(9).bias(0.1, 0.5), ImuNoise::mems());
     let mut integrator = Preintegrator::new(&bias, &noise).unwrap();
     for (index, sample) in samples.iter().enumerate() {
@@ -472,7 +472,7 @@ fn sample_by_sample_is_the_same_as_a_slice() {
 
 #[test]
 fn stamped_readings_are_summed_with_the_steps_between_their_times() {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let times: [i64; 6] = [0, 5_000_000, 9_000_000, 16_000_000, 21_000_001, 30_000_000];
     let since = 1_403_715_273_262_142_976;
     let stamped: Vec<_> = times
@@ -483,12 +483,12 @@ fn stamped_readings_are_summed_with_the_steps_between_their_times() {
         })
         .collect();
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-    for rule in [Rule::Left, Rule::Midpoint] {
+    for rule in [Rule::Euler, Rule::Midpoint] {
         let mut integrator = Preintegrator::new(&bias, &noise).unwrap();
         for (pair, times) in stamped.windows(2).zip(times.windows(2)) {
             let dt = 1e-9 * (times[1] - times[0]) as f64;
             match rule {
-                Rule::Left => integrator.integrate(&pair[0].sample, dt),
+                Rule::Euler => integrator.integrate(&pair[0].sample, dt),
                 Rule::Midpoint => {
                     integrator.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)
                 }
@@ -502,7 +502,7 @@ fn stamped_readings_are_summed_with_the_steps_between_their_times() {
 }
 
 /// How far the corrected position is from that of integrating again.
-fn correction_error(motion: &Motion, bias: &ImuBias) -> f64 {
+fn correction_error(motion: &Trajectory, bias: &ImuBias) -> f64 {
     let samples = motion.samples(&GRAVITY, 0.005, 200);
     let noise = ImuNoise::mems();
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &noise).unwrap();
@@ -512,7 +512,7 @@ fn correction_error(motion: &Motion, bias: &ImuBias) -> f64 {
 
 #[test]
 fn a_tenth_of_the_bias_error_leaves_a_hundredth_of_the_correction_error() {
-    let turn = Motion::level_turn(1.0, 0.5);
+    let turn = Trajectory::level_turn(1.0, 0.5);
     let about = |axis: &Vector3<f64>, size: f64| ImuBias {
         gyro: size * axis,
         accelerometer: Vector3::zeros(),
@@ -525,7 +525,7 @@ fn a_tenth_of_the_bias_error_leaves_a_hundredth_of_the_correction_error() {
     assert_abs_diff_eq!(level, 0.205e-3, epsilon = 0.005e-3);
     let tilted = correction_error(&turn, &about(&Vector3::x(), 0.1));
     assert_abs_diff_eq!(tilted, 4.0e-3, epsilon = 0.1e-3);
-    let spot = correction_error(&Motion::turn_on_the_spot(0.5), &about(&Vector3::z(), 0.1));
+    let spot = correction_error(&Trajectory::turn_on_the_spot(0.5), &about(&Vector3::z(), 0.1));
     assert!(spot < 1e-12);
 }
 
@@ -540,7 +540,7 @@ fn what_a_correction_leaves_out_is_below_its_bound() {
         let bias = random.bias(0.03, 0.1);
         let again = preintegrate(&samples, 0.01, &bias, &noise).unwrap();
         let error = difference(&again.deltas, &correct_for_bias(&sums, &bias));
-        let bound = sums.neglected(&bias);
+        let bound = sums.linearization_error_bound(&bias);
         let bounds = [bound.rotation, bound.velocity, bound.position];
         for (block, bound) in bounds.into_iter().enumerate() {
             let part = error.fixed_rows::<3>(3 * block).norm() / bound;
@@ -554,16 +554,66 @@ fn what_a_correction_leaves_out_is_below_its_bound() {
 fn readings_are_summed_again_when_the_bias_has_moved_far() {
     let sums = at_rest(200);
     let gyro = |size: f64| ImuBias { gyro: Vector3::x() * size, ..ImuBias::default() };
-    assert!(!sums.should_reintegrate(&sums.bias, 0.1));
-    assert!(!sums.should_reintegrate(&gyro(0.01), 0.1));
-    assert!(sums.should_reintegrate(&gyro(0.1), 0.1));
+    assert!(!sums.should_reintegrate(&sums.bias, 0.01));
+    assert!(!sums.should_reintegrate(&gyro(0.02), 0.01));
+    assert!(sums.should_reintegrate(&gyro(0.03), 0.01));
+    assert!(sums.should_reintegrate(&gyro(f64::NAN), 0.01));
+    // Without a square root of the information there is no limit to keep.
+    let tied = at_rest(1);
+    assert!(
+        !tied.should_reintegrate(&tied.bias, 0.01) && tied.should_reintegrate(&gyro(1e-9), 0.01)
+    );
+}
+
+#[test]
+fn a_correction_that_is_kept_adds_no_more_to_the_squared_error_than_was_allowed() {
+    let mut random = Random::new(12);
+    let noise = ImuNoise::mems();
+    let (mut kept, mut closest) = (0, 0.0_f64);
+    for _ in 0..300 {
+        let samples = random.motion().samples(&GRAVITY, 0.01, 100);
+        let sums = preintegrate(&samples, 0.01, &ImuBias::default(), &noise).unwrap();
+        let bias = random.bias(0.02, 0.1);
+        let again = preintegrate(&samples, 0.01, &bias, &noise).unwrap();
+        let error = difference(&again.deltas, &correct_for_bias(&sums, &bias));
+        let whiten = sums.sqrt_information().unwrap();
+        let part = (whiten * error).norm_squared() / sums.squared_error_bound(&bias, &whiten);
+        closest = closest.max(part);
+        if !sums.should_reintegrate(&bias, 0.01) {
+            kept += 1;
+            assert!((whiten * error).norm_squared() < 0.09);
+        }
+    }
+    assert!(closest < 1.0 && closest > 1e-3, "{closest}");
+    assert!(kept > 30 && kept < 270, "{kept}");
+}
+
+#[test]
+fn a_tenth_of_every_standard_deviation_may_be_much_of_the_squared_error() {
+    // Ascent to the worst directions of errors whose lengths are a tenth of the deviations.
+    let worst = |sums: &Preintegrated| {
+        let whiten = sums.sqrt_information().unwrap();
+        let tenths = sums.sigmas().map(|sigma| 0.1 * sigma);
+        let mut error = Vector9::from_fn(|row, _| [1.0, -0.5, 0.3][row % 3] * (row as f64 - 3.7));
+        for _ in 0..300 {
+            let gradient = whiten.tr_mul(&(whiten * error));
+            for (block, tenth) in tenths.into_iter().enumerate() {
+                let uphill = gradient.fixed_rows::<3>(3 * block).normalize();
+                error.fixed_rows_mut::<3>(3 * block).copy_from(&(tenth * uphill));
+            }
+        }
+        (whiten * error).norm_squared()
+    };
+    let (second, five) = (worst(&at_rest(200)), worst(&at_rest(1000)));
+    assert!(second > 0.2 && second < 0.34, "{second}");
+    assert!(five > 1.5 && five < 2.91, "{five}");
 }
 
 #[test]
 fn each_source_of_noise_alone_grows_by_its_own_law() {
     let accelerometer = ImuNoise { gyro: 0.0, ..ImuNoise::mems() };
     let gyro = ImuNoise { accelerometer: 0.0, ..ImuNoise::mems() };
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let sigmas = |noise: &ImuNoise, steps: usize| {
         let samples = vec![sample; steps];
         preintegrate(&samples, 0.005, &ImuBias::default(), noise).unwrap().sigmas()
@@ -581,7 +631,7 @@ fn each_source_of_noise_alone_grows_by_its_own_law() {
 
 #[test]
 fn a_long_sum_stays_a_rotation_and_its_covariance_symmetric() {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems()).unwrap();
     for k in 0..200_000 {
         integrator.integrate(&motion.at(0.005 * k as f64).sample(&GRAVITY), 0.005).unwrap();
@@ -614,7 +664,7 @@ fn the_walk_of_the_biases_is_whitened() {
 fn no_reading_is_an_error() {
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
     assert_eq!(preintegrate(&[], 0.005, &bias, &noise), Err(PreintegrationError::Empty));
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let one = [StampedSample { nanoseconds: 0, sample }];
     for few in [&one[..0], &one[..]] {
         let found = preintegrate_stamped(few, Rule::Midpoint, LONGEST_STEP, &bias, &noise);
@@ -626,7 +676,7 @@ fn no_reading_is_an_error() {
 #[test]
 fn a_step_must_be_positive_and_no_longer_than_the_limit() {
     let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     for dt in [0.0, -0.0, -0.005, f64::NEG_INFINITY] {
         let found = preintegrate(&[sample], dt, &bias, &noise);
         assert_eq!(found, Err(PreintegrationError::Step { step: 0, dt }));
@@ -651,12 +701,12 @@ fn a_step_must_be_positive_and_no_longer_than_the_limit() {
 
 #[test]
 fn times_that_repeat_go_back_or_leave_a_gap_are_errors() {
-    let sample = Motion::hover().at(0.0).sample(&GRAVITY);
+    let sample = Trajectory::hover().at(0.0).sample(&GRAVITY);
     let at = |times: &[i64]| {
         let stamped: Vec<_> =
             times.iter().map(|&nanoseconds| StampedSample { nanoseconds, sample }).collect();
         let (bias, noise) = (ImuBias::default(), ImuNoise::mems());
-        preintegrate_stamped(&stamped, Rule::Left, 0.02, &bias, &noise).unwrap_err()
+        preintegrate_stamped(&stamped, Rule::Euler, 0.02, &bias, &noise).unwrap_err()
     };
     let repeated = at(&[0, 5_000_000, 5_000_000]);
     assert_eq!(repeated, PreintegrationError::Step { step: 1, dt: 0.0 });
@@ -667,7 +717,7 @@ fn times_that_repeat_go_back_or_leave_a_gap_are_errors() {
 
 #[test]
 fn a_reading_that_is_not_finite_leaves_the_sums_as_they_were() {
-    let good = Motion::figure_eight().at(0.3).sample(&GRAVITY);
+    let good = Trajectory::figure_eight().at(0.3).sample(&GRAVITY);
     let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems()).unwrap();
     integrator.integrate(&good, 0.005).unwrap();
     let before = integrator.finish().unwrap();
@@ -723,7 +773,7 @@ fn readings_too_large_to_be_summed_are_an_error() {
 #[test]
 fn without_noise_nothing_can_be_whitened() {
     let silent = ImuNoise { gyro: 0.0, accelerometer: 0.0, ..ImuNoise::mems() };
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, 20);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, 20);
     let sums = preintegrate(&samples, 0.005, &ImuBias::default(), &silent).unwrap();
     assert_eq!(sums.covariance, Matrix9::zeros());
     assert_eq!(sums.sqrt_information(), Err(WhiteningError::NotPositiveDefinite));

@@ -12,8 +12,8 @@ use vislam::reprojection::{Pinhole, ReprojFactor, Z_MIN};
 use vislam::two_views::{
     EssentialError, LEAST_PARALLAX, StereoError, StereoFactor, StereoPinhole, TriangulationError,
     View, depth_bias, epipolar_line, epipolar_residual, essential_matrix, fundamental_matrix,
-    point_condition, ray_depths, ray_sigma, refine, relative_pose, relative_poses,
-    sampson_distance, scale_direction, triangulate,
+    point_condition, ray_depths, ray_sigma, relative_pose, relative_poses, sampson_distance,
+    scale_direction, triangulate, triangulate_nonlinear,
 };
 
 fn camera() -> Pinhole {
@@ -81,7 +81,7 @@ fn two_pixels_give_back_the_point_and_say_how_sure_it_is() {
 
     let views = [view(0), view(1)];
     let start = triangulate(&views, LEAST_PARALLAX).unwrap();
-    let found = refine(&views, &start).unwrap();
+    let found = triangulate_nonlinear(&views, &start).unwrap();
     assert_abs_diff_eq!(found.point, Vector3::new(0.2, -0.1, 5.0), epsilon = 1e-12);
 
     // By hand: a disparity of 40 px with noise of √2 px, Z²/(f b) = 25/200 m per pixel.
@@ -313,7 +313,7 @@ fn directions_triangulate_as_pixels_do() {
     });
     let found = triangulate(&of_directions, LEAST_PARALLAX).unwrap();
     let [by_direction, by_pixel] =
-        [&of_directions, &views].map(|views| refine(views, &found).unwrap());
+        [&of_directions, &views].map(|views| triangulate_nonlinear(views, &found).unwrap());
     assert_abs_diff_eq!(by_direction.point, point(), epsilon = 1e-12);
     assert_abs_diff_eq!(by_direction.covariance, by_pixel.covariance, epsilon = 1e-12);
     let backwards = View::of_direction(Isometry3::identity(), &-Vector3::z(), 1.0);
@@ -346,7 +346,7 @@ fn a_point_needs_two_views() {
     for count in 0..2 {
         let error = triangulate(&views[..count], LEAST_PARALLAX).unwrap_err();
         assert_eq!(error, TriangulationError::TooFewViews { count });
-        assert_eq!(refine(&views[..count], &point()), Err(error));
+        assert_eq!(triangulate_nonlinear(&views[..count], &point()), Err(error));
     }
 }
 
@@ -367,7 +367,10 @@ fn numbers_that_are_none_are_refused_with_their_view() {
     }
     let mut views = views_of(&point(), 0.5);
     views[1].camera.fx = 0.0;
-    assert_eq!(refine(&views, &point()), Err(TriangulationError::Camera { view: 1 }));
+    assert_eq!(
+        triangulate_nonlinear(&views, &point()),
+        Err(TriangulationError::Camera { view: 1 })
+    );
     let mut views = views_of(&point(), 0.5);
     views[1].camera_from_world.translation.x = f64::NAN;
     let error = triangulate(&views, LEAST_PARALLAX).unwrap_err();
@@ -385,7 +388,7 @@ fn a_camera_that_only_turned_is_refused() {
     let views = [Rotation3::identity(), turn].map(|rotation| seen_from(around(rotation), &point));
     let error = triangulate(&views, 0.0).unwrap_err();
     assert!(matches!(error, TriangulationError::NoBaseline { length } if length < 1e-12));
-    let error = refine(&views, &point).unwrap_err();
+    let error = triangulate_nonlinear(&views, &point).unwrap_err();
     assert!(matches!(error, TriangulationError::Undetermined { .. }), "{error}");
 }
 
@@ -421,7 +424,7 @@ fn rays_that_meet_behind_a_camera_are_refused_with_it() {
         other => panic!("{other:?}"),
     }
     let near = Vector3::new(0.0, 0.0, Z_MIN);
-    let error = refine(&views, &near).unwrap_err();
+    let error = triangulate_nonlinear(&views, &near).unwrap_err();
     assert_eq!(error, TriangulationError::Behind { view: 0, depth: Z_MIN });
 }
 
@@ -456,7 +459,7 @@ fn numbers_at_the_end_of_their_range_are_refused_and_nothing_hangs() {
             let points = [
                 triangulate(&views, LEAST_PARALLAX),
                 triangulate(&views, 0.0),
-                refine(&views, &point()).map(|found| found.point),
+                triangulate_nonlinear(&views, &point()).map(|found| found.point),
             ];
             for found in points.into_iter().flatten() {
                 assert!(found.iter().all(|coordinate| coordinate.is_finite()), "{extreme}");
@@ -469,7 +472,7 @@ fn numbers_at_the_end_of_their_range_are_refused_and_nothing_hangs() {
 fn rays_that_diverge_lead_to_a_point_without_depth() {
     let mut views = views_of(&point(), 0.5);
     views[1].pixel.x = views[0].pixel.x + 1.0;
-    let error = refine(&views, &point()).unwrap_err();
+    let error = triangulate_nonlinear(&views, &point()).unwrap_err();
     assert!(matches!(error, TriangulationError::Undetermined { condition } if condition > 1e12));
 }
 
@@ -482,7 +485,7 @@ fn pixels_that_contradict_each_other_are_given_up_on_in_time() {
         for view in &mut views {
             view.pixel += 300.0 * Vector2::new(normal(&mut random), normal(&mut random));
         }
-        match refine(&views, &point) {
+        match triangulate_nonlinear(&views, &point) {
             Ok(found) => assert!(found.iterations < 50),
             Err(TriangulationError::NotConverged { iterations, step }) => {
                 assert!(iterations == 50 && step > 1e-9);
@@ -513,7 +516,7 @@ fn refinement_lowers_the_cost_to_where_its_gradient_vanishes() {
             view.pixel += view.sigma * Vector2::new(normal(&mut random), normal(&mut random));
         }
         let Ok(start) = triangulate(&views, 0.02) else { continue };
-        let found = refine(&views, &start).unwrap();
+        let found = triangulate_nonlinear(&views, &start).unwrap();
         assert!(found.cost < cost(&views, &start));
         assert_relative_eq!(found.cost, cost(&views, &found.point), max_relative = 1e-9);
         assert!((1..20).contains(&found.iterations), "{}", found.iterations);
@@ -530,7 +533,7 @@ fn refinement_lowers_the_cost_to_where_its_gradient_vanishes() {
 
 #[test]
 fn views_with_nothing_to_disagree_about_are_fitted_at_once() {
-    let found = refine(&views_of(&point(), 0.5), &point()).unwrap();
+    let found = triangulate_nonlinear(&views_of(&point(), 0.5), &point()).unwrap();
     assert_eq!(found.iterations, 0);
     assert_eq!(found.cost, 0.0);
     assert_eq!(found.point, point());
@@ -543,7 +546,7 @@ fn the_covariance_is_what_repeated_measurements_show() {
     let second = Isometry3::new(Vector3::new(-0.8, 0.1, 0.2), Vector3::new(0.02, -0.15, 0.05));
     let third = Isometry3::new(Vector3::new(0.5, -0.4, 0.1), Vector3::new(-0.05, 0.1, 0.0));
     let views = [Isometry3::identity(), second, third].map(|pose| seen_from(pose, &point));
-    let predicted = refine(&views, &point).unwrap();
+    let predicted = triangulate_nonlinear(&views, &point).unwrap();
     let whiten = predicted.covariance.cholesky().unwrap().l().try_inverse().unwrap();
 
     let draws = 20_000;
@@ -554,7 +557,7 @@ fn the_covariance_is_what_repeated_measurements_show() {
             ..view
         });
         let start = triangulate(&noisy, LEAST_PARALLAX).unwrap();
-        let error = whiten * (refine(&noisy, &start).unwrap().point - point);
+        let error = whiten * (triangulate_nonlinear(&noisy, &start).unwrap().point - point);
         sum += error;
         squares += error * error.transpose();
     }
@@ -571,7 +574,7 @@ fn the_covariance_is_what_repeated_measurements_show() {
 fn for_cameras_side_by_side_the_covariance_is_the_disparity_formula() {
     for (depth, baseline) in [(5.0, 0.5), (10.0, 0.5), (5.0, 0.1), (30.0, 1.0)] {
         let point = Vector3::new(0.3, -0.2, depth);
-        let found = refine(&views_of(&point, baseline), &point).unwrap();
+        let found = triangulate_nonlinear(&views_of(&point, baseline), &point).unwrap();
         let expected = depth_sigma(&camera(), baseline, depth, disparity_sigma(1.0, 1.0));
         assert_relative_eq!(found.covariance.m33.sqrt(), expected, max_relative = 1e-9);
         let bias = depth_bias(depth, expected);
@@ -587,14 +590,15 @@ fn two_distances_and_an_angle_say_how_sure_a_ray_is() {
     let second = Isometry3::from_parts(Vector3::new(0.0, 0.0, 4.0).into(), turn.into())
         * Isometry3::translation(0.0, 0.0, -6.0);
     let views = [Isometry3::identity(), second].map(|pose| seen_from(pose, &point));
-    let found = refine(&views, &point).unwrap();
+    let found = triangulate_nonlinear(&views, &point).unwrap();
     let expected = ray_sigma(6.0, 4.0, 0.4, 1.0 / 400.0);
     assert_relative_eq!(found.covariance.m33.sqrt(), expected, max_relative = 1e-9);
 
     let equal = Isometry3::from_parts(Vector3::new(0.0, 0.0, 6.0).into(), turn.into())
         * Isometry3::translation(0.0, 0.0, -6.0);
     let views = [Isometry3::identity(), equal].map(|pose| seen_from(pose, &point));
-    let eigenvalues = refine(&views, &point).unwrap().covariance.symmetric_eigenvalues();
+    let eigenvalues =
+        triangulate_nonlinear(&views, &point).unwrap().covariance.symmetric_eigenvalues();
     let condition = eigenvalues.max() / eigenvalues.min();
     assert_relative_eq!(condition, point_condition(0.4), max_relative = 1e-9);
 }
@@ -603,11 +607,13 @@ fn two_distances_and_an_angle_say_how_sure_a_ray_is() {
 fn a_wrong_match_along_the_epipolar_line_leaves_no_residual() {
     let mut views = views_of(&point(), 0.5);
     views[1].pixel.x += 10.0;
-    let found = refine(&views, &triangulate(&views, LEAST_PARALLAX).unwrap()).unwrap();
+    let found =
+        triangulate_nonlinear(&views, &triangulate(&views, LEAST_PARALLAX).unwrap()).unwrap();
     assert_abs_diff_eq!(found.cost, 0.0, epsilon = 1e-18);
     assert_abs_diff_eq!(found.point.z, 200.0 / 30.0, epsilon = 1e-9);
     views[1].pixel = Vector2::new(296.0, 242.0);
-    let found = refine(&views, &triangulate(&views, LEAST_PARALLAX).unwrap()).unwrap();
+    let found =
+        triangulate_nonlinear(&views, &triangulate(&views, LEAST_PARALLAX).unwrap()).unwrap();
     assert_abs_diff_eq!(found.cost, 25.0, epsilon = 0.1);
 }
 

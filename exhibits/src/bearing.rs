@@ -274,7 +274,9 @@ fn other_blindnesses(chapter: &mut Chapter) {
     chapter.equation("scale-blind", scale_blind, formula, &mutants);
 
     let mutants: [(_, Turned); 3] = [
-        ("rotation transposed", |k, r, pixel| theory::turned_pixel(k, &r.inverse(), pixel)),
+        ("rotation transposed", |k, r, pixel| {
+            theory::transfer_by_infinite_homography(k, &r.inverse(), pixel)
+        }),
         ("K and its inverse dropped", |_, r, pixel| dehomogenized(r * pixel.push(1.0))),
         ("K and its inverse exchanged", |k, r, pixel| {
             let calibration = oracle::calibration(k);
@@ -282,7 +284,12 @@ fn other_blindnesses(chapter: &mut Chapter) {
             dehomogenized(calibration.try_inverse()? * turned)
         }),
     ];
-    chapter.equation("rotation-blind", rotation_blind, theory::turned_pixel, &mutants);
+    chapter.equation(
+        "rotation-blind",
+        rotation_blind,
+        theory::transfer_by_infinite_homography,
+        &mutants,
+    );
 }
 
 /// Takes a camera, its rotation from the world, its centre, a point and the scale of the world.

@@ -19,8 +19,8 @@ use vislam::bearing::{bearing, depth_from_disparity};
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
 use vislam::two_views::{
-    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, refine,
-    scale_direction, triangulate,
+    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, scale_direction,
+    triangulate, triangulate_nonlinear,
 };
 
 use crate::chapter::Chapter;
@@ -209,7 +209,8 @@ fn sampson(formula: Sampson) -> Comparison {
         });
         let fundamental = theory::fundamental_matrix(&camera, &camera, &essential_matrix(&motion));
         let missed = formula(&fundamental, &views[0].pixel, &views[1].pixel);
-        let moved = theory::refine(&views, &point).map_or(f64::NAN, |found| 2.0 * found.cost);
+        let moved = theory::triangulate_nonlinear(&views, &point)
+            .map_or(f64::NAN, |found| 2.0 * found.cost);
         comparison.add(&[missed.map_or(f64::NAN, f64::abs)], &[moved.sqrt()]);
     }
     comparison
@@ -521,8 +522,9 @@ fn three_views(random: &mut Random) -> (Vector3<f64>, [View; 3]) {
 }
 
 fn likely(chapter: &mut Chapter) {
-    let formula: Covariance =
-        |views, point| refine(views, point).map_or(Matrix3::repeat(f64::NAN), |p| p.covariance);
+    let formula: Covariance = |views, point| {
+        triangulate_nonlinear(views, point).map_or(Matrix3::repeat(f64::NAN), |p| p.covariance)
+    };
     let mutants: [(_, Covariance); 5] = [
         ("not inverted", |views, point| information(views, point)),
         ("sigma not squared", |views, point| {
@@ -545,8 +547,9 @@ fn likely(chapter: &mut Chapter) {
     ];
     chapter.equation("point-covariance", point_covariance, formula, &mutants);
 
-    let formula: Bias =
-        |views, point| refine(views, point).map_or(Vector3::repeat(f64::NAN), |p| p.bias);
+    let formula: Bias = |views, point| {
+        triangulate_nonlinear(views, point).map_or(Vector3::repeat(f64::NAN), |p| p.bias)
+    };
     let mutants: [(_, Bias); 4] = [
         ("sign", |views, point| -found_bias(views, point)),
         ("half dropped", |views, point| 2.0 * found_bias(views, point)),
@@ -598,11 +601,11 @@ fn point_bias(formula: Bias) -> Comparison {
 }
 
 fn most_likely(views: &[View; 3], start: &Vector3<f64>) -> Vector3<f64> {
-    refine(views, start).map_or(Vector3::repeat(f64::NAN), |found| found.point)
+    triangulate_nonlinear(views, start).map_or(Vector3::repeat(f64::NAN), |found| found.point)
 }
 
 fn found_bias(views: &[View; 3], point: &Vector3<f64>) -> Vector3<f64> {
-    refine(views, point).map_or(Vector3::repeat(f64::NAN), |found| found.bias)
+    triangulate_nonlinear(views, point).map_or(Vector3::repeat(f64::NAN), |found| found.bias)
 }
 
 fn inverse(matrix: Matrix3<f64>) -> Matrix3<f64> {

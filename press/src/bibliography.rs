@@ -77,6 +77,29 @@ impl Bibliography {
         self.works.get(key)
     }
 
+    /// What a citation, `key` or `key, page 3`, shows of a work: its key, and its name as it stands in brackets or as a
+    /// sentence uses it. Where there is no such work, a fault.
+    pub fn cited<'a>(
+        &self,
+        place: (&str, usize),
+        cited: &'a str,
+        narrative: bool,
+        faults: &mut Faults,
+    ) -> (&'a str, Option<String>) {
+        let (key, locator) = cited.split_once(',').unwrap_or((cited, ""));
+        let Some(work) = self.get(key) else {
+            let mend = format!("add it to {FILE}, or write \\@ for the sign itself");
+            faults.add(place, format!("@{key}"), "the bibliography has no such work", mend);
+            return (key, None);
+        };
+        let name = if narrative { &work.narrative } else { &work.short };
+        let name = match locator.trim() {
+            "" => name.clone(),
+            locator => format!("{name}, {locator}"),
+        };
+        (key, Some(name))
+    }
+
     /// The works in the order of a bibliography: authors, then year.
     pub fn sorted(&self) -> Vec<(&str, &Work)> {
         let mut works: Vec<_> = self.works.iter().map(|(key, work)| (key.as_str(), work)).collect();

@@ -222,23 +222,9 @@ impl One<'_> {
     }
 
     fn work(&self, cited: &str, narrative: bool, found: &mut Found<'_>) -> String {
-        let (key, locator) = cited.split_once(',').unwrap_or((cited, ""));
-        let Some(work) = self.known.bibliography.get(key) else {
-            found.faults.add(
-                self.place,
-                format!("@{key}"),
-                "the bibliography has no such work",
-                format!(
-                    "add it to {}, or write \\@ for the sign itself",
-                    crate::bibliography::FILE
-                ),
-            );
-            return format!("[{key}]");
-        };
-        let mut name = if narrative { work.narrative.clone() } else { work.short.clone() };
-        if !locator.is_empty() {
-            name = format!("{name}, {}", locator.trim());
-        }
+        let works = self.known.bibliography;
+        let (key, name) = works.cited(self.place, cited, narrative, &mut found.faults);
+        let Some(name) = name else { return format!("[{key}]") };
         if !self.prose.html {
             return name;
         }

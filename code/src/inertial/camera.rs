@@ -27,7 +27,7 @@ impl CameraImu {
     /// The pose of the camera, T_wb T_bc. Its translation is the camera's centre p + R l, for
     /// the lever arm l.
     pub fn world_from_camera(&self, state: &NavState) -> Isometry3<f64> {
-        state.world_from_body() * self.body_from_camera
+        state.pose() * self.body_from_camera
     }
     // ANCHOR_END: camera_pose
 

@@ -1,4 +1,4 @@
-//! The text formats of the EuRoC data sets.
+//! The text formats of the EuRoC data sets [@burri2016].
 //!
 //! A file has a line of column names, which begins with `#`, and one line for each time, its
 //! fields separated by commas. Nothing here opens files.

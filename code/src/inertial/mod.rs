@@ -8,13 +8,13 @@
 
 mod camera;
 pub mod euroc;
-mod motion;
 mod noise;
 mod sample;
 mod state;
+mod trajectory;
 
 pub use camera::CameraImu;
-pub use motion::{Angles, Course, Moment, Motion};
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
 pub use state::{GRAVITY, NavState};
+pub use trajectory::{Angles, Kinematics, ScalarTrajectory, Trajectory};

@@ -26,7 +26,7 @@ impl ImuNoise {
         Self { gyro: 3.5e-3, accelerometer: 2.0e-2, gyro_walk: 2e-4, accelerometer_walk: 1e-2 }
     }
 
-    /// The sensor of the EuRoC flights, an ADIS16448, as its data set gives it.
+    /// The sensor of the EuRoC flights, an ADIS16448, as its data set gives it [@burri2016].
     pub const fn euroc() -> Self {
         Self {
             gyro: 1.6968e-4,

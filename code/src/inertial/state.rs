@@ -60,15 +60,16 @@ impl NavState {
         }
     }
 
-    /// The pose of the body, which takes body coordinates to world coordinates.
-    pub fn world_from_body(&self) -> Isometry3<f64> {
+    /// The pose of the body: `world_from_body` with the position, as an isometry that takes body
+    /// coordinates to world coordinates.
+    pub fn pose(&self) -> Isometry3<f64> {
         Isometry3::from_parts(self.position.into(), self.world_from_body.into())
     }
 
     // ANCHOR: propagate
-    /// The state `dt` seconds on, by the left rule: the reading, free of bias, holds for the
+    /// The state `dt` seconds on, by the Euler rule: the reading, free of bias, holds for the
     /// whole step, and its force acts in the direction the body has at the beginning.
-    /// Implements {eq:inertial-left-rule}.
+    /// Implements {eq:inertial-euler-rule}.
     pub fn propagate(&self, sample: &ImuSample, gravity: &Vector3<f64>, dt: f64) -> Self {
         let along = self.world_from_body;
         self.advance(&along, sample, gravity, dt)

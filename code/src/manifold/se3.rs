@@ -6,6 +6,10 @@
 //! The 6×6 matrices all have the form A, B over 0, A. Such matrices add and multiply like
 //! A + ε B with ε² = 0, so a power series in ad(ξ), with A = φ^ and B = ρ^, has the
 //! same series in φ^ for its A and the derivative of that in the direction ρ for its B.
+//!
+//! A pose takes coordinates of one frame to another by [`transform`]. The operator `*` of
+//! `nalgebra` does so for a `Point3` alone: it takes a `Vector3` for a direction, turns it and
+//! leaves the translation out.
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Matrix6, Vector3, Vector6};
 
@@ -15,6 +19,14 @@ use super::so3;
 fn parts(xi: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (xi.fixed_rows::<3>(0).into(), xi.fixed_rows::<3>(3).into())
 }
+
+// ANCHOR: transform
+/// The coordinates of a point after a change of frames: R p + t, with the translation, which
+/// `pose * point` would leave out.
+pub fn transform(pose: &Isometry3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
+    pose.rotation * point + pose.translation.vector
+}
+// ANCHOR_END: transform
 
 // ANCHOR: hat
 /// The 4×4 matrix of a twist, whose matrix exponential is the pose. See {eq:twist}.
@@ -65,8 +77,8 @@ fn block_triangular(diagonal: &Matrix3<f64>, corner: &Matrix3<f64>) -> Matrix6<f
 // ANCHOR: jacobians
 /// The 6×6 left Jacobian: exp(ξ + δ) = exp(J δ) exp(ξ) to first order in δ.
 ///
-/// Its corner, often called Q, is the derivative of the rotation's Jacobian in the
-/// direction of the translation.
+/// Its corner, which [@barfoot2014] write out as Q, is the derivative of the rotation's Jacobian
+/// in the direction of the translation.
 pub fn left_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
     let (rho, phi) = parts(xi);
     block_triangular(&so3::left_jacobian(&phi), &so3::left_jacobian_derivative(&phi, &rho))

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 
 use super::{BiasAssumption, ObservabilityError, Window};
-use crate::inertial::{CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use crate::inertial::{CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
 use crate::manifold::so3;
 use crate::preintegration::preintegrate;
 use crate::reprojection::{Pinhole, ReprojFactor};
@@ -13,7 +13,7 @@ use crate::reprojection::{Pinhole, ReprojFactor};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flight {
     /// How the body moves.
-    pub motion: Motion,
+    pub motion: Trajectory,
     /// The camera, with an image of `image` pixels.
     pub camera: Pinhole,
     /// Width and height of the image, in pixels.
@@ -38,7 +38,7 @@ pub struct Flight {
 impl Flight {
     /// Two seconds of a motion: nine pictures, a reading every hundredth of a second, a wide camera
     /// that looks ahead along the body's x axis from the body's origin, and the EuRoC sensor.
-    pub fn new(motion: Motion) -> Self {
+    pub fn new(motion: Trajectory) -> Self {
         // Camera axes right, down and ahead, in the body's ahead, left and up.
         let axes = [-Vector3::y(), -Vector3::z(), Vector3::x()];
         let body_from_camera = Rotation3::from_basis_unchecked(&axes);

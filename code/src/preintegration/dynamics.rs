@@ -35,7 +35,7 @@ pub fn error_dynamics(
 ) -> ErrorDynamics {
     let (turn, right_jacobian) = so3::exp_with_right_jacobian(&(dt * sample.gyro));
     let before_force = match rule {
-        Rule::Left => 0.0,
+        Rule::Euler => 0.0,
         Rule::Midpoint => 0.5 * dt,
     };
     let before = before_force * sample.gyro;

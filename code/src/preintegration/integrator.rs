@@ -83,11 +83,11 @@ struct Halfway {
 // ANCHOR_END: step
 
 impl Step {
-    // ANCHOR: step_left
-    /// The left rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
+    // ANCHOR: step_euler
+    /// The Euler rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
     /// Jacobian J, are both R times a polynomial in φ^.
     #[inline(always)]
-    fn left(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+    fn euler(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
         let turning = Turning::new(rotation, &(dt * reading.gyro));
         let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
         let variance = noise.gyro * noise.gyro * dt;
@@ -101,7 +101,7 @@ impl Step {
             halfway: None,
         }
     }
-    // ANCHOR_END: step_left
+    // ANCHOR_END: step_euler
 
     // ANCHOR: step_midpoint
     /// The midpoint rule. The turn φ is that of half the step, and what belongs to the whole of
@@ -159,7 +159,7 @@ impl Preintegrator {
     }
 
     // ANCHOR: integrate
-    /// Adds a step of `dt` seconds in which the reading holds: the left rule.
+    /// Adds a step of `dt` seconds in which the reading holds: the Euler rule.
     ///
     /// # Errors
     ///
@@ -168,7 +168,7 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let reading = sample.corrected(&self.bias);
-        self.advance(&Step::left(&self.rotation, &reading, dt, &self.noise));
+        self.advance(&Step::euler(&self.rotation, &reading, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate

@@ -1,4 +1,5 @@
-//! Many inertial readings between two states as one measurement that depends on neither.
+//! Many inertial readings between two states as one measurement that depends on neither: the
+//! preintegration of [@lupton2012], on the rotation group as [@forster2017] have it.
 //!
 //! [`preintegrate`] sums readings into [`Deltas`], relative rotation, velocity and position
 //! without gravity, with their covariance and their derivatives by the biases. [`imu_residual`]
@@ -73,7 +74,7 @@ pub struct Preintegrated {
 // ANCHOR_END: preintegrated
 
 // ANCHOR: preintegrate
-/// Sums up readings of equal steps of `dt` seconds by the left rule: each reading holds from its
+/// Sums up readings of equal steps of `dt` seconds by the Euler rule: each reading holds from its
 /// time to that of the next one, so there are as many steps as readings.
 /// Implements {eq:preintegrated-sums}.
 ///
@@ -97,15 +98,15 @@ pub fn preintegrate(
 /// How readings at the ends of a step stand for what happens between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// The reading at the beginning holds, and its force acts as the body stands there. The error
-    /// is of the order of the step.
-    Left,
+    /// The reading at the beginning of the step holds for all of it, and its force acts as the body
+    /// stands there. The error is of the order of the step.
+    Euler,
     /// The mean of both readings holds, and its force acts as the body stands halfway. The error
     /// is of the order of the step squared.
     Midpoint,
 }
 
-/// Sums up readings from the time of the first to that of the last, which with the left rule
+/// Sums up readings from the time of the first to that of the last, which with the Euler rule
 /// counts only by its time. Steps longer than `longest_step` seconds are gaps.
 ///
 /// # Errors
@@ -125,7 +126,7 @@ pub fn preintegrate_stamped(
     for pair in samples.windows(2) {
         let dt = pair[0].seconds_to(&pair[1]);
         match rule {
-            Rule::Left => integrator.integrate(&pair[0].sample, dt)?,
+            Rule::Euler => integrator.integrate(&pair[0].sample, dt)?,
             Rule::Midpoint => {
                 integrator.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)?;
             }
@@ -136,8 +137,8 @@ pub fn preintegrate_stamped(
 // ANCHOR_END: preintegrate_stamped
 
 // ANCHOR: correct_for_bias
-/// The deltas as they would be at another bias, to first order in the difference, at the cost of
-/// a few small products. Implements {eq:bias-update}.
+/// The deltas as they would be at another bias, to first order in the difference [@forster2017],
+/// at the cost of a few small products. Implements {eq:bias-update}.
 pub fn correct_for_bias(preintegrated: &Preintegrated, bias: &ImuBias) -> Deltas {
     let Deltas { rotation, velocity, position } = preintegrated.deltas;
     let step = preintegrated.bias_jacobian * preintegrated.bias_step(bias);
@@ -149,10 +150,10 @@ pub fn correct_for_bias(preintegrated: &Preintegrated, bias: &ImuBias) -> Deltas
 }
 // ANCHOR_END: correct_for_bias
 
-// ANCHOR: neglected
+// ANCHOR: linearization_error_bound
 /// The most that a first-order correction can be wrong by, up to terms of third order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Neglected {
+pub struct LinearizationErrorBound {
     /// Of the rotation, in radians.
     pub rotation: f64,
     /// Of the velocity, in m/s.
@@ -160,7 +161,7 @@ pub struct Neglected {
     /// Of the position, in metres.
     pub position: f64,
 }
-// ANCHOR_END: neglected
+// ANCHOR_END: linearization_error_bound
 
 impl Preintegrated {
     /// How far a bias is from that of the deltas, gyroscope first.
@@ -204,16 +205,16 @@ impl Preintegrated {
         [0, 3, 6].map(|at| (self.covariance.fixed_view::<3, 3>(at, at).trace() / 3.0).sqrt())
     }
 
-    // ANCHOR: neglected_by
+    // ANCHOR: linearization_error_bound_at
     /// What [`correct_for_bias`] leaves out, at most. With a gyroscope bias off by δ the
     /// direction of each reading is off by up to ¾ δ² t² in second order after a time t, and the
     /// force that is turned wrongly adds up; a force that is itself off by ε is turned by δ t.
     /// Implements {eq:correction-bound}.
-    pub fn neglected(&self, bias: &ImuBias) -> Neglected {
+    pub fn linearization_error_bound(&self, bias: &ImuBias) -> LinearizationErrorBound {
         let (t, force, step) = (self.duration, self.greatest_force, self.bias_step(bias));
         let (gyro, accelerometer) =
             (step.fixed_rows::<3>(0).norm(), step.fixed_rows::<3>(3).norm());
-        Neglected {
+        LinearizationErrorBound {
             rotation: gyro.powi(2) * t.powi(2) / 4.0,
             velocity: gyro.powi(2) * force * t.powi(3) / 4.0
                 + gyro * accelerometer * t.powi(2) / 2.0,
@@ -221,18 +222,47 @@ impl Preintegrated {
                 + gyro * accelerometer * t.powi(3) / 6.0,
         }
     }
-    // ANCHOR_END: neglected_by
+    // ANCHOR_END: linearization_error_bound_at
+
+    // ANCHOR: squared_error_bound
+    /// By how much, at most, the squared whitened residual grows on average when the deltas are
+    /// corrected for a bias instead of being summed up again; without that its mean is nine.
+    ///
+    /// `sqrt_information` is that of [`Preintegrated::sqrt_information`]. It is needed because the
+    /// nine errors are correlated: errors that are small beside every standard deviation may be
+    /// large together. Implements {eq:reintegration-bound}.
+    pub fn squared_error_bound(&self, bias: &ImuBias, sqrt_information: &Matrix9) -> f64 {
+        let LinearizationErrorBound { rotation, velocity, position } =
+            self.linearization_error_bound(bias);
+        let norm = |at| largest_singular_value(&sqrt_information.fixed_columns::<3>(at).into());
+        (norm(0) * rotation + norm(3) * velocity + norm(6) * position).powi(2)
+    }
+    // ANCHOR_END: squared_error_bound
 
     // ANCHOR: should_reintegrate
     /// Whether the readings should be summed up again at a bias, because what the correction
-    /// leaves out may exceed `fraction` of a standard deviation. A tenth is a good fraction: it
-    /// changes a squared error by a hundredth.
+    /// leaves out may raise the mean of the squared whitened residual by more than `fraction` of
+    /// the nine that it is. A hundredth is a good fraction.
+    ///
+    /// This factors the covariance. Who keeps its square root asks
+    /// [`Preintegrated::squared_error_bound`] instead. Where there is no square root no limit can
+    /// be kept, and readings are to be summed up again as soon as the bias moves.
     pub fn should_reintegrate(&self, bias: &ImuBias, fraction: f64) -> bool {
-        let Neglected { rotation, velocity, position } = self.neglected(bias);
-        let limits = self.sigmas().map(|sigma| fraction * sigma);
-        [rotation, velocity, position].iter().zip(limits).any(|(error, limit)| *error > limit)
+        if self.bias_step(bias) == Vector6::zeros() {
+            return false;
+        }
+        let bound = self.sqrt_information().map(|root| self.squared_error_bound(bias, &root));
+        !bound.is_ok_and(|bound| bound <= 9.0 * fraction)
     }
     // ANCHOR_END: should_reintegrate
+}
+
+/// The most by which a matrix lengthens a vector, or NaN for one with entries that are not finite.
+fn largest_singular_value(matrix: &SMatrix<f64, 9, 3>) -> f64 {
+    let squared = matrix.tr_mul(matrix);
+    // The search for eigenvalues would not return from an entry that is none.
+    let is_finite = squared.iter().all(|entry| entry.is_finite());
+    if is_finite { squared.symmetric_eigenvalues().max().sqrt() } else { f64::NAN }
 }
 
 /// Why readings cannot be summed up.

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Unit, Vector2, Vector3};
 
 use super::{Pinhole, Projection, RadialTangential, UndistortError};
+use crate::manifold::se3;
 
 // ANCHOR: distorted_pinhole
 /// A pinhole camera with lens distortion, as calibration tools describe it.
@@ -36,8 +37,7 @@ impl DistortedPinhole {
         camera_from_world: &Isometry3<f64>,
         point_in_world: &Vector3<f64>,
     ) -> Option<Vector2<f64>> {
-        let rotated = camera_from_world.rotation * point_in_world;
-        self.project_cam(&(rotated + camera_from_world.translation.vector))
+        self.project_cam(&se3::transform(camera_from_world, point_in_world))
     }
 
     // ANCHOR: distorted_jacobian

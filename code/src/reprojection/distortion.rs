@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 use thiserror::Error;
 
 // ANCHOR: radial_tangential
-/// Radial and tangential distortion after Brown, with the coefficients that OpenCV, Kalibr
+/// Radial and tangential distortion [@brown1971], with the coefficients that OpenCV, Kalibr
 /// and the EuRoC data set use, in their order: k1, k2, p1, p2 and, optional there, k3.
 ///
 /// The map is the gradient of a scalar function of the ideal point, so its Jacobian is

@@ -3,6 +3,8 @@
 use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Matrix3, Vector2, Vector3};
 use thiserror::Error;
 
+use crate::manifold::se3;
+
 // ANCHOR: pinhole
 /// A pinhole camera without lens distortion. All four values are in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +69,7 @@ impl Pinhole {
         camera_from_world: &Isometry3<f64>,
         point_in_world: &Vector3<f64>,
     ) -> Option<Vector2<f64>> {
-        let rotated = camera_from_world.rotation * point_in_world;
-        self.project_cam(&(rotated + camera_from_world.translation.vector))
+        self.project_cam(&se3::transform(camera_from_world, point_in_world))
     }
     // ANCHOR_END: project
 

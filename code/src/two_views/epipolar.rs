@@ -7,7 +7,8 @@ use crate::manifold::so3;
 use crate::reprojection::Pinhole;
 
 // ANCHOR: essential
-/// The essential matrix of two cameras, in metres: its length is that of the baseline.
+/// The essential matrix of two cameras [@longuethiggins1981], in metres: its length is that of the
+/// baseline.
 ///
 /// Implements the E of {eq:coplanarity}.
 pub fn essential_matrix(second_from_first: &Isometry3<f64>) -> Matrix3<f64> {
@@ -61,8 +62,8 @@ fn slopes(camera: &Pinhole) -> Matrix3<f64> {
 }
 
 // ANCHOR: sampson
-/// By how many pixels two measured pixels, taken together, miss being pictures of one point,
-/// to first order, or `None` where no pair of lines says so.
+/// The Sampson distance [@hartley2004]: by how many pixels two measured pixels, taken together,
+/// miss being pictures of one point, to first order, or `None` where no pair of lines says so.
 ///
 /// Its square is the least sum of squared moves of both pixels that satisfies
 /// {eq:coplanarity}. Implements {eq:sampson}.
@@ -80,8 +81,9 @@ pub fn sampson_distance(
 // ANCHOR_END: sampson
 
 // ANCHOR: relative_poses
-/// The four motions `second_from_first` that have an essential matrix, with a baseline of
-/// one: the scale is not in it. Only one of them puts the scene in front of both cameras.
+/// The decomposition of an essential matrix: the four motions `second_from_first` that have it
+/// [@hartley2004], with a baseline of one, since the scale is not in it. Only one of them puts
+/// the scene in front of both cameras.
 ///
 /// A matrix that is only nearly essential, as estimates are, is first replaced by the
 /// nearest one that is. Implements {eq:essential-poses}.
@@ -156,8 +158,9 @@ pub fn ray_depths(
 // ANCHOR_END: ray_depths
 
 // ANCHOR: relative_pose
-/// The one of [`relative_poses`] that puts the most points in front of both cameras, and how
-/// many that are. Each pair holds the directions of one point in the first and the second.
+/// The one of [`relative_poses`] that puts the most points in front of both cameras, which is the
+/// test of cheirality [@hartley2004], and how many those are. Each pair holds the directions of
+/// one point in the first and the second.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The most likely point, and how sure it is.
+//! Nonlinear triangulation: the most likely point, and how sure it is.
 
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
@@ -29,16 +29,20 @@ const MOST_HALVINGS: usize = 30;
 /// Beyond this the smallest eigenvalue of the information is mostly rounding.
 const LARGEST_CONDITION: f64 = 1e12;
 
-// ANCHOR: refine
-/// The point at which the pixels of the views are most likely, by Gauss-Newton steps from
-/// `start`. A step that does not lower the cost is halved.
+/// Nonlinear triangulation: the point at which the pixels of the views are most likely, by
+/// Gauss-Newton steps from `start`. A step that does not lower the cost is halved. For two views
+/// [@hartley1997] find that point without a start.
 ///
 /// Implements {eq:point-cost}, {eq:point-covariance} and {eq:point-bias}.
 ///
 /// # Errors
 ///
 /// [`TriangulationError`] when there is no such point, or no steps lead to it.
-pub fn refine(views: &[View], start: &Vector3<f64>) -> Result<Triangulated, TriangulationError> {
+// ANCHOR: triangulate_nonlinear
+pub fn triangulate_nonlinear(
+    views: &[View],
+    start: &Vector3<f64>,
+) -> Result<Triangulated, TriangulationError> {
     check(views)?;
     let (mut point, mut here) = (*start, Linearized::at(views, start)?);
     let mut length = f64::INFINITY;
@@ -55,7 +59,7 @@ pub fn refine(views: &[View], start: &Vector3<f64>) -> Result<Triangulated, Tria
     }
     Err(TriangulationError::NotConverged { iterations: MOST_ITERATIONS, step: length })
 }
-// ANCHOR_END: refine
+// ANCHOR_END: triangulate_nonlinear
 
 /// The first point on the way of the step, halved again and again, that has a lower cost.
 fn lower(

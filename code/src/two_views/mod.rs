@@ -3,7 +3,7 @@
 //!
 //! [`essential_matrix`] and its companions compare two pictures without asking for a point.
 //! [`triangulate`] finds a point from two or more [`View`]s whose poses are known,
-//! [`refine`] moves it to where it is most likely and says how sure that is, and
+//! [`triangulate_nonlinear`] moves it to where it is most likely and says how sure that is, and
 //! [`StereoFactor`] is what a pair of lenses at a known distance tells an estimator.
 //!
 //! Nothing here allocates.
@@ -19,7 +19,7 @@ pub use epipolar::{
     EssentialError, epipolar_line, epipolar_residual, essential_matrix, fundamental_matrix,
     ray_depths, relative_pose, relative_poses, sampson_distance,
 };
-pub use likelihood::{Triangulated, refine};
+pub use likelihood::{Triangulated, triangulate_nonlinear};
 pub use scale::scale_direction;
 pub use stereo::{LinearizedStereo, StereoError, StereoFactor, StereoPinhole, StereoProjection};
 pub use triangulation::{LEAST_PARALLAX, TriangulationError, View, triangulate};

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix2x4, Matrix4, Matrix6x4, SMatrix, Vector2, Vecto
 use thiserror::Error;
 
 use crate::bearing::{back_project, parallax};
+use crate::manifold::se3;
 use crate::reprojection::{Pinhole, Z_MIN};
 
 // ANCHOR: view
@@ -62,7 +63,7 @@ impl View {
 
     /// Coordinates of a point of the world in the camera, in metres.
     pub(super) fn in_camera(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.camera_from_world.rotation * point + self.camera_from_world.translation.vector
+        se3::transform(&self.camera_from_world, point)
     }
 }
 
@@ -70,8 +71,9 @@ impl View {
 /// The point in the world that the views see, by the linear method, when it lies in front of
 /// all of them and two of their rays meet at an angle of `least_parallax` or more.
 ///
-/// Exact for pixels without noise. With noise it is a start for
-/// [`refine`](super::refine). Implements {eq:dlt-rows}.
+/// The direct linear transform of [@hartley2004]: exact for pixels without noise, and with noise
+/// a start for [`triangulate_nonlinear`](super::triangulate_nonlinear).
+/// Implements {eq:dlt-rows}.
 ///
 /// # Errors
 ///

@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 use vislam::bearing::{
-    depth_sigma, disparity, inverse_depth_sigma, parallax, stretch_shift, turned_pixel,
+    depth_sigma, disparity, inverse_depth_sigma, parallax, stretch_shift,
+    transfer_by_infinite_homography,
 };
 
 use super::NOWHERE;
@@ -93,7 +94,7 @@ fn motions(chapter: &mut Chapter) {
     chapter.number("turn_deg", turn_deg, "°", 0);
     let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), turn_deg.to_radians());
     let centre = Vector2::new(CAMERA.cx, CAMERA.cy);
-    let turned = turned_pixel(&CAMERA, &turn, &centre).unwrap_or(NOWHERE);
+    let turned = transfer_by_infinite_homography(&CAMERA, &turn, &centre).unwrap_or(NOWHERE);
     chapter.number("turn_move_px", (turned - centre).norm(), "px", 1);
 
     let sideways = 0.1;

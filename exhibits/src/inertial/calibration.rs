@@ -1,7 +1,7 @@
 //! What a wrong calibration costs in pixels.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use vislam::inertial::{CameraImu, Motion};
+use vislam::inertial::{CameraImu, Trajectory};
 
 use super::clock::{offset_error_at, pixel_error, rig};
 use crate::chapter::Chapter;
@@ -14,7 +14,7 @@ const OFFSET: f64 = 0.005;
 
 /// Registers the numbers of the table.
 pub fn numbers(chapter: &mut Chapter) {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let arm = Isometry3::from_parts(
         Translation3::from(ARM_ERROR * Vector3::new(1.0, 1.0, 1.0).normalize()),
         UnitQuaternion::identity(),
@@ -39,7 +39,7 @@ pub fn numbers(chapter: &mut Chapter) {
 }
 
 /// Pixel error when the camera sits on the body differently by a small pose.
-fn wrong_by(motion: &Motion, depth: f64, error: &Isometry3<f64>) -> f64 {
+fn wrong_by(motion: &Trajectory, depth: f64, error: &Isometry3<f64>) -> f64 {
     let rig = rig();
     let wrong = CameraImu { body_from_camera: rig.body_from_camera * error, ..rig };
     pixel_error(depth, |t| {

@@ -1,7 +1,7 @@
 //! A camera at the end of a lever arm.
 
 use nalgebra::Vector3;
-use vislam::inertial::{CameraImu, Moment};
+use vislam::inertial::{CameraImu, Kinematics};
 
 use super::STATES;
 use super::oracle::{bend, camera, motion, slope};
@@ -11,9 +11,9 @@ use crate::random::Random;
 
 /// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
-    let formula: Velocity = |camera, moment| {
-        let twist = camera.twist(&moment.state, &moment.angular_velocity);
-        let rotation = camera.world_from_camera(&moment.state).rotation;
+    let formula: Velocity = |camera, kinematics| {
+        let twist = camera.twist(&kinematics.state, &kinematics.angular_velocity);
+        let rotation = camera.world_from_camera(&kinematics.state).rotation;
         rotation * Vector3::from(twist.fixed_rows::<3>(0))
     };
     let mutants: [(_, Velocity); 4] = [
@@ -46,12 +46,12 @@ fn arm(camera: &CameraImu) -> Vector3<f64> {
 }
 
 /// ω × l, in the body frame.
-fn swing_of(camera: &CameraImu, moment: &Moment) -> Vector3<f64> {
-    moment.angular_velocity.cross(&arm(camera))
+fn swing_of(camera: &CameraImu, kinematics: &Kinematics) -> Vector3<f64> {
+    kinematics.angular_velocity.cross(&arm(camera))
 }
 
 /// The velocity of the camera in the world.
-type Velocity = fn(&CameraImu, &Moment) -> Vector3<f64>;
+type Velocity = fn(&CameraImu, &Kinematics) -> Vector3<f64>;
 
 fn inertial_camera_velocity(formula: Velocity) -> Comparison {
     let against = "differences of the camera's place along known motions";
@@ -84,11 +84,11 @@ fn inertial_camera_acceleration(formula: Acceleration) -> Comparison {
             let body = motion.at(t + s).state;
             body.position + body.world_from_body * arm(&camera)
         };
-        let moment = motion.at(t);
-        let body_from_world = moment.state.world_from_body.inverse();
+        let kinematics = motion.at(t);
+        let body_from_world = kinematics.state.world_from_body.inverse();
         let alpha = slope(|s| motion.at(t + s).angular_velocity, 1e-3);
-        let own = body_from_world * moment.acceleration;
-        let found = formula(&camera, &own, &moment.angular_velocity, &alpha);
+        let own = body_from_world * kinematics.acceleration;
+        let found = formula(&camera, &own, &kinematics.angular_velocity, &alpha);
         comparison.add(found.as_slice(), (body_from_world * bend(place, 4e-3)).as_slice());
     }
     comparison

@@ -1,7 +1,7 @@
 //! Two clocks that disagree, and what that does to pixels.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Vector2, Vector3, Vector6};
-use vislam::inertial::{Angles, CameraImu, Course, Moment, Motion};
+use vislam::inertial::{Angles, CameraImu, Kinematics, ScalarTrajectory, Trajectory};
 use vislam::manifold::se3;
 use vislam::reprojection::Pinhole;
 
@@ -50,7 +50,7 @@ fn moved(chapter: &mut Chapter) {
 }
 
 /// The camera's pose when its clock shows the time of the moment.
-type Moved = fn(&CameraImu, &Moment) -> Isometry3<f64>;
+type Moved = fn(&CameraImu, &Kinematics) -> Isometry3<f64>;
 
 fn inertial_time_offset(formula: Moved) -> Comparison {
     let against = "the pose on the known motion, a few microseconds later";
@@ -112,8 +112,8 @@ fn inertial_time_remainder(formula: LeftOver) -> Comparison {
     comparison
 }
 
-fn twist(camera: &CameraImu, moment: &Moment) -> Vector6<f64> {
-    camera.twist(&moment.state, &moment.angular_velocity)
+fn twist(camera: &CameraImu, kinematics: &Kinematics) -> Vector6<f64> {
+    camera.twist(&kinematics.state, &kinematics.angular_velocity)
 }
 
 fn pixels(chapter: &mut Chapter) {
@@ -182,12 +182,15 @@ pub fn rig() -> CameraImu {
 }
 
 /// The figure-eight flown so many times as fast.
-pub fn paced(pace: f64) -> Motion {
-    let faster = |course: Course| Course { frequency: pace * course.frequency, ..course };
-    let Motion { position, angles } = Motion::figure_eight();
+pub fn paced(pace: f64) -> Trajectory {
+    let faster = |coordinate: ScalarTrajectory| ScalarTrajectory {
+        frequency: pace * coordinate.frequency,
+        ..coordinate
+    };
+    let Trajectory { position, angles } = Trajectory::figure_eight();
     let Angles { yaw, pitch, roll } = angles;
     let angles = Angles { yaw: faster(yaw), pitch: faster(pitch), roll: faster(roll) };
-    Motion { position: position.map(faster), angles }
+    Trajectory { position: position.map(faster), angles }
 }
 
 /// Paces in the figure.
@@ -224,26 +227,26 @@ pub fn pixel_error(depth: f64, poses: impl Fn(f64) -> [Isometry3<f64>; 2]) -> f6
 }
 
 /// Pixel error for a clock that is off by so many seconds, uncorrected or corrected to first order.
-pub fn offset_error(motion: &Motion, offset: f64, corrected: bool) -> f64 {
+pub fn offset_error(motion: &Trajectory, offset: f64, corrected: bool) -> f64 {
     offset_error_at(motion, DEPTH, offset, corrected)
 }
 
 /// The same for points at another depth.
-pub fn offset_error_at(motion: &Motion, depth: f64, offset: f64, corrected: bool) -> f64 {
+pub fn offset_error_at(motion: &Trajectory, depth: f64, offset: f64, corrected: bool) -> f64 {
     let rig = CameraImu { time_offset: offset, ..rig() };
     pixel_error(depth, |t| {
-        let moment = motion.at(t);
+        let kinematics = motion.at(t);
         let believed = if corrected {
-            rig.world_from_camera_at_same_reading(&moment.state, &moment.angular_velocity)
+            rig.world_from_camera_at_same_reading(&kinematics.state, &kinematics.angular_velocity)
         } else {
-            rig.world_from_camera(&moment.state)
+            rig.world_from_camera(&kinematics.state)
         };
         [rig.world_from_camera(&motion.at(t + offset).state), believed]
     })
 }
 
 /// The same by the formulas: the pixel's velocity times the offset, or what is left over.
-pub fn expected_error(motion: &Motion, offset: f64, corrected: bool) -> f64 {
+pub fn expected_error(motion: &Trajectory, offset: f64, corrected: bool) -> f64 {
     let rig = rig();
     let looks = looks(DEPTH);
     let square = |(t, point): &(f64, Vector3<f64>)| {
@@ -261,7 +264,7 @@ pub fn expected_error(motion: &Motion, offset: f64, corrected: bool) -> f64 {
 fn numbers(chapter: &mut Chapter) {
     chapter.number("offset_depth", DEPTH, "m", 0);
     let [slow, fast] = PACES.map(paced);
-    let rate = |motion: &Motion| {
+    let rate = |motion: &Trajectory| {
         let squares = (0..600).map(|k| motion.at(0.1 * f64::from(k)).angular_velocity);
         (squares.map(|w| w.norm_squared()).sum::<f64>() / 600.0).sqrt()
     };

@@ -1,7 +1,7 @@
 //! Where a sensor ends up that nobody corrects.
 
 use nalgebra::Vector3;
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
 
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -153,7 +153,7 @@ pub fn expected(source: Source, t: f64) -> f64 {
 }
 
 /// Level distance from the truth at [`TIMES`], root mean square over [`RUNS`] runs.
-pub fn drifted(source: Source, motion: &Motion) -> [f64; TIMES.len()] {
+pub fn drifted(source: Source, motion: &Trajectory) -> [f64; TIMES.len()] {
     let mut random = Random::new(42);
     let steps = (TIMES[TIMES.len() - 1] / STEP).round() as usize;
     let samples = motion.samples(&GRAVITY, STEP, steps + 1);

@@ -1,7 +1,7 @@
 //! What an accelerometer feels, and how gravity shows which way is up.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{Angles, Course, GRAVITY, ImuNoise, Moment, Motion};
+use vislam::inertial::{Angles, GRAVITY, ImuNoise, Kinematics, ScalarTrajectory, Trajectory};
 use vislam::manifold::so3;
 
 use super::STATES;
@@ -18,7 +18,7 @@ pub fn exhibits(chapter: &mut Chapter) {
 }
 
 fn felt(chapter: &mut Chapter) {
-    let formula: SpecificForce = |moment, g| moment.sample(g).accelerometer;
+    let formula: SpecificForce = |kinematics, g| kinematics.sample(g).accelerometer;
     let mutants: [(_, SpecificForce); 5] = [
         ("acceleration alone", |m, _| m.sample(&Vector3::zeros()).accelerometer),
         ("gravity added", |m, g| m.sample(&-g).accelerometer),
@@ -29,7 +29,7 @@ fn felt(chapter: &mut Chapter) {
     chapter.equation("inertial-specific-force", inertial_specific_force, formula, &mutants);
 }
 
-type SpecificForce = fn(&Moment, &Vector3<f64>) -> Vector3<f64>;
+type SpecificForce = fn(&Kinematics, &Vector3<f64>) -> Vector3<f64>;
 
 fn inertial_specific_force(formula: SpecificForce) -> Comparison {
     let against = "the acceleration, seen from the sensor, of a stone that is let go";
@@ -83,9 +83,9 @@ fn about(axis: usize, angle: f64) -> Rotation3<f64> {
 
 /// What a resting sensor's accelerometer reads.
 fn at_rest(world_from_body: &Rotation3<f64>) -> Vector3<f64> {
-    let mut moment = Motion::hover().at(0.0);
-    moment.state.world_from_body = *world_from_body;
-    moment.sample(&GRAVITY).accelerometer
+    let mut kinematics = Trajectory::hover().at(0.0);
+    kinematics.state.world_from_body = *world_from_body;
+    kinematics.sample(&GRAVITY).accelerometer
 }
 
 /// Takes a rotation, world from body, and an angle.
@@ -119,11 +119,11 @@ fn inertial_tilt(formula: Tilt) -> Comparison {
         let [yaw, roll] = [0, 1].map(|_| random.uniform(-3.1..3.1));
         let pitch = random.uniform(-1.5..1.5);
         let angles = Angles {
-            yaw: Course::constant(yaw),
-            pitch: Course::constant(pitch),
-            roll: Course::constant(roll),
+            yaw: ScalarTrajectory::constant(yaw),
+            pitch: ScalarTrajectory::constant(pitch),
+            roll: ScalarTrajectory::constant(roll),
         };
-        let resting = Motion { angles, ..Motion::hover() };
+        let resting = Trajectory { angles, ..Trajectory::hover() };
         let force = resting.at(0.0).sample(&GRAVITY).accelerometer;
         comparison.add(&formula(&force), &[roll, pitch]);
     }
@@ -171,7 +171,7 @@ const TURN: (f64, f64) = (1.0, 0.5);
 fn numbers(chapter: &mut Chapter) {
     let gravity = GRAVITY.norm();
     chapter.number("gravity", gravity, "m/s²", 2);
-    let turn = Motion::level_turn(TURN.0, TURN.1).at(2.0).sample(&GRAVITY);
+    let turn = Trajectory::level_turn(TURN.0, TURN.1).at(2.0).sample(&GRAVITY);
     chapter.number("turn_speed", TURN.0, "m/s", 0);
     chapter.number("turn_rate", TURN.1, "rad/s", 1);
     chapter.number("turn_inward", turn.accelerometer.y, "m/s²", 1);

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
-use vislam::inertial::{Angles, CameraImu, Course, Motion};
+use vislam::inertial::{Angles, CameraImu, ScalarTrajectory, Trajectory};
 
 use crate::random::Random;
 
 /// A motion in which every axis turns and accelerates.
-pub fn motion(random: &mut Random) -> Motion {
-    let mut course = |size: f64| Course {
+pub fn motion(random: &mut Random) -> Trajectory {
+    let mut coordinate = |size: f64| ScalarTrajectory {
         value: size * random.uniform(-1.0..1.0),
         rate: size * random.uniform(-0.3..0.3),
         acceleration: size * random.uniform(-0.1..0.1),
@@ -17,9 +17,9 @@ pub fn motion(random: &mut Random) -> Motion {
         frequency: random.uniform(0.5..2.0),
         phase: random.uniform(0.0..TAU),
     };
-    let position = [course(2.0), course(2.0), course(1.0)];
-    let angles = Angles { yaw: course(1.5), pitch: course(0.5), roll: course(0.8) };
-    Motion { position, angles }
+    let position = [coordinate(2.0), coordinate(2.0), coordinate(1.0)];
+    let angles = Angles { yaw: coordinate(1.5), pitch: coordinate(0.5), roll: coordinate(0.8) };
+    Trajectory { position, angles }
 }
 
 /// A camera at the end of a lever arm of 5 to 30 cm, turned in any way.

@@ -1,7 +1,7 @@
 //! How wrong the two rules are, in one step and after many.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuSample, NavState, Trajectory};
 use vislam::manifold::so3;
 
 use super::noise::STEP;
@@ -12,7 +12,7 @@ use crate::random::Random;
 
 /// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
-    left(chapter);
+    euler(chapter);
     midpoint(chapter);
     numbers(chapter);
 }
@@ -25,7 +25,7 @@ struct Local {
 }
 
 impl Local {
-    fn of(motion: &Motion, t: f64) -> Self {
+    fn of(motion: &Trajectory, t: f64) -> Self {
         let read = |s: f64| motion.at(t + s).sample(&GRAVITY);
         let (gyro, force) = (|s: f64| read(s).gyro, |s: f64| read(s).accelerometer);
         Self {
@@ -44,7 +44,7 @@ impl Local {
 /// Gives the errors of rotation, velocity and position, each divided by its power of the step.
 type StepError = fn(&Local) -> [Vector3<f64>; 3];
 
-fn left(chapter: &mut Chapter) {
+fn euler(chapter: &mut Chapter) {
     let formula: StepError = |x| [x.w[1] / 2.0, x.jerk() / 2.0, x.jerk() / 6.0];
     let mutants: [(_, StepError); 4] = [
         ("sign", |x| [x.w[1] / -2.0, x.jerk() / -2.0, x.jerk() / -6.0]),
@@ -60,10 +60,10 @@ fn left(chapter: &mut Chapter) {
             [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
         }),
     ];
-    chapter.equation("inertial-left-error", inertial_left_error, formula, &mutants);
+    chapter.equation("inertial-euler-error", inertial_euler_error, formula, &mutants);
 }
 
-fn inertial_left_error(formula: StepError) -> Comparison {
+fn inertial_euler_error(formula: StepError) -> Comparison {
     let step =
         |x: &NavState, [start, _]: &[ImuSample; 2], dt: f64| x.propagate(start, &GRAVITY, dt);
     single_steps(30, formula, step, [2, 2, 3])
@@ -147,7 +147,7 @@ pub const RATES: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
 /// Error of position after [`DURATION`] along the figure-eight, in metres.
 pub fn position_error(rate: f64, midpoint: bool) -> f64 {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let (dt, steps) = (1.0 / rate, (DURATION * rate).round() as usize);
     let samples = motion.samples(&GRAVITY, dt, steps + 1);
     let mut state = motion.at(0.0).state;
@@ -179,9 +179,9 @@ fn numbers(chapter: &mut Chapter) {
         let errors = RATES.map(|rate| position_error(rate, midpoint));
         exponent(&steps[2..], &errors[2..])
     };
-    chapter.number("left_order", fitted(false), "", 2);
+    chapter.number("euler_order", fitted(false), "", 2);
     chapter.number("midpoint_order", fitted(true), "", 2);
-    chapter.number("left_200_cm", 100.0 * position_error(200.0, false), "cm", 1);
+    chapter.number("euler_200_cm", 100.0 * position_error(200.0, false), "cm", 1);
     chapter.number("midpoint_200_mm", 1e3 * position_error(200.0, true), "mm", 1);
     // A velocity that is brought up to date before the position adds g dt² in every step.
     let too_much = GRAVITY.norm() * STEP;

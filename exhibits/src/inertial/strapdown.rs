@@ -13,7 +13,7 @@ use crate::random::Random;
 /// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     continuous(chapter);
-    left(chapter);
+    euler(chapter);
     midpoint(chapter);
     first_state(chapter);
 }
@@ -72,8 +72,8 @@ fn inertial_strapdown(formula: Strapdown) -> Comparison {
     comparison
 }
 
-fn left(chapter: &mut Chapter) {
-    let mutants: [(_, LeftRule); 6] = [
+fn euler(chapter: &mut Chapter) {
+    let mutants: [(_, EulerRule); 6] = [
         ("rotation first", |x, read, g, dt| {
             let turned = NavState { world_from_body: turn(x, &read.gyro, dt), ..*x };
             NavState { world_from_body: turned.world_from_body, ..turned.propagate(read, g, dt) }
@@ -94,16 +94,16 @@ fn left(chapter: &mut Chapter) {
         ("gravity subtracted", |x, read, g, dt| x.propagate(read, &-g, dt)),
         ("gravity forgotten", |x, read, _, dt| x.propagate(read, &Vector3::zeros(), dt)),
     ];
-    chapter.equation("inertial-left-rule", inertial_left_rule, NavState::propagate, &mutants);
+    chapter.equation("inertial-euler-rule", inertial_euler_rule, NavState::propagate, &mutants);
 }
 
 fn turn(state: &NavState, gyro: &Vector3<f64>, dt: f64) -> Rotation3<f64> {
     so3::retract(&state.world_from_body, &(dt * gyro))
 }
 
-type LeftRule = fn(&NavState, &ImuSample, &Vector3<f64>, f64) -> NavState;
+type EulerRule = fn(&NavState, &ImuSample, &Vector3<f64>, f64) -> NavState;
 
-fn inertial_left_rule(formula: LeftRule) -> Comparison {
+fn inertial_euler_rule(formula: EulerRule) -> Comparison {
     let against = "the equations by Runge and Kutta, the force held in its first direction";
     let mut comparison = Comparison::absolute(against, 1e-9, "m, m/s, no unit");
     let mut random = Random::new(21);

@@ -1,7 +1,7 @@
 //! Random states, rigs and windows.
 
 use nalgebra::{Isometry3, Vector3};
-use vislam::inertial::{Angles, CameraImu, Course, GRAVITY, Motion, NavState};
+use vislam::inertial::{Angles, CameraImu, GRAVITY, NavState, ScalarTrajectory, Trajectory};
 use vislam::least_squares::Manifold;
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
@@ -34,8 +34,8 @@ pub fn similarity(random: &mut Random) -> Similarity {
     }
 }
 
-fn course(random: &mut Random, size: f64) -> Course {
-    Course {
+fn coordinate(random: &mut Random, size: f64) -> ScalarTrajectory {
+    ScalarTrajectory {
         value: random.uniform(-size..size),
         rate: random.uniform(-size..size),
         acceleration: random.uniform(-size..size),
@@ -46,16 +46,20 @@ fn course(random: &mut Random, size: f64) -> Course {
 }
 
 pub fn angles(random: &mut Random) -> Angles {
-    Angles { yaw: course(random, 0.5), pitch: course(random, 0.3), roll: course(random, 0.5) }
+    Angles {
+        yaw: coordinate(random, 0.5),
+        pitch: coordinate(random, 0.3),
+        roll: coordinate(random, 0.5),
+    }
 }
 
-pub fn motion(random: &mut Random) -> Motion {
-    let position = [course(random, 0.7), course(random, 0.7), course(random, 0.5)];
-    Motion { position, angles: angles(random) }
+pub fn motion(random: &mut Random) -> Trajectory {
+    let position = [coordinate(random, 0.7), coordinate(random, 0.7), coordinate(random, 0.5)];
+    Trajectory { position, angles: angles(random) }
 }
 
 /// Four pictures of a motion at the truth, with known biases.
-pub fn short_window(motion: Motion, lever: Vector3<f64>) -> Window {
+pub fn short_window(motion: Trajectory, lever: Vector3<f64>) -> Window {
     let flight = Flight { states: 4, ..Flight::new(motion) }.with_lever(lever);
     of_flight(&flight, BiasAssumption::KNOWN)
 }

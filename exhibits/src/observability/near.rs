@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use vislam::inertial::{Course, Motion};
+use vislam::inertial::{ScalarTrajectory, Trajectory};
 use vislam::least_squares::Manifold;
 use vislam::observability::{BiasAssumption, Direction, Flight, Spectrum, Window};
 
@@ -19,10 +19,11 @@ pub const AMPLITUDES: [f64; 9] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10
 const FITTED: usize = 5;
 
 /// Constant velocity, turning, and a sway to the side.
-fn swaying(amplitude: f64) -> Motion {
-    let mut motion = Motion::constant_velocity(&VELOCITY, turning());
+fn swaying(amplitude: f64) -> Trajectory {
+    let mut motion = Trajectory::constant_velocity(&VELOCITY, turning());
     let wave = amplitude / (SWAY_RATE * SWAY_RATE);
-    motion.position[1] = Course { rate: VELOCITY.y, ..Course::wave(wave, SWAY_RATE, 0.0) };
+    motion.position[1] =
+        ScalarTrajectory { rate: VELOCITY.y, ..ScalarTrajectory::wave(wave, SWAY_RATE, 0.0) };
     motion
 }
 
@@ -59,13 +60,13 @@ pub fn swayed() -> &'static Swayed {
 
 /// At constant velocity of the body, with the camera on a lever arm, in metres.
 pub fn lever_percent(lever: f64, assumption: BiasAssumption) -> f64 {
-    let motion = Motion::constant_velocity(&VELOCITY, turning());
+    let motion = Trajectory::constant_velocity(&VELOCITY, turning());
     let flight = Flight::new(motion).with_lever(lever * Vector3::x());
     distance_percent(&of_flight(&flight, assumption))
 }
 
 /// In a motion of the chapter.
-pub fn motion_percent(motion: Motion, assumption: BiasAssumption) -> f64 {
+pub fn motion_percent(motion: Trajectory, assumption: BiasAssumption) -> f64 {
     distance_percent(&window(motion, assumption))
 }
 
@@ -98,7 +99,7 @@ pub fn all_mixed() -> &'static [Mixed; 7] {
 }
 
 fn mixed(disagreement: f64) -> Mixed {
-    let truth = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let truth = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let mut random = Random::new(31);
     let step: Vec<f64> = (0..truth.dimension()).map(|_| random.normal(disagreement)).collect();
     let elsewhere = truth.retract(&step);

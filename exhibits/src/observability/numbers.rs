@@ -1,7 +1,7 @@
 //! The numbers that the chapter quotes.
 
 use nalgebra::Vector3;
-use vislam::inertial::{GRAVITY, Motion};
+use vislam::inertial::{GRAVITY, Trajectory};
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
 use super::near::{self, AMPLITUDES};
@@ -37,7 +37,7 @@ pub fn numbers(chapter: &mut Chapter) {
 }
 
 fn size(chapter: &mut Chapter) {
-    let flight = Flight::new(Motion::figure_eight());
+    let flight = Flight::new(Trajectory::figure_eight());
     let window = window(flight.motion, BiasAssumption::CONSTANT);
     chapter.number("states", flight.states as f64, "", 0);
     let jacobian = window.linearize().expect("the figure-eight has a window").jacobian;
@@ -54,19 +54,19 @@ fn table(chapter: &mut Chapter) {
         }
     }
     let landmarks = |motion| window(motion, BiasAssumption::KNOWN).landmarks.len() as f64;
-    chapter.number("hover_landmarks", landmarks(Motion::hover()), "", 0);
-    chapter.number("spot_landmarks", landmarks(Motion::turn_on_the_spot(0.4)), "", 0);
+    chapter.number("hover_landmarks", landmarks(Trajectory::hover()), "", 0);
+    chapter.number("spot_landmarks", landmarks(Trajectory::turn_on_the_spot(0.4)), "", 0);
     let alone = |motion| {
         let mut window = window(motion, BiasAssumption::KNOWN);
         window.intervals.clear();
         free(&window).count() as f64
     };
-    chapter.number("vision", alone(Motion::figure_eight()), "", 0);
-    chapter.number("vision_hover", alone(Motion::hover()), "", 0);
+    chapter.number("vision", alone(Trajectory::figure_eight()), "", 0);
+    chapter.number("vision_hover", alone(Trajectory::hover()), "", 0);
     let gyro = BiasAssumption { accelerometer_known: true, ..BiasAssumption::CONSTANT };
-    let turn = Motion::level_turn(TURN.0, TURN.1);
+    let turn = Trajectory::level_turn(TURN.0, TURN.1);
     chapter.number("turn_gyro", free(&window(turn, gyro)).count() as f64, "", 0);
-    let mut weightless = Flight::new(Motion::figure_eight());
+    let mut weightless = Flight::new(Trajectory::figure_eight());
     weightless.gravity = Vector3::zeros();
     let weightless = worked::of_flight(&weightless, BiasAssumption::KNOWN);
     chapter.number("weightless", free(&weightless).count() as f64, "", 0);
@@ -74,7 +74,7 @@ fn table(chapter: &mut Chapter) {
 
 fn pictures(chapter: &mut Chapter) {
     let count = |states, assumption| {
-        let flight = Flight { states, ..Flight::new(Motion::figure_eight()) };
+        let flight = Flight { states, ..Flight::new(Trajectory::figure_eight()) };
         free(&worked::of_flight(&flight, assumption)).count() as f64
     };
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
@@ -93,7 +93,7 @@ fn pictures(chapter: &mut Chapter) {
 fn worked_turn(chapter: &mut Chapter) {
     let scale = 1.1;
     let larger = Similarity { scale, ..Similarity::identity() };
-    let motion = Motion::level_turn(TURN.0, TURN.1);
+    let motion = Trajectory::level_turn(TURN.0, TURN.1);
     chapter.number("turn_speed", TURN.0, "m/s", 0);
     chapter.number("turn_rate", TURN.1, "rad/s", 1);
     chapter.number("turn_radius", TURN.0 / TURN.1, "m", 0);
@@ -161,7 +161,7 @@ fn nearly(chapter: &mut Chapter) {
     chapter.number("lever_cm", 100.0 * lever, "cm", 0);
     chapter.number("lever_known_percent", near::lever_percent(lever, known), "%", 0);
     chapter.number("lever_unknown_percent", near::lever_percent(lever, unknown), "%", 0);
-    let eight = Motion::figure_eight();
+    let eight = Trajectory::figure_eight();
     chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 1);
 }
 
@@ -179,7 +179,7 @@ fn inconsistent(chapter: &mut Chapter) {
     chapter.number("mixed_yaw_deg", typical.yaw_degrees, "°", 2);
     let moved = typical.leaves[..3].iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
     chapter.number("mixed_shift_exponent", moved.log10().ceil(), "", 0);
-    let consistent = window(Motion::figure_eight(), BiasAssumption::CONSTANT);
+    let consistent = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let bounded = worked::spectrum(&consistent).sigma(&near::first_yaw(&consistent));
     assert_eq!(bounded, None, "a consistent window says nothing about yaw");
 }

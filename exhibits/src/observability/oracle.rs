@@ -1,7 +1,7 @@
 //! Ways to the chapter's results that do not use its formulas.
 
 use nalgebra::{Matrix4, Rotation3, Vector2, Vector3};
-use vislam::inertial::{CameraImu, Motion, NavState};
+use vislam::inertial::{CameraImu, NavState, Trajectory};
 use vislam::manifold::so3;
 use vislam::observability::Similarity;
 use vislam::reprojection::Pinhole;
@@ -62,7 +62,7 @@ pub fn coasting(
 }
 
 /// The path of a motion.
-pub fn path_of(motion: &Motion) -> impl Fn(f64) -> (Rotation3<f64>, Vector3<f64>) {
+pub fn path_of(motion: &Trajectory) -> impl Fn(f64) -> (Rotation3<f64>, Vector3<f64>) {
     let motion = *motion;
     move |t| {
         let state = motion.at(t).state;

@@ -1,7 +1,7 @@
 //! What the inertial sensor says to a similarity.
 
 use nalgebra::{Rotation3, SMatrix, Vector3};
-use vislam::inertial::{Angles, GRAVITY, Motion, NavState};
+use vislam::inertial::{Angles, GRAVITY, NavState, Trajectory};
 use vislam::manifold::so3;
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 use vislam::preintegration::{Preintegrated, imu_residual};
@@ -164,7 +164,7 @@ fn moved_reading(formula: Moved) -> Comparison {
 }
 
 /// What a motion's reading is made of.
-fn at(motion: &Motion, lever: &Vector3<f64>, gravity: &Vector3<f64>, t: f64) -> Reading {
+fn at(motion: &Trajectory, lever: &Vector3<f64>, gravity: &Vector3<f64>, t: f64) -> Reading {
     let path = path_of(motion);
     let centre = |t| {
         let (rotation, position) = path(t);
@@ -192,11 +192,11 @@ fn hidden_by_bias(formula: Hidden) -> Comparison {
         let (motion, similarity) = degenerate(&mut random, state % 3);
         let flight = Flight { states: 4, ..Flight::new(motion) };
         let window = of_flight(&flight, BiasAssumption::KNOWN);
-        let moment = motion.at(0.0);
+        let kinematics = motion.at(0.0);
         let reading = Reading {
-            rotation: moment.state.world_from_body,
-            camera: moment.acceleration,
-            body: moment.acceleration,
+            rotation: kinematics.state.world_from_body,
+            camera: kinematics.acceleration,
+            body: kinematics.acceleration,
             gravity: GRAVITY,
         };
         let mut copy = window.transformed(&similarity);
@@ -208,23 +208,23 @@ fn hidden_by_bias(formula: Hidden) -> Comparison {
 }
 
 /// A motion, and a similarity that a bias can hide on it.
-fn degenerate(random: &mut Random, kind: usize) -> (Motion, Similarity) {
+fn degenerate(random: &mut Random, kind: usize) -> (Trajectory, Similarity) {
     let any = draws::similarity(random);
     let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), random.uniform(0.2..1.0));
     let acceleration = random.direction(1.5);
     // A body that does not turn stands in any way.
     let standing = || Angles {
-        yaw: vislam::inertial::Course::constant(0.4),
-        roll: vislam::inertial::Course::constant(-0.7),
+        yaw: vislam::inertial::ScalarTrajectory::constant(0.4),
+        roll: vislam::inertial::ScalarTrajectory::constant(-0.7),
         ..Angles::default()
     };
     match kind {
         0 => {
             let rate = random.uniform(0.3..1.0);
-            let motion = Motion::constant_body_acceleration(&acceleration, rate);
+            let motion = Trajectory::constant_body_acceleration(&acceleration, rate);
             (motion, Similarity { rotation: yaw, ..any })
         }
-        1 => (Motion::constant_acceleration(&acceleration, standing()), any),
+        1 => (Trajectory::constant_acceleration(&acceleration, standing()), any),
         _ => (swaying(standing()), Similarity { scale: 1.0, ..any }),
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DVector, Vector3};
-use vislam::inertial::{Angles, Course, ImuNoise, Motion};
+use vislam::inertial::{Angles, ImuNoise, ScalarTrajectory, Trajectory};
 use vislam::observability::{
     BiasAssumption, Flight, FreeDirections, Spectrum, Window, landmarks_around,
 };
@@ -23,57 +23,60 @@ pub const TURN: (f64, f64) = (1.0, 0.5);
 pub struct Case {
     pub word: &'static str,
     pub name: &'static str,
-    pub motion: Motion,
+    pub motion: Trajectory,
 }
 
 /// About all axes, as in the figure-eight.
 pub fn turning() -> Angles {
-    Motion::figure_eight().angles
+    Trajectory::figure_eight().angles
 }
 
 /// Swaying to and fro along all axes at different rates.
-pub fn swaying(angles: Angles) -> Motion {
-    let position =
-        [Course::wave(0.3, 2.0, 0.0), Course::wave(0.4, 3.0, 0.0), Course::wave(0.2, 2.5, 0.0)];
-    Motion { position, angles }
+pub fn swaying(angles: Angles) -> Trajectory {
+    let position = [
+        ScalarTrajectory::wave(0.3, 2.0, 0.0),
+        ScalarTrajectory::wave(0.4, 3.0, 0.0),
+        ScalarTrajectory::wave(0.2, 2.5, 0.0),
+    ];
+    Trajectory { position, angles }
 }
 
 pub fn cases() -> [Case; 11] {
     let case = |word, name, motion| Case { word, name, motion };
-    let pitching = Angles { pitch: Course::wave(0.3, 1.3, 1.0), ..Angles::default() };
+    let pitching = Angles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..Angles::default() };
     let straight = Angles::default();
     [
-        case("eight", "figure-eight", Motion::figure_eight()),
+        case("eight", "figure-eight", Trajectory::figure_eight()),
         case(
             "coast",
             "constant velocity; turning",
-            Motion::constant_velocity(&VELOCITY, turning()),
+            Trajectory::constant_velocity(&VELOCITY, turning()),
         ),
-        case("turn", "level turn", Motion::level_turn(TURN.0, TURN.1)),
+        case("turn", "level turn", Trajectory::level_turn(TURN.0, TURN.1)),
         case(
             "body",
             "acceleration constant in the body; turning",
-            Motion::constant_body_acceleration(&ACCELERATION, TURN.1),
+            Trajectory::constant_body_acceleration(&ACCELERATION, TURN.1),
         ),
         case("sway", "changing acceleration; no rotation", swaying(straight)),
         case("pitch", "changing acceleration; only pitching", swaying(pitching)),
         case(
             "climb",
             "constant acceleration, climbing; no rotation",
-            Motion::constant_acceleration(&ACCELERATION, straight),
+            Trajectory::constant_acceleration(&ACCELERATION, straight),
         ),
         case(
             "level",
             "constant level acceleration; no rotation",
-            Motion::constant_acceleration(&LEVEL_ACCELERATION, straight),
+            Trajectory::constant_acceleration(&LEVEL_ACCELERATION, straight),
         ),
         case(
             "leveled",
             "constant level acceleration; turning",
-            Motion::constant_acceleration(&LEVEL_ACCELERATION, turning()),
+            Trajectory::constant_acceleration(&LEVEL_ACCELERATION, turning()),
         ),
-        case("hover", "hover", Motion::hover()),
-        case("spot", "turn on the spot", Motion::turn_on_the_spot(0.4)),
+        case("hover", "hover", Trajectory::hover()),
+        case("spot", "turn on the spot", Trajectory::turn_on_the_spot(0.4)),
     ]
 }
 
@@ -84,7 +87,7 @@ pub fn of_flight(flight: &Flight, assumption: BiasAssumption) -> Window {
 }
 
 /// The window of a motion, the camera at the sensor.
-pub fn window(motion: Motion, assumption: BiasAssumption) -> Window {
+pub fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
     of_flight(&Flight::new(motion), assumption)
 }
 

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::{Preintegrated, Preintegrator, Rule, correct_for_bias};
 
 use crate::chapter::Chapter;
@@ -18,7 +18,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.number("integrator_bytes", size_of::<Preintegrator>() as f64, "bytes", 0);
     chapter.number("sums_bytes", size_of::<Preintegrated>() as f64, "bytes", 0);
     let inputs = vec![
-        ("motion", "Motion::figure_eight()".to_owned()),
+        ("motion", "Trajectory::figure_eight()".to_owned()),
         ("window", WINDOW.to_string()),
         ("windows", WINDOWS.to_string()),
         ("runs", RUNS.to_string()),
@@ -30,7 +30,7 @@ fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
     let mut sums = Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc()).expect("a sensor");
     for pair in samples.windows(2) {
         let added = match rule {
-            Rule::Left => sums.integrate(&pair[0], 0.005),
+            Rule::Euler => sums.integrate(&pair[0], 0.005),
             Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], 0.005),
         };
         added.expect("a good reading");
@@ -51,14 +51,14 @@ fn median(calls: usize, mut call: impl FnMut(usize)) -> f64 {
 }
 
 fn speed() -> Vec<RecordValue> {
-    let samples = Motion::figure_eight().samples(&GRAVITY, 0.005, WINDOW * WINDOWS + 1);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, WINDOW * WINDOWS + 1);
     let time = |rule| {
         let of_window = median(WINDOWS, |index| {
             black_box(window(&samples[WINDOW * index..=WINDOW * (index + 1)], rule));
         });
         of_window / WINDOW as f64
     };
-    let (left, midpoint) = (time(Rule::Left), time(Rule::Midpoint));
+    let (euler, midpoint) = (time(Rule::Euler), time(Rule::Midpoint));
     let sums = window(&samples[..=WINDOW], Rule::Midpoint);
     let bias = ImuBias::default();
     let corrected = median(1000, |_| {
@@ -68,7 +68,7 @@ fn speed() -> Vec<RecordValue> {
     let value = |name, value, unit| RecordValue { name, value, unit, decimals: 0, within: 3.0 };
     vec![
         value("window", WINDOW as f64, ""),
-        value("left", left, "ns"),
+        value("euler", euler, "ns"),
         value("midpoint", midpoint, "ns"),
         value("again", 1e-3 * midpoint * WINDOW as f64, "µs"),
         value("corrected", corrected, "ns"),

@@ -9,6 +9,7 @@ mod figures;
 mod independence;
 mod numbers;
 mod oracle;
+mod reintegration;
 mod rules;
 
 use crate::chapter::Chapter;
@@ -17,6 +18,7 @@ use crate::chapter::Chapter;
 pub fn exhibits(chapter: &mut Chapter) {
     independence::exhibits(chapter);
     bias::exhibits(chapter);
+    reintegration::exhibits(chapter);
     derivatives::exhibits(chapter);
     rules::exhibits(chapter);
     numbers::numbers(chapter);

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Trajectory};
 use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Preintegrator, imu_residual};
@@ -94,7 +94,7 @@ fn flight_gravity(formula: LeftByGravity) -> Comparison {
     for _ in 0..30 {
         let off = random.direction(0.3);
         let (start, t) = (random.uniform(0.0..20.0), random.uniform(0.3..1.5));
-        let motion = Motion::figure_eight();
+        let motion = Trajectory::figure_eight();
         let steps = 2000;
         let dt = t / f64::from(steps);
         let read = |k: i32| motion.at(start + f64::from(k) * dt).sample(&(GRAVITY + off));
@@ -138,7 +138,7 @@ fn flight_wander(formula: Spread) -> Comparison {
 fn flight_truth(formula: Enters) -> Comparison {
     let mut comparison = Comparison::relative("differences of the residual", 1e-6);
     let mut random = Random::new(13);
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     for _ in 0..25 {
         let (start, t) = (random.uniform(0.0..20.0), random.uniform(0.2..1.0));
         let samples: Vec<_> = (0..=400)

@@ -113,13 +113,13 @@ fn flight_errors() -> Figure {
     Figure {
         columns: vec![
             "length of the intervals (s)",
-            "attitude by the left rule (mrad)",
+            "attitude by the Euler rule (mrad)",
             "by the midpoint rule (mrad)",
             "predicted (mrad)",
-            "velocity by the left rule (cm/s)",
+            "velocity by the Euler rule (cm/s)",
             "by the midpoint rule (cm/s)",
             "predicted (cm/s)",
-            "position by the left rule (cm)",
+            "position by the Euler rule (cm)",
             "by the midpoint rule (cm)",
             "predicted (cm)",
             "velocity: tilted world (cm/s)",
@@ -138,19 +138,19 @@ fn flight_errors() -> Figure {
             let wandering = steps.map(|t| (t, 1e3 * wander.spread(t).sqrt()));
             let common = |names: [[&'static str; 4]; 3]| {
                 [
-                    marks("left rule", 0, of(names[0])),
+                    marks("Euler rule", 0, of(names[0])),
                     marks("midpoint rule", 1, of(names[1])),
                     line("predicted from the readings", INK, 6, of(names[2])),
                 ]
             };
             let times = [0.08, 2.5];
-            let [left, midpoint, predicted] = common(ATTITUDE);
+            let [euler, midpoint, predicted] = common(ATTITUDE);
             let wandering = line("wander of the ground truth", SERIES[2], 5, wandering.collect());
             panel(
                 &attitude,
                 ("", times),
                 ("attitude (mrad)", [0.05, 60.0]),
-                &[left, midpoint, wandering, predicted],
+                &[euler, midpoint, wandering, predicted],
             )?;
             let shares = |part: usize| {
                 [
@@ -159,13 +159,13 @@ fn flight_errors() -> Figure {
                     share("rest", 2, of(SHARES[part][2])),
                 ]
             };
-            let [left, midpoint, predicted] = common(VELOCITY).map(unnamed);
+            let [euler, midpoint, predicted] = common(VELOCITY).map(unnamed);
             let [tilted, turned, rest] = shares(0);
-            let entries = [tilted, turned, rest, predicted, left, midpoint];
+            let entries = [tilted, turned, rest, predicted, euler, midpoint];
             panel(&velocity, ("", times), ("velocity (cm/s)", [0.015, 60.0]), &entries)?;
-            let [left, midpoint, predicted] = common(POSITION).map(unnamed);
+            let [euler, midpoint, predicted] = common(POSITION).map(unnamed);
             let [tilted, turned, rest] = shares(1).map(unnamed);
-            let entries = [tilted, turned, rest, predicted, left, midpoint];
+            let entries = [tilted, turned, rest, predicted, euler, midpoint];
             let x_axis = ("length of the intervals (s)", times);
             panel(&position, x_axis, ("position (cm)", [0.0004, 20.0]), &entries)
         }),

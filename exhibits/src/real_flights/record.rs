@@ -42,17 +42,17 @@ macro_rules! each_length {
 }
 
 pub const ATTITUDE: [[&str; 4]; 3] = [
-    each_length!("v1_attitude_left"),
+    each_length!("v1_attitude_euler"),
     each_length!("v1_attitude"),
     each_length!("v1_attitude_predicted"),
 ];
 pub const VELOCITY: [[&str; 4]; 3] = [
-    each_length!("v1_velocity_left"),
+    each_length!("v1_velocity_euler"),
     each_length!("v1_velocity"),
     each_length!("v1_velocity_predicted"),
 ];
 pub const POSITION: [[&str; 4]; 3] = [
-    each_length!("v1_position_left"),
+    each_length!("v1_position_euler"),
     each_length!("v1_position"),
     each_length!("v1_position_predicted"),
 ];
@@ -158,12 +158,12 @@ impl Values {
 
     fn errors(&mut self, vicon: &Flight) {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
-            let [left, midpoint] =
-                [Rule::Left, Rule::Midpoint].map(|rule| vicon.intervals(rule, seconds, 0.0));
+            let [euler, midpoint] =
+                [Rule::Euler, Rule::Midpoint].map(|rule| vicon.intervals(rule, seconds, 0.0));
             let size = |intervals: &[Interval]| {
                 sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)))
             };
-            let of = [size(&left), size(&midpoint), predicted(&midpoint)];
+            let of = [size(&euler), size(&midpoint), predicted(&midpoint)];
             for (kind, of) in of.into_iter().enumerate() {
                 self.add(ATTITUDE[kind][index], MRAD * of[0], "mrad", 2);
                 self.add(VELOCITY[kind][index], CM * of[1], "cm/s", 2);

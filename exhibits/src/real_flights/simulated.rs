@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::euroc::GroundTruth;
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Motion, StampedSample};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample, Trajectory};
 use vislam::manifold::so3;
 
 use super::intervals::Flight;
@@ -31,7 +31,7 @@ pub const BIAS: ImuBias = ImuBias {
 pub fn flight(seconds: f64, seed: u64, faults: Option<&Faults>) -> Flight {
     let mut random = Random::new(seed);
     let gravity = GRAVITY + faults.map_or(Vector3::zeros(), |faults| faults.gravity);
-    let (motion, noise) = (Motion::figure_eight(), ImuNoise::euroc());
+    let (motion, noise) = (Trajectory::figure_eight(), ImuNoise::euroc());
     let count = (seconds / STEP) as usize;
     let nanoseconds = |k: usize| 1_000_000 * 5 * k as i64;
     let samples = (0..count).map(|k| {

@@ -1,7 +1,7 @@
 //! Points from noisy pixels, again and again.
 
 use nalgebra::Vector3;
-use vislam::two_views::{View, refine, triangulate};
+use vislam::two_views::{View, triangulate, triangulate_nonlinear};
 
 use super::worked::disturbed;
 use crate::random::Random;
@@ -38,7 +38,7 @@ impl Draws {
 
     fn add(&mut self, noisy: &[View]) {
         let linear = triangulate(noisy, 0.0);
-        match linear.and_then(|linear| Ok((linear, refine(noisy, &linear)?))) {
+        match linear.and_then(|linear| Ok((linear, triangulate_nonlinear(noisy, &linear)?))) {
             Ok((linear, likely)) => {
                 self.linear.push(linear);
                 self.likely.push(likely.point);

@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 use vislam::bearing::{bearing, depth_sigma, disparity_sigma};
 use vislam::two_views::{
     LEAST_PARALLAX, StereoPinhole, View, essential_matrix, fundamental_matrix, point_condition,
-    ray_sigma, refine, relative_poses, sampson_distance, scale_direction, triangulate,
+    ray_sigma, relative_poses, sampson_distance, scale_direction, triangulate,
+    triangulate_nonlinear,
 };
 
 use super::NOWHERE;
@@ -63,7 +64,7 @@ fn worked_information(chapter: &mut Chapter) {
     chapter.number("info_lost_x", lost_to_x, "", 2);
     chapter.number("info_lost_y", lost_to_y, "", 2);
     chapter.number("info_depth", information.m33 - lost_to_x - lost_to_y, "", 0);
-    if let Ok(found) = refine(&views, &POINT) {
+    if let Ok(found) = triangulate_nonlinear(&views, &POINT) {
         let sigma = |axis: usize| found.covariance[(axis, axis)].sqrt();
         chapter.number("sigma_x_cm", 100.0 * sigma(0), "cm", 2);
         chapter.number("sigma_y_cm", 100.0 * sigma(1), "cm", 2);
@@ -151,7 +152,7 @@ fn driving(chapter: &mut Chapter) {
         [&draws.linear, &draws.likely].map(|points| rms_error(points, &point, 2));
     chapter.number("drive_linear_cm", 100.0 * linear, "cm", 1);
     chapter.number("drive_likely_cm", 100.0 * likely, "cm", 1);
-    if let Ok(found) = refine(&views, &point) {
+    if let Ok(found) = triangulate_nonlinear(&views, &point) {
         chapter.number("drive_sigma_cm", 100.0 * found.covariance.m33.sqrt(), "cm", 1);
     }
 }
@@ -264,7 +265,7 @@ fn wrong_matches(chapter: &mut Chapter) {
         let mut moved = views;
         moved[1].pixel += by;
         let start = triangulate(&moved, LEAST_PARALLAX)?;
-        refine(&moved, &start)
+        triangulate_nonlinear(&moved, &start)
     };
     if let Ok(along) = with_second_moved(wrong * Vector2::x()) {
         chapter.number("wrong_along_depth", along.point.z, "m", 2);

@@ -1,17 +1,19 @@
-//! Rewrites the descriptions of items: labels become links, equations are shown, sources are named.
+//! Rewrites the descriptions of items: labels and citations become links, equations are shown, sources are named.
 //!
 //! What comes out is a copy of each file for rustdoc, line by line, and each line knows which one it comes from.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use regex::Captures;
 
 use super::items::{File, Library};
+use crate::bibliography::Bibliography;
 use crate::fault::Faults;
 use crate::formulas::Formula;
 use crate::inline::{Mark, NAMED_LABEL, tokens};
 use crate::pages::{Labels, Page, slashed};
-use crate::prose::{escape, name_of};
+use crate::prose::{REFERENCES, escape, name_of};
 
 /// How an address begins that is meant from the root of the book; which way that is, only a finished page knows.
 pub const BOOK: &str = "book:/";
@@ -47,6 +49,8 @@ pub struct Book<'a> {
     pub pages: &'a [Page],
     /// Every label and where it stands.
     pub labels: &'a Labels,
+    /// What can be cited.
+    pub bibliography: &'a Bibliography,
     /// The TeX of the numbered equations by label, with their numbers filled in.
     pub equations: BTreeMap<&'a str, &'a str>,
 }
@@ -54,7 +58,7 @@ pub struct Book<'a> {
 /// What is found in the descriptions.
 #[derive(Default)]
 pub struct Noted {
-    /// Labels that do not exist, formulas that never end.
+    /// Labels and works that do not exist, formulas that never end.
     pub faults: Faults,
     /// The formulas, to be tried by KaTeX.
     pub formulas: Vec<Formula>,
@@ -196,6 +200,10 @@ impl Writer<'_, '_> {
                     line.pieces.push(math);
                     continue;
                 }
+                Mark::Citation { keys, narrative } => {
+                    line.pieces.push(Piece::Text(self.citation(keys, *narrative, here)));
+                    continue;
+                }
                 Mark::UnclosedMath | Mark::MisplacedDisplay => self.noted.faults.add(
                     (&self.file.name, here),
                     "$",
@@ -253,6 +261,21 @@ impl Writer<'_, '_> {
             format!("[{}]({BOOK}{page}#{label})", name_of(label, target, false))
         };
         NAMED_LABEL.replace_all(text, link).into_owned()
+    }
+
+    /// Works as links to the bibliography.
+    fn citation(&mut self, keys: &[&str], narrative: bool, line: usize) -> String {
+        let page = slashed(&Path::new(REFERENCES).with_extension("html"));
+        let place = (self.file.name.as_str(), line);
+        let faults = &mut self.noted.faults;
+        let works = keys.iter().map(|cited| {
+            match self.book.bibliography.cited(place, cited, narrative, faults) {
+                (key, Some(name)) => format!("[{name}]({BOOK}{page}#ref:{key})"),
+                (key, None) => format!("`{key}`"),
+            }
+        });
+        let works = works.collect::<Vec<_>>().join("; ");
+        if narrative { works } else { format!("({works})") }
     }
 
     /// The TeX of the equations that a paragraph says the item implements.

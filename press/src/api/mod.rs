@@ -64,6 +64,7 @@ impl Plan {
             library,
             pages,
             labels: known.labels,
+            bibliography: known.bibliography,
             equations: equations.map(|known| (known.label.as_str(), known.tex.as_str())).collect(),
         };
         let mut noted = Noted::default();

@@ -39,7 +39,8 @@ pub use hidden::{Alone, given};
 "#;
 
 const HIDDEN: &str = "\
-/// Given on, by {eq:product}.
+/// Given on, by {eq:product}, after @author2001 and as
+/// others do [@author2001, page 3].
 pub fn given() {}
 
 /// What nothing implements, of which rustdoc keeps no list.
@@ -127,6 +128,13 @@ fn an_item_shows_its_equation_and_leads_to_it_and_the_chapter_leads_to_the_item(
     ] {
         assert!(module.contains(part), "{part}");
     }
+    let given = book.read("book/api/small_sums/one/fn.given.html");
+    for part in [
+        "<a href=\"../../../references.html#ref:author2001\">Author (2001)</a>",
+        "(<a href=\"../../../references.html#ref:author2001\">Author 2001, page 3</a>)",
+    ] {
+        assert!(given.contains(part), "{part}");
+    }
     assert!(book.read("book/api/small_sums/index.html").contains("for <code>{eq:label}</code>"));
     let chapter = book.read("book/one.html");
     let way = "href=\"api/small_sums/one/struct.Sum.html#method.add\" title=\"small_sums::one::Sum::add\"";
@@ -166,6 +174,18 @@ fn an_unknown_label_in_a_description_is_named_with_the_nearest_one() {
         &[
             "code/src/one/hidden.rs:1: {eq:produkt}: nothing in the book has this label",
             "did you mean {eq:product}?",
+        ],
+    );
+}
+
+#[test]
+fn an_unknown_work_in_a_description_is_named() {
+    let book = book().with("code/src/one/hidden.rs", "[@author2001", "[@writer2001");
+    says(
+        &book,
+        &[
+            "code/src/one/hidden.rs:2: @writer2001: the bibliography has no such work",
+            "add it to src/references.bib",
         ],
     );
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::{
     DMatrix, Matrix3, Point3, Rotation3, SMatrix, Similarity3, UnitQuaternion, Vector3,
 };
-use vislam::inertial::{Angles, Course, GRAVITY, ImuBias, Motion};
+use vislam::inertial::{Angles, GRAVITY, ImuBias, ScalarTrajectory, Trajectory};
 use vislam::manifold::so3;
 use vislam::preintegration::imu_residual;
 
@@ -100,7 +100,7 @@ impl Window {
     pub fn drawn(draw: &mut Draw, states: usize, landmarks: usize, away: [f64; 2]) -> Self {
         let (start, offset) = (draw.uniform(0.0..10.0), draw.vector(away[0]..away[1]));
         let state = |k: usize| {
-            let state = State::of(&Motion::figure_eight().at(start + 0.5 * k as f64).state);
+            let state = State::of(&Trajectory::figure_eight().at(start + 0.5 * k as f64).state);
             State { position: state.position + offset, ..state }
         };
         Self {
@@ -343,7 +343,7 @@ pub struct Flight {
 
 impl Flight {
     /// The readings of a motion from one time to the next, from its formulas.
-    fn new(name: &'static str, motion: &Motion, gravity: &Vector3<f64>, times: &[f64]) -> Self {
+    fn new(name: &'static str, motion: &Trajectory, gravity: &Vector3<f64>, times: &[f64]) -> Self {
         let between = |pair: &[f64]| {
             let (first, last) = (motion.at(pair[0]).state, motion.at(pair[1]).state);
             let (body_from_world, t) = (first.world_from_body.inverse(), pair[1] - pair[0]);
@@ -395,9 +395,9 @@ impl Flight {
 /// A body that stands as nobody would put it.
 fn tilted() -> Angles {
     Angles {
-        yaw: Course::constant(1.3),
-        pitch: Course::constant(0.5),
-        roll: Course::constant(-0.7),
+        yaw: ScalarTrajectory::constant(1.3),
+        pitch: ScalarTrajectory::constant(0.5),
+        roll: ScalarTrajectory::constant(-0.7),
     }
 }
 
@@ -405,15 +405,15 @@ fn tilted() -> Angles {
 fn steady(draw: &mut Draw, t: f64) -> Vec<Flight> {
     let (nothing, times) = (Vector3::zeros(), [0.0, t, 2.0 * t]);
     let turning = Angles {
-        yaw: Course { rate: draw.uniform(0.5..1.0), ..tilted().yaw },
-        pitch: Course::wave(0.4, draw.uniform(0.8..1.5), 0.3),
-        roll: Course::wave(0.5, draw.uniform(0.8..1.5), 1.0),
+        yaw: ScalarTrajectory { rate: draw.uniform(0.5..1.0), ..tilted().yaw },
+        pitch: ScalarTrajectory::wave(0.4, draw.uniform(0.8..1.5), 0.3),
+        roll: ScalarTrajectory::wave(0.5, draw.uniform(0.8..1.5), 1.0),
     };
     let ahead = draw.vector(1.0..5.0);
-    let straight = |angles| Motion::constant_velocity(&ahead, angles);
-    let rest = Motion { angles: tilted(), ..Motion::hover() };
+    let straight = |angles| Trajectory::constant_velocity(&ahead, angles);
+    let rest = Trajectory { angles: tilted(), ..Trajectory::hover() };
     vec![
-        Flight::new("at rest, level", &Motion::hover(), &GRAVITY, &times),
+        Flight::new("at rest, level", &Trajectory::hover(), &GRAVITY, &times),
         Flight::new("at rest, tilted", &rest, &GRAVITY, &times),
         Flight::new("straight ahead", &straight(tilted()), &GRAVITY, &times),
         Flight::new("straight ahead and turning", &straight(turning), &GRAVITY, &times),
@@ -424,10 +424,10 @@ fn steady(draw: &mut Draw, t: f64) -> Vec<Flight> {
 /// Motions that accelerate all the time.
 fn pushed(draw: &mut Draw, t: f64) -> Vec<Flight> {
     let (nothing, times) = (Vector3::zeros(), [0.0, t, 2.0 * t]);
-    let faster = Motion::constant_acceleration(&draw.vector(0.5..3.0), tilted());
-    let falling = Motion::constant_acceleration(&GRAVITY, tilted());
-    let level = Motion::level_turn(draw.uniform(1.0..4.0), draw.uniform(0.4..1.0));
-    let ahead = Motion::constant_velocity(&draw.vector(1.0..5.0), tilted());
+    let faster = Trajectory::constant_acceleration(&draw.vector(0.5..3.0), tilted());
+    let falling = Trajectory::constant_acceleration(&GRAVITY, tilted());
+    let level = Trajectory::level_turn(draw.uniform(1.0..4.0), draw.uniform(0.4..1.0));
+    let ahead = Trajectory::constant_velocity(&draw.vector(1.0..5.0), tilted());
     let mut later = Flight::new("straight ahead, then faster", &ahead, &GRAVITY, &times);
     let end = Flight::new("", &faster, &GRAVITY, &times);
     later.intervals.splice(1.., end.intervals.into_iter().skip(1));
@@ -442,11 +442,11 @@ fn pushed(draw: &mut Draw, t: f64) -> Vec<Flight> {
 
 /// Motions of one oscillation, of so many seconds.
 fn to_and_fro(t: f64) -> Vec<Flight> {
-    let rocking = |phase: f64| Motion {
+    let rocking = |phase: f64| Trajectory {
         position: [
-            Course { rate: 1.0, ..Course::wave(0.3, TAU / t, phase) },
-            Course::linear(0.5),
-            Course::default(),
+            ScalarTrajectory { rate: 1.0, ..ScalarTrajectory::wave(0.3, TAU / t, phase) },
+            ScalarTrajectory::linear(0.5),
+            ScalarTrajectory::default(),
         ],
         angles: tilted(),
     };
@@ -464,24 +464,24 @@ fn to_and_fro(t: f64) -> Vec<Flight> {
 fn near(tolerance: f64, t: f64) -> Vec<Flight> {
     // An oscillation that lasts as long as the interval changes the position alone, and what an
     // acceleration adds to the position can be taken off by one.
-    let course = |acceleration: f64, displaced: f64| Course {
+    let coordinate = |acceleration: f64, displaced: f64| ScalarTrajectory {
         acceleration,
-        ..Course::wave(-displaced * t * t / (2.0 * TAU), TAU / t, 0.0)
+        ..ScalarTrajectory::wave(-displaced * t * t / (2.0 * TAU), TAU / t, 0.0)
     };
-    let lasting = |name, course, t| {
-        let position = [Course::linear(1.0), course, Course::default()];
-        Flight::new(name, &Motion { position, angles: tilted() }, &GRAVITY, &[0.0, t])
+    let lasting = |name, coordinate, t| {
+        let position = [ScalarTrajectory::linear(1.0), coordinate, ScalarTrajectory::default()];
+        Flight::new(name, &Trajectory { position, angles: tilted() }, &GRAVITY, &[0.0, t])
     };
-    let flight = |name, course| lasting(name, course, t);
+    let flight = |name, coordinate| lasting(name, coordinate, t);
     let (less, more) = (0.8 * tolerance, 1.25 * tolerance);
     vec![
-        flight("four fifths of the tolerance", course(less, 0.0)),
-        flight("five quarters of the tolerance", course(more, 0.0)),
-        flight("four fifths, in position alone", course(0.0, less)),
-        flight("five quarters, in position alone", course(0.0, more)),
-        flight("four fifths, in velocity alone", course(less, -less)),
-        flight("five quarters, in velocity alone", course(more, -more)),
-        lasting("four fifths of the tolerance, for longer", course(less, 0.0), 5.0 * t),
+        flight("four fifths of the tolerance", coordinate(less, 0.0)),
+        flight("five quarters of the tolerance", coordinate(more, 0.0)),
+        flight("four fifths, in position alone", coordinate(0.0, less)),
+        flight("five quarters, in position alone", coordinate(0.0, more)),
+        flight("four fifths, in velocity alone", coordinate(less, -less)),
+        flight("five quarters, in velocity alone", coordinate(more, -more)),
+        lasting("four fifths of the tolerance, for longer", coordinate(less, 0.0), 5.0 * t),
     ]
 }
 

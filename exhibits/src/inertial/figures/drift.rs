@@ -4,7 +4,7 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::Motion;
+use vislam::inertial::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 use crate::inertial::drift::{SOURCES, TIMES, drifted, expected};
@@ -12,7 +12,7 @@ use crate::inertial::drift::{SOURCES, TIMES, drifted, expected};
 type Series = [[f64; TIMES.len()]; 4];
 
 pub fn drift() -> Figure {
-    let motions = [Motion::hover(), Motion::figure_eight()];
+    let motions = [Trajectory::hover(), Trajectory::figure_eight()];
     let found = motions.map(|motion| SOURCES.map(|(source, _)| drifted(source, &motion)));
     let rows = SOURCES.iter().enumerate().flat_map(|(index, (source, name))| {
         let found = &found;

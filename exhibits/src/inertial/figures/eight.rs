@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 
@@ -14,7 +14,7 @@ use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of,
 const ROUND: f64 = TAU / 0.8;
 
 pub fn eight() -> Figure {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let rows = (0..=31).map(|k| {
         let t = 0.25 * f64::from(k);
         let (place, read) = (motion.at(t).state.position, motion.at(t).sample(&GRAVITY));
@@ -49,7 +49,7 @@ pub fn eight() -> Figure {
     }
 }
 
-fn path_panel(drawing: &Drawing, motion: &Motion) -> Drawn {
+fn path_panel(drawing: &Drawing, motion: &Trajectory) -> Drawn {
     let x_axis = ("x (m)", -4.1..4.1, 9);
     let mut chart = figure::axes(drawing, x_axis, ("y (m)", -2.05..2.05, 5))?;
     let place = |t: f64| motion.at(t).state.position;
@@ -70,7 +70,7 @@ fn path_panel(drawing: &Drawing, motion: &Motion) -> Drawn {
 fn readings_panel(
     drawing: &Drawing,
     (title, range): (&str, std::ops::Range<f64>),
-    motion: &Motion,
+    motion: &Trajectory,
     of: fn(&ImuSample) -> Vector3<f64>,
 ) -> Drawn {
     let top = range.end - 0.11 * (range.end - range.start);

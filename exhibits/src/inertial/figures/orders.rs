@@ -8,7 +8,7 @@ use plotters::style::Color;
 use crate::figure::{self, Figure, SERIES, letters_right_of, marker};
 use crate::inertial::rules::{RATES, exponent, position_error};
 
-const NAMES: [&str; 2] = ["left", "midpoint"];
+const NAMES: [&str; 2] = ["Euler", "midpoint"];
 
 pub fn orders() -> Figure {
     let errors = [false, true].map(|midpoint| RATES.map(|rate| position_error(rate, midpoint)));
@@ -18,7 +18,7 @@ pub fn orders() -> Figure {
         [vec![format!("{step}")], errors.to_vec()].concat()
     });
     Figure {
-        columns: vec!["step (ms)", "left rule (m)", "midpoint rule (m)"],
+        columns: vec!["step (ms)", "Euler rule (m)", "midpoint rule (m)"],
         rows: rows.collect(),
         svg: figure::draw(820, |drawing| {
             let x_axis = ("step (ms)", (0.7..150.0).log_scale(), 3);

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use plotters::element::{EmptyElement, Rectangle, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::Motion;
+use vislam::inertial::Trajectory;
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 use vislam::preintegration::imu_residual;
 
@@ -33,7 +33,7 @@ fn similarities() -> [Similarity; 4] {
 
 fn windows() -> [Window; 4] {
     // One whole eight.
-    let flight = Flight { states: 33, ..Flight::new(Motion::figure_eight()) };
+    let flight = Flight { states: 33, ..Flight::new(Trajectory::figure_eight()) };
     let window = of_flight(&flight, BiasAssumption::KNOWN);
     similarities().map(|similarity| window.transformed(&similarity))
 }

@@ -2,7 +2,7 @@
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::Color;
-use vislam::inertial::Motion;
+use vislam::inertial::Trajectory;
 use vislam::observability::{BiasAssumption, Direction, FreeDirections};
 
 use crate::figure::{self, Figure, GRID, INK, SERIES, letters_right_of};
@@ -22,7 +22,7 @@ struct Strip {
 }
 
 fn strips() -> Vec<Strip> {
-    let mut vision = window(Motion::figure_eight(), BiasAssumption::KNOWN);
+    let mut vision = window(Trajectory::figure_eight(), BiasAssumption::KNOWN);
     vision.intervals.clear();
     let heading = Some("pictures alone: figure-eight".to_owned());
     let mut strips = vec![Strip { heading, biases: "none", free: free(&vision) }];

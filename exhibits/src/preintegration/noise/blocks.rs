@@ -1,7 +1,7 @@
 //! How the nine errors hang together, and what is lost when their blocks are kept apart.
 
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen};
-use vislam::inertial::{GRAVITY, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
 
 use super::runs::{DT, SECOND, at_rest, by_rule, of_readings};
@@ -60,7 +60,7 @@ fn growth_correlation(formula: Correlations) -> Comparison {
 /// A second with a poor sensor, at rest and in a figure-eight.
 pub fn seconds() -> [(&'static str, Preintegrated); 2] {
     let mems = ImuNoise::mems();
-    let flight = Motion::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
+    let flight = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
     [
         ("at rest", at_rest(&mems, DT, SECOND)),
         ("figure-eight", by_rule(Rule::Midpoint, &flight, &mems)),

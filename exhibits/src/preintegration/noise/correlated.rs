@@ -1,6 +1,6 @@
 //! Noise that remembers, and other things that a density does not say.
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::preintegration::Rule;
 
 use super::growth::G;
@@ -94,14 +94,14 @@ impl Remembering {
 /// The mean normalized square of a second's errors, by the covariance for white noise.
 fn mean_nees(memory: f64) -> f64 {
     let (noise, mut random) = (ImuNoise::mems(), Random::new(462));
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
-    let clean = by_rule(Rule::Left, &samples, &noise);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
+    let clean = by_rule(Rule::Euler, &samples, &noise);
     let whiten = clean.sqrt_information().expect("after many steps everything varies");
     let squares = (0..RUNS).map(|_| {
         let mut remembering = Remembering::new(memory, &mut random);
         let corrupt = |sample| remembering.corrupt(sample, &noise, &mut random);
         let noisy: Vec<_> = samples.iter().map(corrupt).collect();
-        let run = by_rule(Rule::Left, &noisy, &noise);
+        let run = by_rule(Rule::Euler, &noisy, &noise);
         (whiten * errors(&clean.deltas, &run.deltas)).norm_squared()
     });
     squares.sum::<f64>() / RUNS as f64

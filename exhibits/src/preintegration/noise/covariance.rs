@@ -61,7 +61,7 @@ fn covariance_recursion(formula: Recursion) -> Comparison {
         let (mut found, mut deltas) = (Matrix9::zeros(), nothing());
         let mut oracle = Matrix9::zeros();
         for (k, sample) in samples.iter().enumerate() {
-            let of = error_dynamics(Rule::Left, &deltas.rotation, sample, dt);
+            let of = error_dynamics(Rule::Euler, &deltas.rotation, sample, dt);
             found = formula(&found, &of, &noise, dt);
             let before = deltas;
             deltas = summed(&deltas, &[*sample], dt);

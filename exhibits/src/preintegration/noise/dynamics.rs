@@ -93,7 +93,7 @@ fn error_dynamics(formula: Pushed) -> Comparison {
         let n = Vector6::from_fn(|_, _| random.normal(1.0));
         let moved = slopes::<1>(|s| {
             let start = wrong(&at.deltas, &(s.x * e));
-            stepped(Rule::Left, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
+            stepped(Rule::Euler, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
         });
         comparison.add(formula(&at, &e, &n).as_slice(), moved.as_slice());
     }
@@ -102,8 +102,8 @@ fn error_dynamics(formula: Pushed) -> Comparison {
 
 type Blocks = fn(&Instant) -> ErrorDynamics;
 
-fn left(at: &Instant) -> ErrorDynamics {
-    theory::error_dynamics(Rule::Left, &at.deltas.rotation, &at.sample, at.dt)
+fn euler(at: &Instant) -> ErrorDynamics {
+    theory::error_dynamics(Rule::Euler, &at.deltas.rotation, &at.sample, at.dt)
 }
 
 fn midpoint(at: &Instant) -> ErrorDynamics {
@@ -133,23 +133,23 @@ fn with_b(
 fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Blocks); 6] = [
         ("the turn for its transpose", |at| {
-            with_a(left(at), (0, 0), *so3::exp(&(at.dt * at.sample.gyro)).matrix())
+            with_a(euler(at), (0, 0), *so3::exp(&(at.dt * at.sample.gyro)).matrix())
         }),
-        ("no leak into position", |at| with_a(left(at), (6, 0), Matrix3::zeros())),
+        ("no leak into position", |at| with_a(euler(at), (6, 0), Matrix3::zeros())),
         ("leak with the sign of a force", |at| {
-            let of = left(at);
+            let of = euler(at);
             with_a(of, (3, 0), -of.from_errors.fixed_view::<3, 3>(3, 0).into_owned())
         }),
         ("time without the right Jacobian", |at| {
-            with_b(left(at), (0, 0), at.dt * Matrix3::identity())
+            with_b(euler(at), (0, 0), at.dt * Matrix3::identity())
         }),
-        ("force in the body", |at| with_b(left(at), (3, 3), at.dt * Matrix3::identity())),
-        ("no force into position", |at| with_b(left(at), (6, 3), Matrix3::zeros())),
+        ("force in the body", |at| with_b(euler(at), (3, 3), at.dt * Matrix3::identity())),
+        ("no force into position", |at| with_b(euler(at), (6, 3), Matrix3::zeros())),
     ];
-    chapter.equation("error-dynamics-blocks", error_dynamics_blocks, left, &mutants);
+    chapter.equation("error-dynamics-blocks", error_dynamics_blocks, euler, &mutants);
 
     let mutants: [(_, Blocks); 5] = [
-        ("left rule", left),
+        ("Euler rule", euler),
         ("noise of the gyroscope kept out of velocity", |at| {
             with_b(midpoint(at), (3, 0), Matrix3::zeros())
         }),
@@ -162,7 +162,7 @@ fn blocks(chapter: &mut Chapter) {
         }),
         ("force not turned halfway in the leak", |at| {
             let of = midpoint(at);
-            let leak = left(at).from_errors.fixed_view::<3, 3>(3, 0).into_owned();
+            let leak = euler(at).from_errors.fixed_view::<3, 3>(3, 0).into_owned();
             with_a(of, (3, 0), leak)
         }),
         ("force as the body stands at the beginning", |at| {
@@ -173,7 +173,7 @@ fn blocks(chapter: &mut Chapter) {
 }
 
 fn error_dynamics_blocks(formula: Blocks) -> Comparison {
-    compared_with_slopes(402, Rule::Left, formula)
+    compared_with_slopes(402, Rule::Euler, formula)
 }
 
 fn error_dynamics_midpoint(formula: Blocks) -> Comparison {
@@ -247,14 +247,14 @@ fn covariance_first_frame(formula: Pushed) -> Comparison {
         let at = Instant::random(&mut random);
         let e = Vector9::from_fn(|_, _| random.normal(1.0));
         let n = Vector6::from_fn(|_, _| random.normal(1.0));
-        let after = stepped(Rule::Left, &at.deltas, &at.sample, at.dt);
+        let after = stepped(Rule::Euler, &at.deltas, &at.sample, at.dt);
         let moved = slopes::<1>(|s| {
             let [theta, v, p] = thirds(&(s.x * e));
             let mut start = at.deltas;
             start.rotation = Rotation3::new(theta) * start.rotation;
             start.velocity += v;
             start.position += p;
-            stepped(Rule::Left, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
+            stepped(Rule::Euler, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
         });
         let [phi, v, p] = thirds(&moved);
         let oracle = joined(after.rotation * phi, v, p);

@@ -45,7 +45,7 @@ pub fn nothing() -> Deltas {
 pub fn stepped(rule: Rule, deltas: &Deltas, sample: &ImuSample, dt: f64) -> Deltas {
     let turned = |time: f64| deltas.rotation * Rotation3::new(time * sample.gyro);
     let along = match rule {
-        Rule::Left => deltas.rotation,
+        Rule::Euler => deltas.rotation,
         Rule::Midpoint => turned(0.5 * dt),
     };
     let force = along * sample.accelerometer;
@@ -56,9 +56,9 @@ pub fn stepped(rule: Rule, deltas: &Deltas, sample: &ImuSample, dt: f64) -> Delt
     }
 }
 
-/// The deltas of readings by the left rule.
+/// The deltas of readings by the Euler rule.
 pub fn summed(from: &Deltas, samples: &[ImuSample], dt: f64) -> Deltas {
-    samples.iter().fold(*from, |deltas, sample| stepped(Rule::Left, &deltas, sample, dt))
+    samples.iter().fold(*from, |deltas, sample| stepped(Rule::Euler, &deltas, sample, dt))
 }
 
 /// Deltas with the errors (φ, v, p), the rotation's on the right.

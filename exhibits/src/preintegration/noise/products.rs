@@ -58,7 +58,7 @@ struct Moments {
 }
 
 impl Moments {
-    /// The printed step with the left rule. `fresh` is what the gyroscope's noise adds to the
+    /// The printed step with the Euler rule. `fresh` is what the gyroscope's noise adds to the
     /// covariance of θ, and `c` what the step adds to velocity.
     fn advance(
         &mut self,
@@ -129,7 +129,7 @@ fn counted() -> (usize, usize, f64) {
     let mut rotation = Rotation3::identity();
     let samples = readings(&mut Random::new(431), 50);
     for sample in &samples {
-        let of = error_dynamics(Rule::Left, &rotation, sample, DT);
+        let of = error_dynamics(Rule::Euler, &rotation, sample, DT);
         let (a, b) = (of.from_errors, of.from_reading);
         let carried = by_matrices.times(&by_matrices.times(&a, &dense), &a.transpose());
         let fresh = by_matrices.times(&b, &noise.discrete(DT));

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::manifold::so3;
 use vislam::preintegration::{
     Deltas, Matrix9, Preintegrated, Preintegrator, Rule, Vector9, preintegrate,
@@ -23,7 +23,7 @@ const EXPERIMENTS: usize = 400;
 
 /// What a perfect sensor reads at rest.
 pub fn rest() -> ImuSample {
-    Motion::hover().at(0.0).sample(&GRAVITY)
+    Trajectory::hover().at(0.0).sample(&GRAVITY)
 }
 
 /// The sums of so many steps at rest.
@@ -31,7 +31,7 @@ pub fn at_rest(noise: &ImuNoise, dt: f64, steps: usize) -> Preintegrated {
     of_readings(&vec![rest(); steps], dt, noise)
 }
 
-/// The sums of readings by the left rule.
+/// The sums of readings by the Euler rule.
 pub fn of_readings(samples: &[ImuSample], dt: f64, noise: &ImuNoise) -> Preintegrated {
     preintegrate(samples, dt, &ImuBias::default(), noise).expect("the readings are finite")
 }
@@ -42,7 +42,7 @@ pub fn by_rule(rule: Rule, samples: &[ImuSample], noise: &ImuNoise) -> Preintegr
         .expect("the densities are those of a sensor");
     for pair in samples.windows(2) {
         let added = match rule {
-            Rule::Left => integrator.integrate(&pair[0], DT),
+            Rule::Euler => integrator.integrate(&pair[0], DT),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], DT),
         };
         added.expect("the readings are finite");
@@ -65,17 +65,17 @@ pub fn noisy(samples: &[ImuSample], noise: &ImuNoise, random: &mut Random) -> Ve
 }
 
 /// Its name, the rule with which it is summed, and the motion.
-type Case = (&'static str, Rule, fn() -> Motion);
+type Case = (&'static str, Rule, fn() -> Trajectory);
 
 pub const CASES: [Case; 3] = [
-    ("at rest", Rule::Left, Motion::hover),
-    ("figure-eight", Rule::Left, Motion::figure_eight),
-    ("figure-eight (midpoint)", Rule::Midpoint, Motion::figure_eight),
+    ("at rest", Rule::Euler, Trajectory::hover),
+    ("figure-eight", Rule::Euler, Trajectory::figure_eight),
+    ("figure-eight (midpoint)", Rule::Midpoint, Trajectory::figure_eight),
 ];
 
 /// Eigenvalues of the scatter of a second's whitened errors, in rising order, and the mean of their
 /// squared lengths.
-pub fn whitened(rule: Rule, motion: &Motion, runs: usize, seed: u64) -> (Vec<f64>, f64) {
+pub fn whitened(rule: Rule, motion: &Trajectory, runs: usize, seed: u64) -> (Vec<f64>, f64) {
     let noise = ImuNoise::mems();
     let samples = motion.samples(&GRAVITY, DT, SECOND + 1);
     let clean = by_rule(rule, &samples, &noise);
@@ -159,7 +159,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("covariance_experiments", experiments as f64, "", 0);
     chapter.number("covariance_normal_least", NORMAL[0][0], "", 2);
     chapter.number("covariance_normal_most", NORMAL[8][experiments - 1], "", 2);
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, SECOND);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND);
     let swept: f64 = samples.iter().map(|sample| DT * sample.gyro.norm()).sum();
     chapter.number("covariance_flight_swept_deg", swept.to_degrees(), "°", 0);
 }

@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Matrix3x6, Rotation3, Vector3};
 use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{
-    self as theory, BiasWalk, Deltas, Matrix9, Matrix9x6, Neglected, Preintegrated, Rule,
-    error_dynamics,
+    self as theory, BiasWalk, Deltas, LinearizationErrorBound, Matrix9, Matrix9x6, Preintegrated,
+    Rule, error_dynamics,
 };
 
 use super::oracle::{Readings, bias, bias_slopes, difference, slopes, stack, summed};
@@ -21,7 +21,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     recursion(chapter);
     blocks(chapter);
     update(chapter);
-    neglected(chapter);
+    linearization_error(chapter);
     walk(chapter);
 }
 
@@ -47,7 +47,7 @@ fn bias_recursion(formula: Recursion) -> Comparison {
         let (mut jacobian, mut rotation) = (Matrix9x6::zeros(), Rotation3::identity());
         for sample in &readings.samples {
             let reading = sample.corrected(&readings.bias);
-            let step = error_dynamics(Rule::Left, &rotation, &reading, readings.dt);
+            let step = error_dynamics(Rule::Euler, &rotation, &reading, readings.dt);
             jacobian = formula(&jacobian, &step.from_errors, &step.from_reading);
             rotation *= Rotation3::new(readings.dt * reading.gyro);
         }
@@ -273,13 +273,13 @@ fn bias_fixed_axis(formula: FixedAxis) -> Comparison {
 /// Takes the specific force, the change of the gyroscope's bias and the time.
 type CorrectionError = fn(&Vector3<f64>, &Vector3<f64>, f64) -> f64;
 /// Takes sums and a bias.
-type Bound = fn(&Preintegrated, &ImuBias) -> Neglected;
+type Bound = fn(&Preintegrated, &ImuBias) -> LinearizationErrorBound;
 
 pub fn correction_error_term(force: &Vector3<f64>, step: &Vector3<f64>, t: f64) -> f64 {
     force.cross(step).norm() * step.norm() * t.powi(4) / 24.0
 }
 
-fn neglected(chapter: &mut Chapter) {
+fn linearization_error(chapter: &mut Chapter) {
     let mutants: [(_, CorrectionError); 4] = [
         ("the whole force", |f, step, t| f.norm() * step.norm_squared() * t.powi(4) / 24.0),
         ("linear in the bias", |f, step, t| f.cross(step).norm() * t.powi(4) / 24.0),
@@ -290,24 +290,32 @@ fn neglected(chapter: &mut Chapter) {
 
     let mutants: [(_, Bound); 4] = [
         ("rotation by a square of the rate only", |sums, bias| {
-            let bound = sums.neglected(bias);
-            Neglected { rotation: 0.25 * squared_gyro(sums, bias), ..bound }
+            let bound = sums.linearization_error_bound(bias);
+            LinearizationErrorBound { rotation: 0.25 * squared_gyro(sums, bias), ..bound }
         }),
         ("force dropped", |sums, bias| {
-            let bound = sums.neglected(bias);
+            let bound = sums.linearization_error_bound(bias);
             let t = sums.duration;
-            Neglected { velocity: 0.25 * squared_gyro(sums, bias) * t.powi(3), ..bound }
+            LinearizationErrorBound {
+                velocity: 0.25 * squared_gyro(sums, bias) * t.powi(3),
+                ..bound
+            }
         }),
         ("both biases at once dropped", |sums, bias| {
             let gyro = ImuBias { accelerometer: sums.bias.accelerometer, ..*bias };
-            sums.neglected(&gyro)
+            sums.linearization_error_bound(&gyro)
         }),
         ("twelve for four in the position", |sums, bias| {
-            let bound = sums.neglected(bias);
-            Neglected { position: bound.position / 3.0, ..bound }
+            let bound = sums.linearization_error_bound(bias);
+            LinearizationErrorBound { position: bound.position / 3.0, ..bound }
         }),
     ];
-    chapter.equation("correction-bound", correction_bound, Preintegrated::neglected, &mutants);
+    chapter.equation(
+        "correction-bound",
+        correction_bound,
+        Preintegrated::linearization_error_bound,
+        &mutants,
+    );
 }
 
 fn squared_gyro(sums: &Preintegrated, bias: &ImuBias) -> f64 {
@@ -355,7 +363,7 @@ fn correction_bound(formula: Bound) -> Comparison {
             ImuBias { gyro: sums.bias.gyro + step, accelerometer: sums.bias.accelerometer + other };
         let corrected = theory::correct_for_bias(&sums, &moved);
         let error = difference(&readings.deltas_with(&moved), &corrected);
-        let Neglected { rotation, velocity, position } = formula(&sums, &moved);
+        let LinearizationErrorBound { rotation, velocity, position } = formula(&sums, &moved);
         let parts = [rotation, velocity, position];
         let exceeding = [0, 1, 2]
             .map(|part| (error.fixed_rows::<3>(3 * part).norm() / parts[part] - 1.0).max(0.0));

@@ -1,7 +1,7 @@
 //! What breaks, in numbers.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
 use vislam::preintegration::{Preintegrator, imu_residual};
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
@@ -30,20 +30,20 @@ fn velocity_first(state: &NavState, sample: &ImuSample) -> NavState {
 }
 
 fn order_of_updates(chapter: &mut Chapter) {
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, STEPS);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, STEPS);
     let delta_from = |first: &NavState| {
         let second = samples.iter().fold(*first, |state, s| velocity_first(&state, s));
         deltas_of_states(first, &second, &GRAVITY, DT * STEPS as f64).position
     };
     let right = summed(&samples, DT, &ImuBias::default()).deltas;
-    let upright = Motion::figure_eight().at(0.0).state;
+    let upright = Trajectory::figure_eight().at(0.0).state;
     let lying = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
     let lying = NavState { world_from_body: lying * upright.world_from_body, ..upright };
     let apart = (delta_from(&lying) - delta_from(&upright)).norm();
     chapter.number("order_apart_mm", 1e3 * apart, "mm", 0);
 
     // In the deltas alone, at rest: what the sums of the library do not do.
-    let rest = vec![Motion::hover().at(0.0).sample(&GRAVITY); STEPS];
+    let rest = vec![Trajectory::hover().at(0.0).sample(&GRAVITY); STEPS];
     let sums = summed(&rest, DT, &ImuBias::default());
     let off = DT * sums.deltas.velocity.norm();
     chapter.number("order_rest_mm", 1e3 * off, "mm", 0);
@@ -59,7 +59,7 @@ fn order_of_updates(chapter: &mut Chapter) {
 }
 
 fn gravity(chapter: &mut Chapter) {
-    let (origin, rest) = (NavState::origin(), Motion::hover().at(0.0).sample(&GRAVITY));
+    let (origin, rest) = (NavState::origin(), Trajectory::hover().at(0.0).sample(&GRAVITY));
     let sums = summed(&vec![rest; STEPS], DT, &ImuBias::default());
     let forgotten = imu_residual(&sums, &origin, &origin, &Vector3::zeros(), &ImuBias::default());
     chapter.number("forgotten_velocity", forgotten[5].abs(), "m/s", 2);
@@ -79,7 +79,7 @@ fn gravity(chapter: &mut Chapter) {
 
 fn clipping(chapter: &mut Chapter) {
     let limit = 0.6;
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let perfect = motion.samples(&GRAVITY, DT, STEPS);
     let clipped: Vec<ImuSample> = perfect
         .iter()
@@ -103,9 +103,9 @@ fn clipping(chapter: &mut Chapter) {
 }
 
 /// Errors of velocity in m/s when the readings of a stretch in the middle of a second are lost, with
-/// the left rule and with the midpoint rule.
+/// the Euler rule and with the midpoint rule.
 fn with_a_gap(seconds: f64) -> [f64; 2] {
-    let motion = Motion::figure_eight();
+    let motion = Trajectory::figure_eight();
     let missing = (seconds / DT).round() as usize;
     let kept = (0..=STEPS).filter(|k| !(100 < *k && *k < 100 + missing));
     let times: Vec<f64> = kept.map(|k| DT * k as f64).collect();
@@ -131,11 +131,11 @@ fn with_a_gap(seconds: f64) -> [f64; 2] {
 
 fn gaps(chapter: &mut Chapter) {
     let gap = 0.1;
-    let [left, midpoint] = with_a_gap(gap);
+    let [euler, midpoint] = with_a_gap(gap);
     let [without, without_midpoint] = with_a_gap(DT);
     chapter.number("gap_ms", 1e3 * gap, "ms", 0);
     chapter.number("gap_lost", gap / DT - 1.0, "", 0);
-    chapter.number("gap_left_mm", 1e3 * left, "mm/s", 0);
+    chapter.number("gap_euler_mm", 1e3 * euler, "mm/s", 0);
     chapter.number("gap_midpoint_mm", 1e3 * midpoint, "mm/s", 1);
     chapter.number("gap_without_mm", 1e3 * without, "mm/s", 0);
     chapter.number("gap_without_midpoint_mm", 1e3 * without_midpoint, "mm/s", 2);

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
 use vislam::preintegration::{Preintegrated, imu_residual, linearize, preintegrate};
 
 use crate::chapter::Chapter;
@@ -29,7 +29,7 @@ struct Interval {
 
 impl Interval {
     fn of(readings: usize) -> Self {
-        let motion = Motion::figure_eight();
+        let motion = Trajectory::figure_eight();
         let samples = motion.samples(&GRAVITY, DT, readings);
         let sums = preintegrate(&samples, DT, &ImuBias::default(), &ImuNoise::mems())
             .expect("the readings are finite");
@@ -100,7 +100,7 @@ const NAMES: [[&str; 3]; READINGS.len()] = [
 /// Registers the record and, beside it, what can be counted.
 pub fn numbers(chapter: &mut Chapter) {
     let inputs = vec![
-        ("motion", "Motion::figure_eight() at 200 Hz".to_owned()),
+        ("motion", "Trajectory::figure_eight() at 200 Hz".to_owned()),
         ("readings", READINGS.map(|n| n.to_string()).join(" ")),
         ("turns", TURNS.to_string()),
         ("readings in a turn", READINGS_IN_A_TURN.to_string()),

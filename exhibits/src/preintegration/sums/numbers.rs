@@ -2,7 +2,7 @@
 //! estimates, and the rules.
 
 use nalgebra::{Matrix3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
 use vislam::manifold::so3;
 use vislam::preintegration::{Preintegrated, Rule, correct_for_bias, preintegrate};
 
@@ -15,7 +15,6 @@ use crate::chapter::Chapter;
 pub fn numbers(chapter: &mut Chapter) {
     by_hand(chapter);
     corrections(chapter);
-    again(chapter);
     guesses(chapter);
     rules(chapter);
 }
@@ -63,7 +62,7 @@ fn by_hand(chapter: &mut Chapter) {
 
 fn corrections(chapter: &mut Chapter) {
     let (speed, rate, size) = (1.0, 0.5, 0.1);
-    let turn = Motion::level_turn(speed, rate);
+    let turn = Trajectory::level_turn(speed, rate);
     let (up, ahead) = (Vector3::z(), Vector3::x());
     let inward = Vector3::y() * speed * rate;
     let by_formula = |force: &Vector3<f64>, axis: &Vector3<f64>| {
@@ -78,34 +77,11 @@ fn corrections(chapter: &mut Chapter) {
     chapter.number("left_up_formula_mm", by_formula(&inward, &up), "mm", 3);
     chapter.number("left_ahead_mm", 1e3 * left_by(&turn, &ahead, size), "mm", 1);
     chapter.number("left_ahead_formula_mm", by_formula(&(inward - GRAVITY), &ahead), "mm", 1);
-    let eight = Motion::figure_eight();
+    let eight = Trajectory::figure_eight();
     chapter.number("left_eight_up_mm", 1e3 * left_by(&eight, &up, size), "mm", 1);
     chapter.number("left_eight_ahead_mm", 1e3 * left_by(&eight, &ahead, size), "mm", 1);
     let ratio = left_by(&turn, &up, size) / left_by(&turn, &up, size / 10.0);
     chapter.number("left_ratio", ratio, "", 0);
-}
-
-/// How far the gyroscope's bias may move about a level axis until readings of a second at rest are
-/// summed again.
-fn farthest(noise: &ImuNoise, seconds: f64) -> f64 {
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY); (200.0 * seconds) as usize];
-    let sums = preintegrate(&samples, 0.005, &ImuBias::default(), noise).expect("finite numbers");
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        let bias = ImuBias { gyro: middle * Vector3::x(), ..ImuBias::default() };
-        if sums.should_reintegrate(&bias, 0.1) { high = middle } else { low = middle }
-    }
-    low
-}
-
-fn again(chapter: &mut Chapter) {
-    let (mems, euroc) = (ImuNoise::mems(), ImuNoise::euroc());
-    chapter.number("again_mems_mrad", 1e3 * farthest(&mems, 1.0), "mrad/s", 0);
-    chapter.number("again_euroc_mrad", 1e3 * farthest(&euroc, 1.0), "mrad/s", 0);
-    chapter.number("again_euroc_short_mrad", 1e3 * farthest(&euroc, 0.1), "mrad/s", 0);
-    // Standard deviations of the walk in a minute, which is how far a bias moves by itself.
-    chapter.number("walk_minute_mrad", 1e3 * mems.gyro_walk * 60_f64.sqrt(), "mrad/s", 1);
 }
 
 fn guesses(chapter: &mut Chapter) {
@@ -124,14 +100,14 @@ fn guesses(chapter: &mut Chapter) {
 }
 
 fn rules(chapter: &mut Chapter) {
-    let (left, midpoint) = (errors(Rule::Left, 200), errors(Rule::Midpoint, 200));
-    chapter.number("left_rotation_mrad", 1e3 * left[0], "mrad", 1);
-    chapter.number("left_velocity_mm", 1e3 * left[1], "mm/s", 0);
-    chapter.number("left_position_mm", 1e3 * left[2], "mm", 0);
+    let (euler, midpoint) = (errors(Rule::Euler, 200), errors(Rule::Midpoint, 200));
+    chapter.number("euler_rotation_mrad", 1e3 * euler[0], "mrad", 1);
+    chapter.number("euler_velocity_mm", 1e3 * euler[1], "mm/s", 0);
+    chapter.number("euler_position_mm", 1e3 * euler[2], "mm", 0);
     chapter.number("midpoint_rotation_urad", 1e6 * midpoint[0], "µrad", 1);
     chapter.number("midpoint_velocity_um", 1e6 * midpoint[1], "µm/s", 0);
     chapter.number("midpoint_position_um", 1e6 * midpoint[2], "µm", 0);
     let order = |rule, which: usize| (errors(rule, 400)[which] / errors(rule, 800)[which]).log2();
-    chapter.number("left_order", order(Rule::Left, 2), "", 2);
+    chapter.number("euler_order", order(Rule::Euler, 2), "", 2);
     chapter.number("midpoint_order", order(Rule::Midpoint, 2), "", 2);
 }

@@ -1,7 +1,9 @@
 //! Random readings, and what they lead to by ways that are not those of the library.
 
 use nalgebra::{Rotation3, SMatrix, UnitQuaternion, Vector3};
-use vislam::inertial::{Angles, Course, GRAVITY, ImuBias, ImuNoise, ImuSample, Motion, NavState};
+use vislam::inertial::{
+    Angles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, ScalarTrajectory, Trajectory,
+};
 use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9, preintegrate};
 
 use crate::random::Random;
@@ -68,7 +70,7 @@ pub fn summed_by(rule: Rule, samples: &[ImuSample], dt: f64) -> Preintegrated {
         .expect("the noise is that of a sensor");
     for pair in samples.windows(2) {
         match rule {
-            Rule::Left => integrator.integrate(&pair[0], dt),
+            Rule::Euler => integrator.integrate(&pair[0], dt),
             Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], dt),
         }
         .expect("the readings are finite");
@@ -93,7 +95,7 @@ pub fn deltas_of_states(
 }
 
 /// The deltas of a motion between two times, from its formulas and not from readings.
-pub fn true_deltas(motion: &Motion, from: f64, duration: f64) -> Deltas {
+pub fn true_deltas(motion: &Trajectory, from: f64, duration: f64) -> Deltas {
     let (first, second) = (motion.at(from).state, motion.at(from + duration).state);
     deltas_of_states(&first, &second, &GRAVITY, duration)
 }
@@ -147,8 +149,8 @@ pub fn bias_slopes(readings: &Readings) -> SMatrix<f64, 9, 6> {
     })
 }
 
-fn course(random: &mut Random, size: f64) -> Course {
-    Course {
+fn coordinate(random: &mut Random, size: f64) -> ScalarTrajectory {
+    ScalarTrajectory {
         value: random.uniform(-size..size),
         rate: random.uniform(-size..size),
         acceleration: random.uniform(-size..size),
@@ -158,10 +160,10 @@ fn course(random: &mut Random, size: f64) -> Course {
     }
 }
 
-pub fn motion(random: &mut Random) -> Motion {
-    let position = [2.0, 2.0, 2.0].map(|size| course(random, size));
-    let [yaw, pitch, roll] = [0.8, 0.4, 0.8].map(|size| course(random, size));
-    Motion { position, angles: Angles { yaw, pitch, roll } }
+pub fn motion(random: &mut Random) -> Trajectory {
+    let position = [2.0, 2.0, 2.0].map(|size| coordinate(random, size));
+    let [yaw, pitch, roll] = [0.8, 0.4, 0.8].map(|size| coordinate(random, size));
+    Trajectory { position, angles: Angles { yaw, pitch, roll } }
 }
 
 pub fn bias(random: &mut Random, gyro: f64, accelerometer: f64) -> ImuBias {

@@ -1,7 +1,7 @@
 //! The rules of summing, against the continuous equations.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
 use vislam::preintegration::{Deltas, Rule};
 
 use super::oracle::{difference, motion, summed_by, true_deltas};
@@ -64,7 +64,7 @@ fn preint_midpoint(formula: Midpoint) -> Comparison {
 
 /// Errors of rotation, velocity and position on the figure-eight after a second in so many steps.
 pub fn errors(rule: Rule, steps: usize) -> [f64; 3] {
-    let (motion, dt) = (Motion::figure_eight(), 1.0 / steps as f64);
+    let (motion, dt) = (Trajectory::figure_eight(), 1.0 / steps as f64);
     let found = summed_by(rule, &motion.samples(&GRAVITY, dt, steps + 1), dt).deltas;
     let error = difference(&true_deltas(&motion, 0.0, 1.0), &found);
     [0, 3, 6].map(|at| error.fixed_rows::<3>(at).norm())

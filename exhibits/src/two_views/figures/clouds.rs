@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use plotters::element::{Circle, PathElement, Text};
 use plotters::style::{Color, RGBColor};
-use vislam::two_views::refine;
+use vislam::two_views::triangulate_nonlinear;
 
 use crate::figure::{self, Drawing, Drawn, ESTIMATED, Figure, INK, letters_around};
 use crate::two_views::draws::{Draws, rms_error};
@@ -19,7 +19,7 @@ pub const NINETY_FIVE: f64 = 2.4477;
 pub fn clouds() -> Figure {
     let (point, views) = approach();
     let draws = Draws::of(&views, PAIRS, SEED);
-    let covariance = refine(&views, &point).map(|found| found.covariance);
+    let covariance = triangulate_nonlinear(&views, &point).map(|found| found.covariance);
     // Depth to the right and the side up, as the picture has them.
     let plane = covariance.map(|c| Matrix2::new(c.m33, c.m13, c.m13, c.m11));
     let plane = plane.unwrap_or(Matrix2::repeat(f64::NAN));

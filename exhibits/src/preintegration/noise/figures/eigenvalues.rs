@@ -28,7 +28,7 @@ pub fn eigenvalues() -> Figure {
             "99 % of normal draws above",
             "99 % of normal draws below",
             "at rest",
-            "figure-eight with the left rule",
+            "figure-eight with the Euler rule",
             "figure-eight with the midpoint rule",
         ],
         rows: rows.collect(),

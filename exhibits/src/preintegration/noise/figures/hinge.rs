@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use plotters::element::{Circle, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, Motion};
+use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
 use vislam::preintegration::Deltas;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around};
@@ -32,7 +32,7 @@ fn course(from: &Deltas, samples: &[ImuSample]) -> Vec<Deltas> {
 }
 
 pub fn hinge() -> Figure {
-    let samples = Motion::level_turn(TURN.0, TURN.1).samples(&GRAVITY, DT, READINGS);
+    let samples = Trajectory::level_turn(TURN.0, TURN.1).samples(&GRAVITY, DT, READINGS);
     let right = course(&nothing(), &samples);
     let at = right[HINGE];
     let rotation = Rotation3::new(HINGE_ANGLE * Vector3::z()) * at.rotation;

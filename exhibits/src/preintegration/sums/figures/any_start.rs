@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuSample, NavState, Trajectory};
 
 use crate::figure::{self, Drawing, Drawn, Figure, SERIES, letters, letters_right_of, marker};
 use crate::preintegration::sums::oracle::deltas_of_states;
@@ -16,7 +16,7 @@ const EVERY: usize = 60;
 const NAMES: [&str; 3] = ["as it was", "turned", "tilted"];
 
 fn starts() -> [NavState; 3] {
-    let truth = Motion::figure_eight().at(0.0).state;
+    let truth = Trajectory::figure_eight().at(0.0).state;
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 1.2);
     let elsewhere = NavState {
         world_from_body: turn * truth.world_from_body,
@@ -45,7 +45,7 @@ fn path(first: &NavState, samples: &[ImuSample]) -> Vec<[Vector2<f64>; 2]> {
 }
 
 pub fn any_start() -> Figure {
-    let samples = Motion::figure_eight().samples(&GRAVITY, DT, STEPS);
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, STEPS);
     let paths = starts().map(|first| path(&first, &samples));
     let rows = (0..=STEPS).step_by(EVERY).map(|step| {
         let mut row = vec![format!("{:.1}", DT * step as f64)];

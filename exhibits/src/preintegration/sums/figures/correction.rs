@@ -5,7 +5,7 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuBias, Motion};
+use vislam::inertial::{GRAVITY, ImuBias, Trajectory};
 
 use crate::figure::{self, Figure, INK, SERIES, letters_right_of, marker};
 use crate::preintegration::sums::bias::after_correction;
@@ -15,7 +15,7 @@ use crate::preintegration::sums::oracle::Readings;
 const SIZES: [f64; 9] = [0.003, 0.005, 0.009, 0.015, 0.025, 0.04, 0.07, 0.12, 0.2];
 
 /// The error of the position in metres, for a second of readings at 200 Hz.
-pub fn left_by(motion: &Motion, axis: &Vector3<f64>, size: f64) -> f64 {
+pub fn left_by(motion: &Trajectory, axis: &Vector3<f64>, size: f64) -> f64 {
     let samples = motion.samples(&GRAVITY, 0.005, 200);
     let readings = Readings { samples, dt: 0.005, bias: ImuBias::default() };
     let [_, _, position] =
@@ -24,9 +24,12 @@ pub fn left_by(motion: &Motion, axis: &Vector3<f64>, size: f64) -> f64 {
 }
 
 /// The motions of the figure, each about the vertical and about the axis ahead.
-fn series() -> [(Motion, Vector3<f64>); 6] {
-    let motions =
-        [Motion::figure_eight(), Motion::level_turn(1.0, 0.5), Motion::turn_on_the_spot(0.5)];
+fn series() -> [(Trajectory, Vector3<f64>); 6] {
+    let motions = [
+        Trajectory::figure_eight(),
+        Trajectory::level_turn(1.0, 0.5),
+        Trajectory::turn_on_the_spot(0.5),
+    ];
     let [eight, level, spot] = motions;
     let (ahead, up) = (Vector3::x(), Vector3::z());
     [(eight, ahead), (level, ahead), (spot, ahead), (eight, up), (level, up), (spot, up)]

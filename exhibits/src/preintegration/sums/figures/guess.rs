@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuBias, Motion, NavState};
+use vislam::inertial::{GRAVITY, ImuBias, NavState, Trajectory};
 use vislam::preintegration::{Preintegrated, imu_residual};
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around, marker};
@@ -17,7 +17,7 @@ pub const TRUE_BIAS: f64 = 0.05;
 pub fn unaware(seconds: f64) -> Preintegrated {
     let bias = about_the_vertical(TRUE_BIAS);
     let steps = (seconds / 0.005).round() as usize;
-    let samples = vec![Motion::hover().at(0.0).sample(&GRAVITY).biased(&bias); steps];
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY).biased(&bias); steps];
     summed(&samples, 0.005, &ImuBias::default())
 }
 

@@ -13,7 +13,7 @@ const STEPS: [usize; 7] = [25, 50, 100, 200, 400, 800, 1600];
 const NAMES: [&str; 3] = ["rotation (µrad)", "velocity (µm/s)", "position (µm)"];
 
 pub fn order() -> Figure {
-    let both = [Rule::Left, Rule::Midpoint].map(|rule| STEPS.map(|steps| errors(rule, steps)));
+    let both = [Rule::Euler, Rule::Midpoint].map(|rule| STEPS.map(|steps| errors(rule, steps)));
     let rows = STEPS.iter().enumerate().map(|(index, steps)| {
         let mut row = vec![format!("{:.3}", 1e3 / *steps as f64)];
         row.extend(
@@ -24,9 +24,9 @@ pub fn order() -> Figure {
     Figure {
         columns: vec![
             "step (ms)",
-            "left: rotation (rad)",
-            "left: velocity (m/s)",
-            "left: position (m)",
+            "Euler: rotation (rad)",
+            "Euler: velocity (m/s)",
+            "Euler: position (m)",
             "midpoint: rotation (rad)",
             "midpoint: velocity (m/s)",
             "midpoint: position (m)",
@@ -34,7 +34,7 @@ pub fn order() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(1400, |drawing| {
             let (above, below) = drawing.split_vertically(670);
-            panel(&above, &both[0], "left rule, slope 1", 1, (30.0, 1e6))?;
+            panel(&above, &both[0], "Euler rule, slope 1", 1, (30.0, 1e6))?;
             panel(&below, &both[1], "midpoint rule, slope 2", 2, (1e-3, 1e5))
         }),
     }

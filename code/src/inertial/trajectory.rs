@@ -1,4 +1,4 @@
-//! Motions that are known exactly at every time, and what a perfect sensor reads on them.
+//! Trajectories that are known exactly at every time, and what a perfect sensor reads on them.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,10 +6,10 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::{ImuBias, ImuNoise, ImuSample, NavState};
 
-// ANCHOR: course
-/// A number that changes with time, c + r t + a t²/2 + A sin(ω t + θ), and its derivatives.
+// ANCHOR: scalar_trajectory
+/// One coordinate as a function of time, c + r t + a t²/2 + A sin(ω t + θ), with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Course {
+pub struct ScalarTrajectory {
     /// Its value c, in its unit.
     pub value: f64,
     /// Its rate r, per second.
@@ -23,10 +23,10 @@ pub struct Course {
     /// The phase θ of its oscillation, in radians.
     pub phase: f64,
 }
-// ANCHOR_END: course
+// ANCHOR_END: scalar_trajectory
 
-impl Course {
-    // ANCHOR: course_at
+impl ScalarTrajectory {
+    // ANCHOR: scalar_trajectory_at
     /// Value, first and second derivative after `t` seconds.
     pub fn at(&self, t: f64) -> [f64; 3] {
         let Self { value, rate, acceleration, amplitude, frequency, phase } = *self;
@@ -37,14 +37,14 @@ impl Course {
             acceleration - amplitude * frequency * frequency * sin,
         ]
     }
-    // ANCHOR_END: course_at
+    // ANCHOR_END: scalar_trajectory_at
 
-    /// A number that stays as it is.
+    /// A coordinate that stays as it is.
     pub fn constant(value: f64) -> Self {
         Self { value, ..Self::default() }
     }
 
-    /// A number that begins at zero and changes at a rate.
+    /// A coordinate that begins at zero and changes at a rate.
     pub fn linear(rate: f64) -> Self {
         Self { rate, ..Self::default() }
     }
@@ -55,32 +55,32 @@ impl Course {
     }
 }
 
-/// Angles of the body in the world, in radians: the rotation is
+/// Euler angles of the body in the world, in radians: the rotation is
 /// `Rz(yaw) Ry(pitch) Rx(roll)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Angles {
     /// About the vertical.
-    pub yaw: Course,
+    pub yaw: ScalarTrajectory,
     /// About the axis to the left, after the yaw.
-    pub pitch: Course,
+    pub pitch: ScalarTrajectory,
     /// About the axis ahead, after yaw and pitch.
-    pub roll: Course,
+    pub roll: ScalarTrajectory,
 }
 
-// ANCHOR: motion
-/// A motion by formula: the three coordinates of the position in the world, in metres, and the
-/// angles.
+// ANCHOR: trajectory
+/// A trajectory by formula: the three coordinates of the position in the world, in metres, and
+/// the angles.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct Trajectory {
     /// Coordinates in the world, in metres.
-    pub position: [Course; 3],
+    pub position: [ScalarTrajectory; 3],
     /// How the body is turned.
     pub angles: Angles,
 }
 
-/// All there is to know about a motion at one time.
+/// The kinematics of a body at one time: its state, and the rates at which that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct Kinematics {
     /// Where the body is, how it is turned and how fast it goes.
     pub state: NavState,
     /// Its angular velocity, in the body frame, in rad/s.
@@ -88,9 +88,9 @@ pub struct Moment {
     /// Its acceleration, in the world, in m/s².
     pub acceleration: Vector3<f64>,
 }
-// ANCHOR_END: motion
+// ANCHOR_END: trajectory
 
-impl Moment {
+impl Kinematics {
     // ANCHOR: perfect_sample
     /// What a perfect sensor reads. Implements {eq:inertial-specific-force}.
     pub fn sample(&self, gravity: &Vector3<f64>) -> ImuSample {
@@ -101,11 +101,11 @@ impl Moment {
     // ANCHOR_END: perfect_sample
 }
 
-impl Motion {
-    // ANCHOR: moment
-    /// The motion after `t` seconds.
-    pub fn at(&self, t: f64) -> Moment {
-        let [x, y, z] = self.position.map(|course| course.at(t));
+impl Trajectory {
+    // ANCHOR: kinematics
+    /// State and rates after `t` seconds.
+    pub fn at(&self, t: f64) -> Kinematics {
+        let [x, y, z] = self.position.map(|coordinate| coordinate.at(t));
         let [yaw, yaw_rate, _] = self.angles.yaw.at(t);
         let [pitch, pitch_rate, _] = self.angles.pitch.at(t);
         let [roll, roll_rate, _] = self.angles.roll.at(t);
@@ -115,7 +115,7 @@ impl Motion {
         // Each rate turns about its axis as the later rotations leave it.
         let yawing = about_y.inverse() * Vector3::z() * yaw_rate;
         let pitching = about_x.inverse() * (Vector3::y() * pitch_rate + yawing);
-        Moment {
+        Kinematics {
             state: NavState {
                 world_from_body: about_z * about_y * about_x,
                 velocity: Vector3::new(x[1], y[1], z[1]),
@@ -125,7 +125,7 @@ impl Motion {
             acceleration: Vector3::new(x[2], y[2], z[2]),
         }
     }
-    // ANCHOR_END: moment
+    // ANCHOR_END: kinematics
 
     /// What a perfect sensor reads at the times 0, dt, 2 dt, …, `count` of them.
     pub fn samples(&self, gravity: &Vector3<f64>, dt: f64, count: usize) -> Vec<ImuSample> {
@@ -140,58 +140,65 @@ impl Motion {
     /// Turning about the vertical without moving, at `rate` rad/s.
     pub fn turn_on_the_spot(rate: f64) -> Self {
         Self {
-            angles: Angles { yaw: Course::linear(rate), ..Angles::default() },
+            angles: Angles { yaw: ScalarTrajectory::linear(rate), ..Angles::default() },
             ..Self::default()
         }
     }
 
-    // ANCHOR: motions
+    // ANCHOR: trajectories
     /// A level circle to the left from the origin, nose ahead, at `speed` m/s and `rate` rad/s.
     /// In the body frame the acceleration is constant.
     pub fn level_turn(speed: f64, rate: f64) -> Self {
         let radius = speed / rate;
-        let y = Course { value: radius, ..Course::wave(radius, rate, -FRAC_PI_2) };
-        let position = [Course::wave(radius, rate, 0.0), y, Course::default()];
+        let y =
+            ScalarTrajectory { value: radius, ..ScalarTrajectory::wave(radius, rate, -FRAC_PI_2) };
+        let position = [ScalarTrajectory::wave(radius, rate, 0.0), y, ScalarTrajectory::default()];
         Self { position, ..Self::turn_on_the_spot(rate) }
     }
 
     /// A figure-eight, six metres by three, that rises and falls, with the nose swinging and the
     /// body rolling and pitching: every axis turns and accelerates, and nothing stays constant.
     pub fn figure_eight() -> Self {
-        let position =
-            [Course::wave(3.0, 0.8, 0.0), Course::wave(1.5, 1.6, 0.0), Course::wave(0.5, 1.1, 0.4)];
-        let yaw = Course::wave(1.0, 0.9, 0.2);
-        let pitch = Course::wave(0.3, 1.3, 1.0);
-        let roll = Course::wave(0.4, 1.7, 0.0);
+        let position = [
+            ScalarTrajectory::wave(3.0, 0.8, 0.0),
+            ScalarTrajectory::wave(1.5, 1.6, 0.0),
+            ScalarTrajectory::wave(0.5, 1.1, 0.4),
+        ];
+        let yaw = ScalarTrajectory::wave(1.0, 0.9, 0.2);
+        let pitch = ScalarTrajectory::wave(0.3, 1.3, 1.0);
+        let roll = ScalarTrajectory::wave(0.4, 1.7, 0.0);
         Self { position, angles: Angles { yaw, pitch, roll } }
     }
-    // ANCHOR_END: motions
+    // ANCHOR_END: trajectories
 
     /// Straight ahead at `velocity` m/s in the world, with the angles given.
     pub fn constant_velocity(velocity: &Vector3<f64>, angles: Angles) -> Self {
-        Self { position: [0, 1, 2].map(|axis| Course::linear(velocity[axis])), angles }
+        Self { position: [0, 1, 2].map(|axis| ScalarTrajectory::linear(velocity[axis])), angles }
     }
 
     /// From rest with a constant `acceleration` in the world, in m/s², with the angles given.
     pub fn constant_acceleration(acceleration: &Vector3<f64>, angles: Angles) -> Self {
-        let along = |axis: usize| Course { acceleration: acceleration[axis], ..Course::default() };
+        let along = |axis: usize| ScalarTrajectory {
+            acceleration: acceleration[axis],
+            ..ScalarTrajectory::default()
+        };
         Self { position: [0, 1, 2].map(along), angles }
     }
 
     // ANCHOR: body_acceleration
     /// From rest with an `acceleration` that is constant in the frame of a body that turns about
     /// the vertical, in m/s² and at `rate` rad/s. A rate of zero has no such formula: that is
-    /// [`Motion::constant_acceleration`].
+    /// [`Trajectory::constant_acceleration`].
     pub fn constant_body_acceleration(acceleration: &Vector3<f64>, rate: f64) -> Self {
         let size = acceleration.xy().norm();
         let direction = acceleration.y.atan2(acceleration.x);
         // The acceleration is that of a wave; what it leaves at time zero is taken off.
         let level = |phase: f64| {
-            let wave = Course::wave(-size / (rate * rate), rate, phase);
+            let wave = ScalarTrajectory::wave(-size / (rate * rate), rate, phase);
             let [value, speed, _] = wave.at(0.0);
-            Course { value: -value, rate: -speed, ..wave }
+            ScalarTrajectory { value: -value, rate: -speed, ..wave }
         };
-        let up = Course { acceleration: acceleration.z, ..Course::default() };
+        let up = ScalarTrajectory { acceleration: acceleration.z, ..ScalarTrajectory::default() };
         let position = [level(direction + FRAC_PI_2), level(direction), up];
         Self { position, ..Self::turn_on_the_spot(rate) }
     }

@@ -1,0 +1,161 @@
+//! When a first-order correction is no longer good enough.
+
+use nalgebra::{Matrix3, SMatrix};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Trajectory};
+use vislam::least_squares::sqrt_information;
+use vislam::preintegration::{Matrix9, Preintegrated, Vector9, preintegrate};
+
+use super::oracle::{Readings, bias, difference, stack};
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
+use crate::random::Random;
+
+/// Random readings at which the bound is compared, and directions from which a search for the
+/// worst errors begins.
+const STATES: usize = 200;
+const STARTS: usize = 4;
+
+/// The share of the mean of the squared error that a correction may add.
+const FRACTION: f64 = 0.01;
+
+/// Registers the equation and the numbers.
+pub fn exhibits(chapter: &mut Chapter) {
+    let mutants: [(_, Bound); 5] = [
+        ("each error by its own covariance", |sums, bias| {
+            let own = |block: usize| {
+                let covariance = sums.covariance.fixed_view::<3, 3>(3 * block, 3 * block);
+                sqrt_information(&covariance.into_owned())
+                    .map_or(f64::NAN, |root: Matrix3<f64>| root.singular_values().max())
+            };
+            let lengths = lengths(sums, bias);
+            (0..3).map(|block| (own(block) * lengths[block]).powi(2)).sum()
+        }),
+        ("squares added", |sums, bias| {
+            let lengths = lengths(sums, bias);
+            (0..3).map(|block| (largest(sums, block) * lengths[block]).powi(2)).sum()
+        }),
+        ("the smallest singular value", |sums, bias| {
+            let lengths = lengths(sums, bias);
+            let least = |block| columns(&whitener(sums), block).singular_values().min();
+            (0..3).map(|block| least(block) * lengths[block]).sum::<f64>().powi(2)
+        }),
+        ("velocity dropped", |sums, bias| {
+            let lengths = lengths(sums, bias);
+            [0, 2].map(|block| largest(sums, block) * lengths[block]).iter().sum::<f64>().powi(2)
+        }),
+        ("all columns at once", |sums, bias| {
+            let longest = lengths(sums, bias).iter().sum::<f64>();
+            (whitener(sums).singular_values().max() * longest).powi(2)
+        }),
+    ];
+    let formula: Bound = |sums, bias| sums.squared_error_bound(bias, &whitener(sums));
+    chapter.equation("reintegration-bound", reintegration_bound, formula, &mutants);
+    numbers(chapter);
+}
+
+/// Takes sums and a bias, and gives the greatest squared length of the whitened error.
+type Bound = fn(&Preintegrated, &ImuBias) -> f64;
+
+fn whitener(sums: &Preintegrated) -> Matrix9 {
+    sums.sqrt_information().expect("after many steps everything varies")
+}
+
+fn columns(whitener: &Matrix9, block: usize) -> SMatrix<f64, 9, 3> {
+    whitener.fixed_columns::<3>(3 * block).into_owned()
+}
+
+fn largest(sums: &Preintegrated, block: usize) -> f64 {
+    columns(&whitener(sums), block).singular_values().max()
+}
+
+fn lengths(sums: &Preintegrated, bias: &ImuBias) -> [f64; 3] {
+    let bound = sums.linearization_error_bound(bias);
+    [bound.rotation, bound.velocity, bound.position]
+}
+
+/// The greatest squared length of a whitened error whose three parts have these lengths, by ascent
+/// from several directions: each part turns to where the gradient points, until nothing grows.
+fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
+    let mut most = 0.0_f64;
+    for _ in 0..STARTS {
+        let [phi, v, p] = lengths.map(|length| random.direction(length));
+        let mut error = stack(&phi, &v, &p);
+        for _ in 0..300 {
+            let gradient = whitener.tr_mul(&(whitener * error));
+            for (block, length) in lengths.iter().enumerate() {
+                let uphill = gradient.fixed_rows::<3>(3 * block).normalize();
+                error.fixed_rows_mut::<3>(3 * block).copy_from(&(*length * uphill));
+            }
+        }
+        most = most.max((whitener * error).norm_squared());
+    }
+    most
+}
+
+fn reintegration_bound(formula: Bound) -> Comparison {
+    let against = "the worst directions of the three errors, found by ascent: how far they exceed \
+                   it, here nothing, or stay below two thirds of it";
+    let mut comparison = Comparison::absolute(against, 1e-9, "relative");
+    let mut random = Random::new(41);
+    for _ in 0..STATES {
+        let readings = Readings::random(&mut random);
+        let sums = readings.summed();
+        let step = bias(&mut random, 0.05, 0.2);
+        let moved = ImuBias::from_vector(&(sums.bias.vector() + step.vector()));
+        let worst = worst(&mut random, &whitener(&sums), &lengths(&sums, &moved));
+        let part = worst / formula(&sums, &moved);
+        comparison.add(&[(part - 1.0).max(0.0), (2.0 / 3.0 - part).max(0.0)], &[0.0; 2]);
+    }
+    comparison
+}
+
+/// The sums of readings at rest, 200 in a second.
+fn at_rest(noise: &ImuNoise, seconds: f64, bias: &ImuBias) -> Preintegrated {
+    let samples = vec![Trajectory::hover().at(0.0).sample(&GRAVITY); (200.0 * seconds) as usize];
+    preintegrate(&samples, 0.005, bias, noise).expect("finite numbers")
+}
+
+fn about_level_axis(rate: f64) -> ImuBias {
+    ImuBias { gyro: rate * nalgebra::Vector3::x(), ..ImuBias::default() }
+}
+
+/// How far the gyroscope's bias may move about a level axis until readings at rest are summed again.
+fn farthest(noise: &ImuNoise, seconds: f64) -> f64 {
+    let sums = at_rest(noise, seconds, &ImuBias::default());
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        let again = sums.should_reintegrate(&about_level_axis(middle), FRACTION);
+        if again { high = middle } else { low = middle }
+    }
+    low
+}
+
+/// What the correction of a second at rest adds to the mean of the squared error, by summing again.
+fn added(noise: &ImuNoise, rate: f64) -> f64 {
+    let sums = at_rest(noise, 1.0, &ImuBias::default());
+    let moved = about_level_axis(rate);
+    let corrected = vislam::preintegration::correct_for_bias(&sums, &moved);
+    let error: Vector9 = difference(&at_rest(noise, 1.0, &moved).deltas, &corrected);
+    (whitener(&sums) * error).norm_squared()
+}
+
+/// What errors of a tenth of each standard deviation can add to it, if they point the worst way.
+fn of_tenths(noise: &ImuNoise, seconds: f64) -> f64 {
+    let sums = at_rest(noise, seconds, &ImuBias::default());
+    let tenths = sums.sigmas().map(|sigma| 0.1 * sigma);
+    worst(&mut Random::new(42), &whitener(&sums), &tenths)
+}
+
+fn numbers(chapter: &mut Chapter) {
+    let (mems, euroc) = (ImuNoise::mems(), ImuNoise::euroc());
+    chapter.number("again_limit", 9.0 * FRACTION, "", 2);
+    chapter.number("again_mems_mrad", 1e3 * farthest(&mems, 1.0), "mrad/s", 0);
+    chapter.number("again_mems_added", added(&mems, farthest(&mems, 1.0)), "", 3);
+    chapter.number("again_euroc_mrad", 1e3 * farthest(&euroc, 1.0), "mrad/s", 0);
+    chapter.number("again_euroc_short_mrad", 1e3 * farthest(&euroc, 0.1), "mrad/s", 0);
+    chapter.number("again_tenths", of_tenths(&mems, 1.0), "", 2);
+    chapter.number("again_tenths_long", of_tenths(&mems, 5.0), "", 1);
+    // Standard deviations of the walk in a minute, which is how far a bias moves by itself.
+    chapter.number("walk_minute_mrad", 1e3 * mems.gyro_walk * 60_f64.sqrt(), "mrad/s", 1);
+}
