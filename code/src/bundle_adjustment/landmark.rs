@@ -8,16 +8,16 @@ use super::reduced::{add_multiple, multiply_add};
 use crate::least_squares::Kernel;
 
 // ANCHOR: equations
-/// The two equations of one sighting, whitened and weighted: `camera` times the rig's
-/// small vector plus `point` times the landmark's move should be `error`.
+/// The two equations of one sighting, whitened and weighted: `residual` plus `camera` times
+/// the rig's small vector plus `point` times the landmark's move should be zero.
 #[derive(Debug, Clone, Copy)]
 pub struct Equations<const D: usize> {
-    /// Row by row, the derivative of the expected pixel by the camera.
+    /// Row by row, the derivative of the residual by the camera.
     pub camera: [[f64; D]; 2],
-    /// The derivative of the expected pixel by the point.
+    /// The derivative of the residual by the point.
     pub point: Matrix2x3<f64>,
-    /// The measured pixel minus the expected one.
-    pub error: Vector2<f64>,
+    /// The predicted pixel minus the measured one.
+    pub residual: Vector2<f64>,
 }
 // ANCHOR_END: equations
 
@@ -32,15 +32,15 @@ impl<const D: usize> Equations<D> {
         huber: f64,
     ) -> Self {
         let Some(view) = camera.differentiate(point) else {
-            let (point, error) = (Matrix2x3::zeros(), Vector2::zeros());
-            return Self { camera: [[0.0; D]; 2], point, error };
+            let (point, residual) = (Matrix2x3::zeros(), Vector2::zeros());
+            return Self { camera: [[0.0; D]; 2], point, residual };
         };
-        let error = sighting.inverse_sigma * (sighting.pixel - view.pixel);
-        let root_weight = root_weight(&error, huber);
+        let residual = sighting.inverse_sigma * (view.pixel - sighting.pixel);
+        let root_weight = root_weight(&residual, huber);
         let scale = root_weight * sighting.inverse_sigma;
         let row = |i| std::array::from_fn(|axis| scale * view.by_camera[(i, axis)]);
         let camera = [row(0), row(1)];
-        Self { camera, point: scale * view.by_point, error: root_weight * error }
+        Self { camera, point: scale * view.by_point, residual: root_weight * residual }
     }
     // ANCHOR_END: linearize
 }
@@ -55,8 +55,8 @@ pub fn cost<C: Camera<D>, const D: usize>(
     huber: f64,
 ) -> f64 {
     let Some(pixel) = camera.project(point) else { return f64::INFINITY };
-    let error = sighting.inverse_sigma * (sighting.pixel - pixel);
-    let squared = error.norm_squared();
+    let residual = sighting.inverse_sigma * (pixel - sighting.pixel);
+    let squared = residual.norm_squared();
     if squared <= huber * huber { 0.5 * squared } else { cost_beyond(huber, squared.sqrt()) }
 }
 // ANCHOR_END: cost
@@ -66,8 +66,8 @@ pub fn cost<C: Camera<D>, const D: usize>(
 /// weight of one. What the others need is kept apart, or the processor would compute the
 /// root and the quotient for all of them before it chooses.
 #[inline(always)]
-fn root_weight(error: &Vector2<f64>, huber: f64) -> f64 {
-    let squared = error.norm_squared();
+fn root_weight(residual: &Vector2<f64>, huber: f64) -> f64 {
+    let squared = residual.norm_squared();
     if squared <= huber * huber { 1.0 } else { root_weight_beyond(huber, squared.sqrt()) }
 }
 
@@ -83,17 +83,18 @@ fn cost_beyond(huber: f64, norm: f64) -> f64 {
 // ANCHOR_END: beyond
 
 // ANCHOR: point_block
-/// The lower triangle of a landmark's 3×3 block, and its right-hand side, from its
-/// sightings.
+/// The lower triangle of a landmark's 3×3 block, and the gradient of the cost by it, from
+/// its sightings.
 ///
 /// Implements the middle line of {eq:ba-blocks}.
 #[inline(always)]
 pub fn point_block<const D: usize>(equations: &[Equations<D>]) -> (Matrix3<f64>, Vector3<f64>) {
     let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-    for Equations { point, error, .. } in equations {
+    for Equations { point, residual, .. } in equations {
         for column in 0..3 {
             let (u, v) = (point[(0, column)], point[(1, column)]);
-            gradient[column] = multiply_add(u, error.x, multiply_add(v, error.y, gradient[column]));
+            let sum = multiply_add(v, residual.y, gradient[column]);
+            gradient[column] = multiply_add(u, residual.x, sum);
             for row in column..3 {
                 let sum = multiply_add(v, point[(1, row)], block[(row, column)]);
                 block[(row, column)] = multiply_add(u, point[(0, row)], sum);

@@ -388,7 +388,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
             let point = &self.points[landmark.point];
             for sighting in self.layout.seen(landmark).0 {
                 let pixel = self.cameras[sighting.camera as usize].project(point);
-                squares += pixel.map_or(f64::NAN, |pixel| (sighting.pixel - pixel).norm_squared());
+                squares += pixel.map_or(f64::NAN, |pixel| (pixel - sighting.pixel).norm_squared());
             }
         }
         (squares / self.layout.sightings.len() as f64).sqrt()

@@ -36,7 +36,7 @@ pub struct System<const D: usize> {
     pub curvature: Vec<[f64; D]>,
     /// By landmark.
     pub eliminated: Vec<Eliminated>,
-    /// The right-hand side before elimination, the negative gradient.
+    /// The gradient of the cost before elimination.
     gradient: Vec<[f64; D]>,
     /// The same for all landmarks together: its squared length.
     landmark_gradient: f64,
@@ -57,7 +57,7 @@ pub struct System<const D: usize> {
 pub struct Eliminated {
     /// The lower triangular M with M H Mᵀ = I for the landmark's damped 3×3 block H.
     pub inverse_factor: Matrix3<f64>,
-    /// M times the landmark's right-hand side.
+    /// M times the landmark's right-hand side, the negative gradient.
     pub forward: Vector3<f64>,
     /// What damping added to the diagonal of H.
     pub damping: Vector3<f64>,
@@ -118,11 +118,11 @@ impl<const D: usize> System<D> {
                 continue;
             }
             let row = rows[sighting.slot as usize];
-            let Equations { camera, error, .. } = equations;
+            let Equations { camera, residual, .. } = equations;
             add_product(self.reduced.tile(row, row), 1.0, camera, camera);
             let [u, v] = camera;
-            add_multiple(&mut self.gradient[row], error.x, u);
-            add_multiple(&mut self.gradient[row], error.y, v);
+            add_multiple(&mut self.gradient[row], residual.x, u);
+            add_multiple(&mut self.gradient[row], residual.y, v);
             for (sum, (u, v)) in self.curvature[row].iter_mut().zip(u.iter().zip(v)) {
                 *sum += u * u + v * v;
             }
@@ -140,7 +140,7 @@ impl<const D: usize> System<D> {
         }
         let inverse_factor =
             landmark::inverse_factor(&block, ROUNDING).ok_or(Singular::Landmark(index))?;
-        let forward = inverse_factor * gradient;
+        let forward = -(inverse_factor * gradient);
         self.landmark_gradient += gradient.norm_squared();
         self.eliminated[index] = Eliminated { inverse_factor, forward, damping };
         Ok(())
@@ -183,7 +183,7 @@ impl<const D: usize> System<D> {
                 self.damping[row][axis] = added;
                 self.smallest[row][axis] = ROUNDING * (curvature + added);
                 self.reduced.tile(row, row)[axis][axis] += added;
-                self.rhs[row][axis] += self.gradient[row][axis];
+                self.rhs[row][axis] -= self.gradient[row][axis];
             }
         }
     }
