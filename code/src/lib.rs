@@ -20,7 +20,7 @@ pub mod factors;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
-//pub mod observability;
+pub mod observability;
 pub mod preintegration;
 pub mod reprojection;
 pub mod two_views;

@@ -24,7 +24,7 @@ fn solver(problem: &Ba) -> Solver<PosedPinhole, 6> {
     Solver::new(problem, &Options::default()).expect("a problem")
 }
 
-/// The whole system H δ = g, cameras first, without any elimination, for least squares.
+/// The whole system H δ = −g, cameras first, without any elimination, for least squares.
 /// The rows and columns of cameras that are fixed stay empty.
 fn full_system<C: Camera<D>, const D: usize>(
     problem: &TinyBa<C, D>,
@@ -43,7 +43,7 @@ fn full_system<C: Camera<D>, const D: usize>(
         jacobian.view_mut((0, D * cameras + 3 * factor.point), (2, 3)).copy_from(&view.by_point);
         jacobian *= factor.inverse_sigma;
         h += jacobian.transpose() * &jacobian;
-        g += jacobian.transpose() * (factor.inverse_sigma * (factor.pixel - view.pixel));
+        g += jacobian.transpose() * (factor.inverse_sigma * (view.pixel - factor.pixel));
     }
     (h, g)
 }
@@ -57,7 +57,7 @@ fn full_step<C: Camera<D>, const D: usize>(problem: &TinyBa<C, D>, damping: f64)
             h[(i, i)] = 1.0; // a fixed camera
         }
     }
-    h.cholesky().expect("positive definite").solve(&g)
+    h.cholesky().expect("positive definite").solve(&-g)
 }
 
 #[test]
@@ -246,10 +246,10 @@ fn an_undamped_step_lowers_the_cost_as_promised() {
         let mut solver = solver(&problem);
         let step = solver.step(0.0).unwrap();
         assert!(step.cost < solver.cost());
-        // The promise of the linearized problem is half g·δ.
+        // The promise of the linearized problem is half −g·δ.
         let (_, g) = full_system(&problem);
         let full = full_step(&problem, 0.0);
-        assert_relative_eq!(step.promised, 0.5 * g.dot(&full), max_relative = 1e-9);
+        assert_relative_eq!(step.promised, -0.5 * g.dot(&full), max_relative = 1e-9);
     }
 }
 // ANCHOR_END: lowers
@@ -260,7 +260,7 @@ fn a_damped_promise_is_that_of_the_undamped_model() {
     let step = solver(&problem).step(0.1).unwrap();
     let (h, g) = full_system(&problem);
     let full = full_step(&problem, 0.1);
-    let promised = g.dot(&full) - 0.5 * full.dot(&(&h * &full));
+    let promised = -g.dot(&full) - 0.5 * full.dot(&(&h * &full));
     assert_relative_eq!(step.promised, promised, max_relative = 1e-9);
 }
 

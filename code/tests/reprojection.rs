@@ -198,15 +198,15 @@ fn a_point_without_a_pixel_has_no_jacobians() {
 }
 
 #[test]
-fn a_factor_is_whitened_and_its_blocks_are_negated() {
+fn a_factor_and_its_blocks_are_whitened() {
     let factor = ReprojFactor::new(3, 7, Vector2::new(337.0, 231.0), 2.0).unwrap();
     assert_eq!((factor.keyframe, factor.point), (3, 7));
     let predicted =
         camera().project_with_jacobians(&Isometry3::identity(), &worked_point()).unwrap();
     let linearized = factor.linearize(&predicted);
-    assert_abs_diff_eq!(linearized.residual, Vector2::new(0.5, -0.5), epsilon = 1e-12);
-    assert_eq!(linearized.by_pose, -0.5 * predicted.by_pose);
-    assert_eq!(linearized.by_point, -0.5 * predicted.by_point);
+    assert_abs_diff_eq!(linearized.residual, Vector2::new(-0.5, 0.5), epsilon = 1e-12);
+    assert_eq!(linearized.by_pose, 0.5 * predicted.by_pose);
+    assert_eq!(linearized.by_point, 0.5 * predicted.by_point);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Without the landmark. Edition 1.
+//! Without the landmark. Edition 2.
 //!
 //! `cargo test -p exercises null_space`
 
@@ -11,10 +11,10 @@ pub fn givens(a: f64, b: f64) -> (f64, f64) {
     todo!("a rotation that leaves the length in the first number and nothing in the second")
 }
 
-/// A landmark was seen in M pictures. Linearized and whitened, its 2M residuals (measured
-/// less predicted) are r = H_x δx + H_f δf + ν, where δx moves the states, δf the landmark
-/// (3 numbers), and ν is noise of variance one. `by_states` is H_x, of 2M rows and any number
-/// of columns; `by_landmark` is H_f, 2M×3; `residual` is r.
+/// A landmark was seen in M pictures. Its 2M residuals are r, predicted less measured and
+/// whitened. To first order they become r + H_x δx + H_f δf when δx moves the states and δf
+/// the landmark (3 numbers), and at the truth ν, noise of variance one. `by_states` is H_x, of
+/// 2M rows and any number of columns; `by_landmark` is H_f, 2M×3; `residual` is r.
 ///
 /// Gives Nᵀ H_x and Nᵀ r, of 2M − 3 rows, where the columns of N are orthonormal and
 /// Nᵀ H_f = 0. Every such N is right. `None` when the rank of H_f is less than three: when M

@@ -258,12 +258,12 @@ fn point_block(formula: PointBlock) -> Comparison {
 
 fn factor(chapter: &mut Chapter) {
     let mutants: [(_, FactorBlocks); 5] = [
-        ("not negated", |factor, predicted| scaled(predicted, factor.inverse_sigma)),
-        ("not whitened", |_, predicted| scaled(predicted, -1.0)),
-        ("whitened twice", |factor, predicted| scaled(predicted, -factor.inverse_sigma.powi(2))),
-        ("times the deviation", |factor, predicted| scaled(predicted, -1.0 / factor.inverse_sigma)),
-        ("point block not negated", |factor, predicted| {
-            let (by_pose, by_point) = scaled(predicted, -factor.inverse_sigma);
+        ("sign", |factor, predicted| scaled(predicted, -factor.inverse_sigma)),
+        ("not whitened", |_, predicted| scaled(predicted, 1.0)),
+        ("whitened twice", |factor, predicted| scaled(predicted, factor.inverse_sigma.powi(2))),
+        ("times the deviation", |factor, predicted| scaled(predicted, 1.0 / factor.inverse_sigma)),
+        ("sign of the point block", |factor, predicted| {
+            let (by_pose, by_point) = scaled(predicted, factor.inverse_sigma);
             (by_pose, -by_point)
         }),
     ];
@@ -290,7 +290,7 @@ fn factor_blocks(formula: FactorBlocks) -> Comparison {
         let predicted = camera.project_with_jacobians(&pose, &point).expect("it is in sight");
         let pixel = predicted.pixel + sigma * Vector2::new(random.normal(1.0), random.normal(1.0));
         let factor = ReprojFactor { keyframe: 0, point: 0, pixel, inverse_sigma: 1.0 / sigma };
-        let residual = |in_camera: Vector3<f64>| (pixel - image_of(&camera, &in_camera)) / sigma;
+        let residual = |in_camera: Vector3<f64>| (image_of(&camera, &in_camera) - pixel) / sigma;
         let by_pose: Matrix2x6<f64> =
             differences(STEP, |xi| residual(moved_on_the_right(&pose, xi, &point)));
         let by_point: Matrix2x3<f64> =

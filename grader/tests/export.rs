@@ -138,10 +138,10 @@ fn an_export_that_would_betray_an_answer_writes_nothing() {
 fn answers_are_skeletons_even_where_somebody_has_worked() {
     let copy = copy();
     let skeletons = copy.path().join("exercises/skeletons");
-    fs::create_dir(skeletons.join("2")).expect("a folder");
+    fs::create_dir(skeletons.join("3")).expect("a folder");
     let first = fs::read_to_string(skeletons.join("1/fill_in.rs")).expect("a skeleton");
-    let second = first.replace("Edition 1.", "Edition 2.");
-    fs::write(skeletons.join("2/fill_in.rs"), &second).expect("written");
+    let third = first.replace("Edition 1.", "Edition 3.");
+    fs::write(skeletons.join("3/fill_in.rs"), &third).expect("written");
     for name in ["fill_in", "null_space"] {
         let answer = copy.path().join(format!("solutions/src/{name}.rs"));
         fs::copy(answer, copy.path().join(format!("exercises/src/{name}.rs"))).expect("copied");
@@ -150,10 +150,10 @@ fn answers_are_skeletons_even_where_somebody_has_worked() {
     fs::write(copy.path().join("exercises/src/mine.rs"), "fn mine() {}").expect("written");
     let tree = tree(copy.path(), false).expect("a tree");
     let text = |path: &str| String::from_utf8_lossy(&tree[path]).into_owned();
-    assert_eq!(text("exercises/src/fill_in.rs"), second);
+    assert_eq!(text("exercises/src/fill_in.rs"), third);
     assert_eq!(text("exercises/skeletons/1/fill_in.rs"), first, "an update needs it");
-    assert_eq!(text("exercises/skeletons/2/fill_in.rs"), second);
-    assert_eq!(text("exercises/src/null_space.rs"), text("exercises/skeletons/1/null_space.rs"));
+    assert_eq!(text("exercises/skeletons/3/fill_in.rs"), third);
+    assert_eq!(text("exercises/src/null_space.rs"), text("exercises/skeletons/2/null_space.rs"));
     assert!(tree.keys().all(|path| !path.contains("mine") && !path.contains(".progress")));
 }
 
@@ -161,9 +161,9 @@ fn answers_are_skeletons_even_where_somebody_has_worked() {
 fn a_skeleton_that_holds_an_answer_is_none() {
     let copy = copy();
     let answer = copy.path().join("solutions/src/null_space.rs");
-    fs::copy(answer, copy.path().join("exercises/skeletons/1/null_space.rs")).expect("copied");
+    fs::copy(answer, copy.path().join("exercises/skeletons/2/null_space.rs")).expect("copied");
     let error = tree(copy.path(), false).expect_err("an answer");
-    assert!(error.contains("skeletons/1/null_space.rs") && error.contains("todo!"), "{error}");
+    assert!(error.contains("skeletons/2/null_space.rs") && error.contains("todo!"), "{error}");
 }
 
 #[test]

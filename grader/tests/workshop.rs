@@ -224,7 +224,7 @@ fn one_exercise_is_not_made_twice() {
 #[test]
 fn what_cannot_be_written_leaves_everything_as_it_was() {
     // Where a folder should be there is a file, or where a list should be a folder.
-    for path in ["tests/rubrics", "src/exercises", "exercises/skeletons/1"] {
+    for path in ["tests/rubrics", "src/exercises", "exercises/skeletons/2"] {
         let copy = copy();
         fs::remove_dir_all(copy.path().join(path)).expect("removed");
         fs::write(copy.path().join(path), "no folder").expect("written");

@@ -23,7 +23,7 @@ pub struct ReprojFactor {
 /// A whitened residual and its Jacobians: without unit, with noise of variance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearizedReproj {
-    /// Measured minus predicted, over the standard deviation.
+    /// Predicted minus measured, over the standard deviation.
     pub residual: Vector2<f64>,
     /// By the twist ξ = (ρ, φ) of T exp(ξ).
     pub by_pose: Matrix2x6<f64>,
@@ -60,18 +60,17 @@ impl ReprojFactor {
     ///
     /// Implements {eq:reprojection-residual}.
     pub fn residual(&self, predicted: &Vector2<f64>) -> Vector2<f64> {
-        self.inverse_sigma * (self.pixel - predicted)
+        self.inverse_sigma * (predicted - self.pixel)
     }
 
-    /// The whitened residual and its Jacobians. The prediction stands behind the minus
-    /// sign of the residual, so its blocks come back negated.
+    /// The whitened residual and its Jacobians.
     ///
     /// Implements {eq:factor-blocks}.
     pub fn linearize(&self, predicted: &Projection) -> LinearizedReproj {
         LinearizedReproj {
             residual: self.residual(&predicted.pixel),
-            by_pose: -self.inverse_sigma * predicted.by_pose,
-            by_point: -self.inverse_sigma * predicted.by_point,
+            by_pose: self.inverse_sigma * predicted.by_pose,
+            by_point: self.inverse_sigma * predicted.by_point,
         }
     }
     // ANCHOR_END: linearize

@@ -93,8 +93,8 @@ impl Linearized {
         let mut sum = Self { cost: 0.0, gradient: Vector3::zeros(), information: Matrix3::zeros() };
         for (index, view) in views.iter().enumerate() {
             let (pixel, jacobian) = predicted(index, view, point)?;
-            let residual = (view.pixel - pixel) / view.sigma;
-            let whitened = -jacobian / view.sigma;
+            let residual = (pixel - view.pixel) / view.sigma;
+            let whitened = jacobian / view.sigma;
             sum.cost += 0.5 * residual.norm_squared();
             sum.gradient += whitened.tr_mul(&residual);
             sum.information += whitened.tr_mul(&whitened);

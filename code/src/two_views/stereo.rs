@@ -97,7 +97,7 @@ pub struct StereoFactor {
 /// A whitened residual and its Jacobians: without unit, with noise of variance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearizedStereo {
-    /// Measured minus predicted, over the standard deviation.
+    /// Predicted minus measured, over the standard deviation.
     pub residual: Vector3<f64>,
     /// By the twist ξ = (ρ, φ) of T exp(ξ), T being the pose of the left camera.
     pub by_pose: Matrix3x6<f64>,
@@ -130,14 +130,12 @@ impl StereoFactor {
     }
 
     // ANCHOR: stereo_linearize
-    /// The whitened residual and its Jacobians for what a stereo camera predicts. The
-    /// prediction stands behind the minus sign of the residual, so its blocks come back
-    /// negated.
+    /// The whitened residual and its Jacobians for what a stereo camera predicts.
     pub fn linearize(&self, predicted: &StereoProjection) -> LinearizedStereo {
         LinearizedStereo {
-            residual: self.inverse_sigma * (self.observation - predicted.observation),
-            by_pose: -self.inverse_sigma * predicted.by_pose,
-            by_point: -self.inverse_sigma * predicted.by_point,
+            residual: self.inverse_sigma * (predicted.observation - self.observation),
+            by_pose: self.inverse_sigma * predicted.by_pose,
+            by_point: self.inverse_sigma * predicted.by_point,
         }
     }
     // ANCHOR_END: stereo_linearize

@@ -18,21 +18,21 @@ pub struct Case {
     /// The 2×6 blocks of all observations in one matrix, whitened, and the same for the points.
     pub by_cameras: DMatrix<f64>,
     pub by_points: DMatrix<f64>,
-    /// Measured less expected, whitened.
-    pub error: DVector<f64>,
+    /// Predicted less measured, whitened.
+    pub residual: DVector<f64>,
     pub damping: f64,
     pub cameras_step: DVector<f64>,
 }
 
-/// Measured less expected, whitened, two numbers for each observation.
-fn errors(problem: &Ba) -> DVector<f64> {
-    let mut errors = DVector::zeros(2 * problem.factors.len());
+/// Predicted less measured, whitened, two numbers for each observation.
+fn residuals(problem: &Ba) -> DVector<f64> {
+    let mut residuals = DVector::zeros(2 * problem.factors.len());
     for (index, factor) in problem.factors.iter().enumerate() {
         let pixel = problem.cameras[factor.keyframe].project(&problem.points[factor.point]);
-        let error = factor.residual(&pixel.expect("the points lie in front of all cameras"));
-        errors.fixed_rows_mut::<2>(2 * index).copy_from(&error);
+        let residual = factor.residual(&pixel.expect("the points lie in front of all cameras"));
+        residuals.fixed_rows_mut::<2>(2 * index).copy_from(&residual);
     }
-    errors
+    residuals
 }
 
 impl Case {
@@ -52,7 +52,7 @@ impl Case {
         Self {
             by_cameras,
             by_points,
-            error: errors(&problem),
+            residual: residuals(&problem),
             damping: random.logarithmic(0.01..1.0),
             cameras_step: DVector::from_fn(6 * moving, |_, _| random.normal(0.1)),
             problem,
@@ -78,14 +78,14 @@ impl Case {
         self.by_cameras.tr_mul(&self.by_points)
     }
 
-    /// What pulls at the cameras.
-    pub fn cameras_pull(&self) -> DVector<f64> {
-        self.by_cameras.tr_mul(&self.error)
+    /// The gradient of the cost by the cameras.
+    pub fn cameras_gradient(&self) -> DVector<f64> {
+        self.by_cameras.tr_mul(&self.residual)
     }
 
-    /// What pulls at the points.
-    pub fn points_pull(&self) -> DVector<f64> {
-        self.by_points.tr_mul(&self.error)
+    /// The gradient of the cost by the points.
+    pub fn points_gradient(&self) -> DVector<f64> {
+        self.by_points.tr_mul(&self.residual)
     }
 
     /// All columns of the Jacobian, those of the cameras first.
@@ -118,14 +118,14 @@ impl Case {
         DMatrix::from_columns(&columns)
     }
 
-    /// What is left of the rows of the Jacobian and of the error when all that the points could
+    /// What is left of the rows of the Jacobian and of the residual when all that the points could
     /// take from them is taken: `rows` less its part in the span of the points' columns.
     pub fn without_points(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let span = self.by_points.clone().qr().q();
         rows - &span * span.tr_mul(rows)
     }
 
-    /// The Jacobian and the error with one more measurement of zero for each unknown, held as
+    /// The Jacobian and the residual with one more measurement of zero for each unknown, held as
     /// firmly as `damping` says.
     pub fn with_measurements_of_zero(&self, damping: f64) -> (DMatrix<f64>, DVector<f64>) {
         let jacobian = self.jacobian();
@@ -135,9 +135,9 @@ impl Case {
         for (index, column) in jacobian.column_iter().enumerate() {
             longer[(rows + index, index)] = damping.sqrt() * column.norm();
         }
-        let mut error = DVector::zeros(rows + columns);
-        error.rows_mut(0, rows).copy_from(&self.error);
-        (longer, error)
+        let mut residual = DVector::zeros(rows + columns);
+        residual.rows_mut(0, rows).copy_from(&self.residual);
+        (longer, residual)
     }
 
     /// The cameras' part of a vector of all unknowns.
@@ -154,9 +154,9 @@ fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     both
 }
 
-/// The unknowns that fit equations best, by their singular values.
-pub fn best_fit(jacobian: &DMatrix<f64>, error: &DVector<f64>) -> DVector<f64> {
-    let fit = jacobian.clone().svd(true, true).solve(error, 1e-12);
+/// The step after which a linear residual is shortest, by singular values.
+pub fn best_step(jacobian: &DMatrix<f64>, residual: &DVector<f64>) -> DVector<f64> {
+    let fit = jacobian.clone().svd(true, true).solve(&-residual, 1e-12);
     fit.unwrap_or_else(|_| DVector::from_element(jacobian.ncols(), f64::NAN))
 }
 

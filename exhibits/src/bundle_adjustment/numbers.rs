@@ -54,7 +54,7 @@ fn counts(chapter: &mut Chapter) {
 
 fn on_rails(chapter: &mut Chapter) {
     let (camera, point) = rails::curvatures();
-    let (pulls, point_pull) = rails::pulls();
+    let (gradient, by_point) = rails::gradient();
     let (s, rhs) = rails::reduced();
     let step = rails::solver().step(0.0).expect("nothing is free");
     chapter.number("rail_depth", rails::POINT.z, "m", 0);
@@ -64,17 +64,19 @@ fn on_rails(chapter: &mut Chapter) {
     chapter.number("rail_px_per_metre", camera.sqrt(), "px/m", 0);
     chapter.number("rail_camera", camera, "", 0);
     chapter.number("rail_point", point, "", 0);
-    chapter.number("rail_pull_upper", pulls[0], "", 0);
-    chapter.number("rail_pull_lower", pulls[1], "", 0);
-    chapter.number("rail_pull_point", point_pull, "", 0);
+    chapter.number("rail_gradient_upper", gradient[0], "", 0);
+    chapter.number("rail_gradient_lower", gradient[1], "", 0);
+    chapter.number("rail_gradient_point", by_point, "", 0);
     chapter.number("rail_through", camera * camera / point, "", 0);
     chapter.number("rail_s_same", s[(0, 0)], "", 0);
     chapter.number("rail_s_other", s[(0, 1)], "", 0);
-    chapter.number("rail_point_alone", point_pull / point, "m", 2);
+    chapter.number("rail_point_alone", -by_point / point, "m", 2);
     chapter.number("rail_rhs_upper", rhs[0], "", 0);
     chapter.number("rail_rhs_lower", rhs[1], "", 0);
     chapter.number("rail_step_upper", step.cameras[2][0], "m", 2);
     chapter.number("rail_step_lower", step.cameras[3][0], "m", 2);
+    let coupled = -camera * (step.cameras[2][0] + step.cameras[3][0]);
+    chapter.number("rail_coupled", coupled, "", 0);
     chapter.number("rail_step_upper_cm", -100.0 * step.cameras[2][0], "cm", 0);
     chapter.number("rail_step_lower_cm", -100.0 * step.cameras[3][0], "cm", 0);
     chapter.number("rail_cost", rails::solver().cost(), "", 0);

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, Stop};
 
-use super::dense::{Case, best_fit, damped, inverse};
+use super::dense::{Case, best_step, damped, inverse};
 use super::whole::Ba;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -112,21 +112,17 @@ fn arrow_of(problem: &Ba, points: f64, change: fn(DMatrix<f64>) -> DMatrix<f64>)
 }
 
 fn elimination(chapter: &mut Chapter) {
-    let formula: Formula = |case| {
-        let pull = case.points_pull() - case.w().tr_mul(&case.cameras_step);
-        column(inverse(case.b()) * pull)
-    };
-    let mutants: [(_, Formula); 4] = [
+    let formula: Formula = |case| column(-inverse(case.b()) * points_gradient_after(case));
+    let mutants: [(_, Formula); 5] = [
+        ("sign", |case| column(inverse(case.b()) * points_gradient_after(case))),
         ("sign of the cameras", |case| {
-            column(inverse(case.b()) * (case.points_pull() + case.w().tr_mul(&case.cameras_step)))
+            let coupled = case.w().tr_mul(&case.cameras_step);
+            column(-inverse(case.b()) * (case.points_gradient() - coupled))
         }),
-        ("cameras dropped", |case| column(inverse(case.b()) * case.points_pull())),
-        ("block not inverted", |case| {
-            column(case.b() * (case.points_pull() - case.w().tr_mul(&case.cameras_step)))
-        }),
+        ("cameras dropped", |case| column(-inverse(case.b()) * case.points_gradient())),
+        ("block not inverted", |case| column(-case.b() * points_gradient_after(case))),
         ("diagonal of the block only", |case| {
-            let pull = case.points_pull() - case.w().tr_mul(&case.cameras_step);
-            column(pull.component_div(&case.b().diagonal()))
+            column(-points_gradient_after(case).component_div(&case.b().diagonal()))
         }),
     ];
     chapter.equation("point-follows", point_follows, formula, &mutants);
@@ -135,8 +131,14 @@ fn elimination(chapter: &mut Chapter) {
         let (s, rhs) = case.solver().reduced_system(0.0).unwrap_or_default();
         with_column(s, &rhs)
     };
-    let mutants: [(_, Formula); 5] = [
+    let mutants: [(_, Formula); 6] = [
         ("sign", |case| reduced(case, 1.0, inverse(case.b()), 1.0)),
+        ("sign of the right-hand side", |case| {
+            let mut reduced = reduced(case, -1.0, inverse(case.b()), -1.0);
+            let last = reduced.ncols() - 1;
+            reduced.column_mut(last).neg_mut();
+            reduced
+        }),
         ("points held", |case| reduced(case, 0.0, inverse(case.b()), -1.0)),
         ("block not inverted", |case| reduced(case, -1.0, case.b(), -1.0)),
         ("right-hand side as before", |case| reduced(case, -1.0, inverse(case.b()), 0.0)),
@@ -162,11 +164,16 @@ fn elimination(chapter: &mut Chapter) {
     chapter.equation("stiffness-left", stiffness_left, formula, &mutants);
 }
 
+/// The gradient of the linearized cost by the points once the cameras have moved.
+fn points_gradient_after(case: &Case) -> DVector<f64> {
+    case.points_gradient() + case.w().tr_mul(&case.cameras_step)
+}
+
 fn point_follows(formula: Formula) -> Comparison {
     let against = "the points that fit best once the cameras have moved, by singular values";
     compared((against, 1e-8, 2), formula, |case| {
-        let left = &case.error - &case.by_cameras * &case.cameras_step;
-        column(best_fit(&case.by_points, &left))
+        let left = &case.residual + &case.by_cameras * &case.cameras_step;
+        column(best_step(&case.by_points, &left))
     })
 }
 
@@ -180,18 +187,18 @@ fn with_column(matrix: DMatrix<f64>, last: &DVector<f64>) -> DMatrix<f64> {
 
 /// The reduced system with its right-hand side, with signs and the inverse of the points' blocks
 /// to choose.
-fn reduced(case: &Case, sign: f64, inverse: DMatrix<f64>, rhs_sign: f64) -> DMatrix<f64> {
+fn reduced(case: &Case, sign: f64, inverse: DMatrix<f64>, of_points: f64) -> DMatrix<f64> {
     let through = case.w() * inverse;
     let s = case.a() + sign * &through * case.w().transpose();
-    with_column(s, &(case.cameras_pull() + rhs_sign * through * case.points_pull()))
+    with_column(s, &-(case.cameras_gradient() + of_points * through * case.points_gradient()))
 }
 
 fn reduced_camera_system(formula: Formula) -> Comparison {
     let against = "the equations less what lies in the span of the points' columns";
     compared((against, 1e-8, 3), formula, |case| {
         let rows = case.without_points(&case.by_cameras);
-        let error = case.without_points(&column(case.error.clone())).column(0).into_owned();
-        with_column(rows.tr_mul(&rows), &rows.tr_mul(&error))
+        let residual = case.without_points(&column(case.residual.clone())).column(0).into_owned();
+        with_column(rows.tr_mul(&rows), &-rows.tr_mul(&residual))
     })
 }
 
@@ -203,7 +210,7 @@ fn stiffness_left(formula: Formula) -> Comparison {
     let against = "the pixels that still move when the points follow as well as they can";
     compared((against, 1e-7, 4), formula, |case| {
         let moved = &case.by_cameras * &case.cameras_step;
-        let follow = best_fit(&case.by_points, &-&moved);
+        let follow = best_step(&case.by_points, &moved);
         number((moved + &case.by_points * follow).norm_squared())
     })
 }
@@ -306,11 +313,13 @@ fn damping(chapter: &mut Chapter) {
         let (s, rhs) = case.solver().reduced_system(case.damping).unwrap_or_default();
         column(inverse(s) * rhs)
     };
-    let mutants: [(_, Formula); 4] = [
+    let mutants: [(_, Formula); 5] = [
         ("damped after eliminating", |case| {
-            let rhs = case.cameras_pull() - case.w() * inverse(case.b()) * case.points_pull();
-            column(inverse(damped(schur(case), case.damping)) * rhs)
+            let through = case.w() * inverse(case.b());
+            let gradient = case.cameras_gradient() - through * case.points_gradient();
+            column(-inverse(damped(schur(case), case.damping)) * gradient)
         }),
+        ("sign", |case| -damped_step(case, case.damping, case.damping)),
         ("points not damped", |case| damped_step(case, case.damping, 0.0)),
         ("cameras not damped", |case| damped_step(case, 0.0, case.damping)),
         ("damping dropped", |case| damped_step(case, 0.0, 0.0)),
@@ -332,14 +341,14 @@ fn damping(chapter: &mut Chapter) {
 fn damped_step(case: &Case, cameras: f64, points: f64) -> DMatrix<f64> {
     let through = case.w() * inverse(damped(case.b(), points));
     let s = damped(case.a(), cameras) - &through * case.w().transpose();
-    column(inverse(s) * (case.cameras_pull() - through * case.points_pull()))
+    column(-inverse(s) * (case.cameras_gradient() - through * case.points_gradient()))
 }
 
 fn damped_reduction(formula: Formula) -> Comparison {
     let against = "the whole problem with one more measurement of zero for each unknown";
     compared((against, 1e-8, 7), formula, |case| {
-        let (jacobian, error) = case.with_measurements_of_zero(case.damping);
-        column(case.cameras_of(&best_fit(&jacobian, &error)))
+        let (jacobian, residual) = case.with_measurements_of_zero(case.damping);
+        column(case.cameras_of(&best_step(&jacobian, &residual)))
     })
 }
 
@@ -348,24 +357,26 @@ fn promise(case: &Case, [cameras, points, held]: [f64; 3]) -> DMatrix<f64> {
     let of_points = inverse(damped(case.b(), case.damping));
     let through = case.w() * &of_points;
     let s = damped(case.a(), case.damping) - &through * case.w().transpose();
-    let rhs = case.cameras_pull() - &through * case.points_pull();
-    let cameras_step = inverse(s) * &rhs;
-    let points_step = &of_points * (case.points_pull() - case.w().tr_mul(&cameras_step));
+    let (by_cameras, by_points) = (case.cameras_gradient(), case.points_gradient());
+    let reduced = by_cameras - &through * &by_points;
+    let cameras_step = -inverse(s) * &reduced;
+    let points_step = -&of_points * (&by_points + case.w().tr_mul(&cameras_step));
     let weighted = |step: &DVector<f64>, diagonal: DVector<f64>| {
         case.damping * step.component_mul(step).dot(&diagonal)
     };
     let held_back =
         weighted(&cameras_step, case.a().diagonal()) + weighted(&points_step, case.b().diagonal());
-    let points_part = case.points_pull().dot(&(of_points * case.points_pull()));
-    number(0.5 * (cameras * rhs.dot(&cameras_step) + points * points_part + held * held_back))
+    let cameras_part = -reduced.dot(&cameras_step);
+    let points_part = by_points.dot(&(of_points * &by_points));
+    number(0.5 * (cameras * cameras_part + points * points_part + held * held_back))
 }
 
 fn promise_in_parts(formula: Formula) -> Comparison {
     let against = "the cost of the linearized pixels before and after the step";
     compared((against, 1e-8, 8), formula, |case| {
-        let (jacobian, error) = case.with_measurements_of_zero(case.damping);
-        let left = &case.error - case.jacobian() * best_fit(&jacobian, &error);
-        number(0.5 * (case.error.norm_squared() - left.norm_squared()))
+        let (jacobian, residual) = case.with_measurements_of_zero(case.damping);
+        let left = &case.residual + case.jacobian() * best_step(&jacobian, &residual);
+        number(0.5 * (case.residual.norm_squared() - left.norm_squared()))
     })
 }
 

@@ -60,13 +60,14 @@ pub fn curvatures() -> (f64, f64) {
     (camera, rows.iter().map(|row| row.by_point.column(0).norm_squared()).sum())
 }
 
-/// What pulls at the cameras on rails before elimination, and at the point along x.
-pub fn pulls() -> ([f64; 2], f64) {
-    let pull = |k: usize| {
+/// The gradient of the cost by the cameras on rails before elimination, and by the point along x.
+pub fn gradient() -> ([f64; 2], f64) {
+    let of = |k: usize| {
         let row = OnRail(PLACES[k]).differentiate(&POINT).expect("a pixel");
-        (row.by_camera[(0, 0)] * OFF[k], row.by_point[(0, 0)] * OFF[k])
+        let residual = -OFF[k];
+        (row.by_camera[(0, 0)] * residual, row.by_point[(0, 0)] * residual)
     };
-    ([pull(2).0, pull(3).0], (0..4).map(|k| pull(k).1).sum())
+    ([of(2).0, of(3).0], (0..4).map(|k| of(k).1).sum())
 }
 
 /// The reduced system and its right-hand side.

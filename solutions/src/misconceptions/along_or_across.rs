@@ -120,7 +120,7 @@ pub fn wrong() -> Vec<Wrong> {
             },
         ),
         Wrong::new(
-            &RESIDUAL_CHANGE,
+            &OLD_MINUS_NEW,
             Functions {
                 predicted_moves: |views, point, drag| right::predicted_moves(views, point, -drag),
                 exact_moves: |views, point, drag| {

@@ -75,7 +75,7 @@ pub fn wrong() -> Vec<Wrong> {
         update(&LANDMARK_KNOWN, |prior, states, landmark, residual| {
             right::project_out(states.clone(), landmark, residual.clone())?;
             let information = prior + states.tr_mul(&states);
-            Some(information.cholesky()?.solve(&states.tr_mul(&residual)))
+            Some(-information.cholesky()?.solve(&states.tr_mul(&residual)))
         }),
         update(&PRIOR_INVERTED, |prior, states, landmark, residual| {
             right::correction(prior.try_inverse()?, states, landmark, residual)

@@ -59,9 +59,9 @@ crate::misconceptions! {
     DRAG_NOT_TURNED, "drag_not_turned":
         "The moves are right for a drag whose numbers are read in the axes of each camera. In which \
          frame is the drag given, and how does a camera that is turned see it?";
-    RESIDUAL_CHANGE, "residual_change":
-        "All moves have the wrong sign. These are the changes of the residual, measured minus \
-         predicted; which way does the pixel itself go?";
+    OLD_MINUS_NEW, "old_minus_new":
+        "All moves have the wrong sign. These are old place minus new: which of the two does the \
+         specification subtract?";
     EXACT_FOR_FIRST_ORDER, "exact_for_first_order":
         "These are the exact moves. Double the drag, and they do not double: what do they owe to \
          the square of the drag?";
@@ -335,7 +335,7 @@ pub fn predicted(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .within(1e-7)
         .labelled(&CAMERAS, &PIXEL)
         .or(&DRAG_NOT_TURNED, &unturned)
-        .or(&RESIDUAL_CHANGE, &-&slopes)
+        .or(&OLD_MINUS_NEW, &-&slopes)
         .or(&EXACT_FOR_FIRST_ORDER, &exact)
         .judge()
         .map_err(|failure| failure.with_picture(in_pixels(&slopes, &obtained)))
@@ -358,7 +358,7 @@ pub fn exact(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     compare("the list of exact moves", &rows(&obtained), &exact)
         .labelled(&CAMERAS, &PIXEL)
         .or(&DRAG_NOT_TURNED, &rows(&unturned))
-        .or(&RESIDUAL_CHANGE, &-&exact)
+        .or(&OLD_MINUS_NEW, &-&exact)
         .or(&FIRST_ORDER_FOR_EXACT, &slopes)
         .judge()
         .map_err(|failure| failure.with_picture(in_pixels(&exact, &obtained)))

@@ -41,8 +41,8 @@ crate::misconceptions! {
         "The rotation's columns have the wrong sign. φ × P is linear in φ: which matrix times φ \
          is it, that of P or its negative?";
     ALL_NEGATED, "all_negated":
-        "Every column has the wrong sign. This is the derivative of a residual, measured less \
-         predicted: which way does the predicted pixel itself go?";
+        "Every column has the wrong sign. Let ρ shift the point to the right in the camera's frame: \
+         which way does its pixel go, and what does the first column say?";
     ROTATION_FIRST, "rotation_first":
         "The columns are right and in another order: the twist is (ρ, φ), translation first.";
     // ANCHOR: adjoint_mistakes

@@ -86,8 +86,8 @@ crate::misconceptions! {
         "The verdict depends on the unit in which the landmark is written. A singular value has \
          one: with what should it be compared?";
     OTHER_WAY, "other_way":
-        "The correction has the opposite sign. The residual is measured less predicted: should \
-         H_x δx be the residual or its negative?";
+        "The correction has the opposite sign. The residual is predicted less measured, and a move \
+         of the states adds H_x δx to it: should H_x δx be the residual or its negative?";
     LANDMARK_KNOWN, "landmark_known":
         "This correction believes the landmark to be exactly where it was linearized, and is too \
          sure of the states. Which of the two pairs, with or without the landmark, belongs here?";
@@ -172,8 +172,8 @@ impl Case {
         self.by_landmark.nrows()
     }
 
-    /// Blocks of the normal equations with the landmark in them: A, W and B, the states' a and the
-    /// landmark's b. The landmark is written in coordinates in which its columns are orthonormal:
+    /// Blocks of the normal equations with the landmark in them: A, W and B, the gradients a of the
+    /// states and b of the landmark. The landmark is written in coordinates in which its columns are orthonormal:
     /// the states do not notice, and little parallax costs no digits.
     fn equations(&self) -> [DMatrix<f64>; 5] {
         let basis = self.by_landmark.clone().qr().q();
@@ -210,10 +210,10 @@ impl Case {
         whole.view_mut((0, size), (size, 3)).copy_from(&w);
         whole.view_mut((size, 0), (3, size)).copy_from(&w.transpose());
         whole.view_mut((size, size), (3, 3)).copy_from(&b);
-        let mut pull = DVector::zeros(size + 3);
-        pull.rows_mut(0, size).copy_from(&states.column(0));
-        pull.rows_mut(size, 3).copy_from(&landmark.column(0));
-        solved(whole, &pull).rows(0, size).into_owned()
+        let mut gradient = DVector::zeros(size + 3);
+        gradient.rows_mut(0, size).copy_from(&states.column(0));
+        gradient.rows_mut(size, 3).copy_from(&landmark.column(0));
+        solved(whole, &-gradient).rows(0, size).into_owned()
     }
 }
 
@@ -643,7 +643,7 @@ pub fn corrected(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         return Err(Failure::new(NO_CORRECTION));
     };
     let [a, _, _, states, _] = case.equations();
-    let known = solved(a + prior_information, &states.column(0).into_owned());
+    let known = solved(a + prior_information, &-states.column(0));
     let size = prior_information.nrows();
     let covariance =
         prior_information.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(size, size));

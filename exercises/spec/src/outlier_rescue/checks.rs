@@ -57,7 +57,7 @@ crate::misconceptions! {
          multiplied by something, what happens to their product in the normal equations?";
     RESIDUAL_ALONE, "residual_alone":
         "The gradient is weighted and the matrix is not. The weight stands before the whole \
-         square of r − J ξ: which of its terms can do without?";
+         square of e + J ξ: which of its terms can do without?";
     MATRIX_ALONE, "matrix_alone":
         "The matrix is weighted and the gradient is not. With how much force does a wrong match pull \
          at this pose?";
@@ -65,8 +65,8 @@ crate::misconceptions! {
         "The weights are right, and what they multiply are squares of pixels. Two matches of \
          weight one with different covariances: should they count alike?";
     UPHILL, "uphill":
-        "The step is right and points the wrong way. Is your residual the measured pixel less the \
-         predicted one, or the other way round, and of which of the two is J the derivative?";
+        "The step is right and points the wrong way. To first order it adds J ξ to the residual e, \
+         the predicted pixel less the measured one: should J ξ be e or its negative?";
     LEFT_TWIST, "left_twist":
         "This twist would stand on the left of the pose. On which side does T exp(ξ) have it?";
     ONE_STEP, "one_step":
