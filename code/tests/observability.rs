@@ -3,12 +3,12 @@
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
+use vislam::factors::{pixel_by_state, twist_by_state};
 use vislam::inertial::{Angles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Trajectory};
-use vislam::least_squares::Manifold;
+use vislam::least_squares::{Manifold, NullSpaceError, Spectrum};
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
-    BiasAssumption, Direction, Flight, ObservabilityError, Similarity, Spectrum, Window,
-    landmarks_around, pixel_by_state, twist_by_state,
+    BiasAssumption, Direction, Flight, ObservabilityError, Similarity, Window, landmarks_around,
 };
 
 const ACCELERATION: Vector3<f64> = Vector3::new(0.7, -0.3, 0.4);
@@ -247,7 +247,7 @@ fn shift_and_yaw_change_no_residual_at_any_estimate() {
 fn the_four_directions_are_null_at_any_estimate() {
     for assumption in [BiasAssumption::CONSTANT, BiasAssumption::walking(ImuNoise::mems())] {
         let window = disturbed(Trajectory::figure_eight(), assumption);
-        let jacobian = window.linearize().unwrap().jacobian;
+        let jacobian = window.linearize().unwrap().0;
         let four = [0, 1, 2].map(Direction::Translation);
         for direction in four.into_iter().chain([Direction::Yaw]) {
             let vector = window.direction(direction);
@@ -354,7 +354,7 @@ fn jacobians_are_those_of_central_differences() {
     ];
     for assumption in assumptions {
         let window = disturbed(Trajectory::figure_eight(), assumption);
-        let jacobian = window.linearize().unwrap().jacobian;
+        let jacobian = window.linearize().unwrap().0;
         let step = 1e-6;
         for column in 0..window.dimension() {
             let moved = |sign: f64| {
@@ -396,17 +396,18 @@ fn at_inconsistent_estimates_yaw_seems_to_be_known() {
     let truth = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
     let step: Vec<f64> = (0..truth.dimension()).map(|i| 0.01 * (1.7 * i as f64).sin()).collect();
     let elsewhere = truth.retract(&step);
-    let (mut mixed, other) =
-        (truth.linearize().unwrap().jacobian, elsewhere.linearize().unwrap().jacobian);
+    let (mut mixed, other) = (truth.linearize().unwrap().0, elsewhere.linearize().unwrap().0);
     let pixels = 2 * truth.observations.len();
     mixed.rows_mut(0, pixels).copy_from(&other.rows(0, pixels));
     assert_eq!(Spectrum::of(&other).unwrap().zeros, 4);
     let spectrum = Spectrum::of(&mixed).unwrap();
     assert_eq!(spectrum.zeros, 3);
     for axis in 0..3 {
-        assert!(spectrum.leaves(&truth.direction(Direction::Translation(axis))) < 1e-9);
+        assert!(
+            spectrum.null_space().leaves(&truth.direction(Direction::Translation(axis))) < 1e-9
+        );
     }
-    assert!(spectrum.leaves(&truth.direction(Direction::Yaw)) > 0.1);
+    assert!(spectrum.null_space().leaves(&truth.direction(Direction::Yaw)) > 0.1);
 }
 
 /// The gradient of the logarithm of the distance from the first state to the last.
@@ -423,7 +424,7 @@ fn log_distance(window: &Window) -> DVector<f64> {
 #[test]
 fn sigma_is_that_of_the_inverse_with_position_and_yaw_held() {
     let window = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
-    let jacobian = window.linearize().unwrap().jacobian;
+    let jacobian = window.linearize().unwrap().0;
     let gradient = log_distance(&window);
     let spectrum = Spectrum::of(&jacobian).unwrap();
     let sigma = spectrum.sigma(&gradient).unwrap();
@@ -453,7 +454,7 @@ fn scale_is_as_uncertain_as_the_change_of_velocity_is_small() {
             ..ScalarTrajectory::default()
         };
         let window = window(motion, BiasAssumption::KNOWN);
-        let spectrum = Spectrum::of(&window.linearize().unwrap().jacobian).unwrap();
+        let spectrum = Spectrum::of(&window.linearize().unwrap().0).unwrap();
         spectrum.sigma(&log_distance(&window)).unwrap()
     };
     let exponent = (sigma(1e-3) / sigma(1e-2)).log10();
@@ -469,7 +470,7 @@ fn a_motion_that_is_nearly_degenerate_is_four_or_five_or_refused_but_nothing_els
         motion.position[1].frequency = 3.0;
         outcomes.push(match window(motion, BiasAssumption::KNOWN).free_directions() {
             Ok(free) => free.count(),
-            Err(ObservabilityError::NoGap { .. }) => 0,
+            Err(ObservabilityError::NullSpace(NullSpaceError::NoGap { .. })) => 0,
             Err(error) => panic!("{error}"),
         });
     }
@@ -485,7 +486,7 @@ fn a_spectrum_without_a_gap_is_refused() {
     let columns = [Vector3::x(), Vector3::new(1.0, 1e-10, 0.0), Vector3::new(1.0, 0.0, 1e-11)];
     let matrix = DMatrix::from_fn(3, 3, |row, column| columns[column][row]);
     let error = Spectrum::of(&matrix).unwrap_err();
-    assert!(matches!(error, ObservabilityError::NoGap { .. }), "{error}");
+    assert!(matches!(error, NullSpaceError::NoGap { .. }), "{error}");
 }
 
 #[test]
@@ -514,11 +515,11 @@ fn what_does_not_fit_together_is_an_error_that_says_so() {
     assert!(sentence(|w| w.observations[3].point = 99).contains("observation 3"));
     assert!(sentence(|w| w.observations[3].keyframe = 99).contains("state 99"));
     assert!(sentence(|w| w.landmarks[0] = Vector3::new(-50.0, 0.0, 0.0)).contains("landmark 0"));
-    assert!(sentence(|w| w.observations[0].pixel = Vector2::new(f64::NAN, 0.0)).contains("row 0"));
+    assert!(sentence(|w| w.observations[0].pixel = Vector2::new(f64::NAN, 0.0)).contains("factor 0"));
     assert!(sentence(|w| w.states[1].velocity.x = f64::NAN).contains("not finite"));
     assert!(sentence(|w| w.gravity = Vector3::repeat(f64::INFINITY)).contains("not finite"));
     let matrix = DMatrix::from_element(2, 2, f64::NAN);
-    assert_eq!(Spectrum::of(&matrix).unwrap_err(), ObservabilityError::NotFinite { row: 0 });
+    assert_eq!(Spectrum::of(&matrix).unwrap_err(), NullSpaceError::NotFinite { row: 0 });
     assert_eq!(Spectrum::of(&DMatrix::zeros(0, 0)).unwrap().zeros, 0);
     assert_eq!(Spectrum::of(&DMatrix::zeros(0, 2)).unwrap().zeros, 2);
 }

@@ -106,9 +106,12 @@ impl Window {
     }
     // ANCHOR_END: depth_direction
 
-    /// What of these vectors, over states, biases and landmarks, is unknown.
+    /// What of these vectors, over states, biases and landmarks, is unknown. The camera keeps its
+    /// place on the body, and its clock its offset.
     fn select(&self, whole: &[Vector3<f64>]) -> DVector<f64> {
-        let unknown = self.unknown();
-        DVector::from_iterator(unknown.len(), unknown.iter().map(|at| whole[at / 3][at % 3]))
+        let columns = self.columns();
+        let whole = whole.iter().flat_map(|vector| vector.iter()).chain(&[0.0; 7]);
+        let unknown = columns.of.iter().zip(whole).filter(|(column, _)| column.is_some());
+        DVector::from_iterator(columns.count, unknown.map(|(_, change)| *change))
     }
 }

@@ -12,23 +12,22 @@ mod direction;
 mod nullity;
 mod similarity;
 mod simulation;
-mod singular;
 mod window;
 
 use thiserror::Error;
 
 pub use direction::Direction;
-pub use nullity::{FreeDirections, Mixture, Spectrum};
+pub use nullity::{FreeDirections, Mixture};
 pub use similarity::Similarity;
 pub use simulation::{Flight, landmarks_around};
-pub use window::{BiasAssumption, LinearizedWindow, Window, pixel_by_state, twist_by_state};
+pub use window::{BiasAssumption, UnknownCalibration, Window};
 
-use crate::least_squares::WhiteningError;
+use crate::least_squares::{NullSpaceError, ProblemError, SolveError, WhiteningError};
 use crate::preintegration::PreintegrationError;
 use crate::reprojection::ReprojFactorError;
 
 /// Why nothing can be said about a window.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum ObservabilityError {
     /// There is no state or no landmark.
     #[error("the window has {states} states and {landmarks} landmarks; give at least one of each")]
@@ -94,21 +93,16 @@ pub enum ObservabilityError {
         /// The landmark that it names.
         landmark: usize,
     },
-    /// A residual or derivative is not finite.
-    #[error("row {row} of the window's Jacobian or residual is not finite; look for a NaN")]
-    NotFinite {
-        /// The row, counted through pixels, intervals and walks.
-        row: usize,
-    },
-    /// A singular value is neither zero nor surely different from it.
-    #[error(
-        "a singular value is {value:.1e} of the largest, too much for rounding and too little to \
-         be sure; the motion is degenerate but for almost nothing, or the estimate is not exact"
-    )]
-    NoGap {
-        /// The value, as a fraction of the largest.
-        value: f64,
-    },
+    /// A residual or derivative is not finite, or whatever else keeps a problem from being
+    /// linearized.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// It cannot be said what is free.
+    #[error(transparent)]
+    NullSpace(#[from] NullSpaceError),
+    /// A variable cannot be held.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
     /// Readings cannot be summed up.
     #[error(transparent)]
     Preintegration(#[from] PreintegrationError),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 
-use super::{BiasAssumption, ObservabilityError, Window};
+use super::{BiasAssumption, ObservabilityError, UnknownCalibration, Window};
 use crate::inertial::{CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
 use crate::manifold::so3;
 use crate::preintegration::preintegrate;
@@ -120,6 +120,7 @@ impl Flight {
             landmarks,
             observations,
             intervals,
+            calibration: UnknownCalibration::default(),
         }
     }
 

@@ -1,12 +1,12 @@
 //! States, biases and landmarks, and the measurements between them.
 
-use nalgebra::{DMatrix, DVector, Matrix2x3, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector1, Vector3};
 
 use super::ObservabilityError;
+use crate::factors::{BiasWalkFactor, InertialFactor, PixelByBody};
 use crate::inertial::{CameraImu, ImuBias, ImuNoise, NavState};
-use crate::least_squares::Manifold;
-use crate::manifold::so3;
-use crate::preintegration::{BiasWalk, Preintegrated, imu_residual, linearize};
+use crate::least_squares::{Columns, Kernel, Key, Problem, ProblemError, SolveError};
+use crate::preintegration::Preintegrated;
 use crate::reprojection::{Pinhole, ReprojFactor};
 
 // ANCHOR: assumption
@@ -34,6 +34,15 @@ impl BiasAssumption {
 }
 // ANCHOR_END: assumption
 
+/// What is unknown of how the camera sits on the body and how its clock goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct UnknownCalibration {
+    /// Whether `body_from_camera` is unknown.
+    pub extrinsics: bool,
+    /// Whether the time offset is unknown.
+    pub time_offset: bool,
+}
+
 // ANCHOR: window
 /// A stretch of time: what is unknown in it, and what was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,50 +67,10 @@ pub struct Window {
     pub observations: Vec<ReprojFactor>,
     /// Readings between each two consecutive states, or none for pictures alone.
     pub intervals: Vec<Preintegrated>,
+    /// What of the rig is unknown.
+    pub calibration: UnknownCalibration,
 }
 // ANCHOR_END: window
-
-/// The whitened residuals of a window and their derivatives.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinearizedWindow {
-    /// Two numbers for each pixel, nine for each interval, six for each step of walking biases.
-    pub residual: DVector<f64>,
-    /// The derivatives, with as many columns as [`Window`] has dimensions.
-    pub jacobian: DMatrix<f64>,
-}
-
-// ANCHOR: by_state
-/// The twist of `camera_from_world`, as its right retraction takes it, of a step (φ, v, p) of the
-/// state: a 6×9 matrix. Neither the lever arm nor the camera's orientation appears in it.
-///
-/// Implements {eq:twist-by-state}.
-pub fn twist_by_state(state: &NavState) -> SMatrix<f64, 6, 9> {
-    let world_from_body = state.world_from_body.matrix();
-    let mut twist = SMatrix::<f64, 6, 9>::zeros();
-    let rho_by_phi = -so3::hat(&state.position) * world_from_body;
-    twist.fixed_view_mut::<3, 3>(0, 0).copy_from(&rho_by_phi);
-    twist.fixed_view_mut::<3, 3>(0, 6).fill_diagonal(-1.0);
-    twist.fixed_view_mut::<3, 3>(3, 0).copy_from(&-world_from_body);
-    twist
-}
-// ANCHOR_END: by_state
-
-// ANCHOR: pixel_by_state
-/// The 2×9 derivative of a pixel by a step (φ, v, p) of the state, from the 2×3 derivative by the
-/// landmark. Implements {eq:pixel-by-state}.
-pub fn pixel_by_state(
-    state: &NavState,
-    landmark: &Vector3<f64>,
-    by_point: &Matrix2x3<f64>,
-) -> SMatrix<f64, 2, 9> {
-    let arm = so3::hat(&(landmark - state.position));
-    let mut jacobian = SMatrix::<f64, 2, 9>::zeros();
-    let by_phi = by_point * arm * state.world_from_body.matrix();
-    jacobian.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_phi);
-    jacobian.fixed_view_mut::<2, 3>(0, 6).copy_from(&-by_point);
-    jacobian
-}
-// ANCHOR_END: pixel_by_state
 
 impl Window {
     /// Index of the bias that holds in an interval, or at a state.
@@ -109,35 +78,104 @@ impl Window {
         if self.assumption.walk.is_some() { state } else { 0 }
     }
 
-    /// Columns before those of the biases, and before those of the landmarks, were every variable
-    /// unknown.
-    pub(super) fn starts(&self) -> (usize, usize) {
-        let biases = 9 * self.states.len();
-        (biases, biases + 6 * self.biases.len())
+    // ANCHOR: problem
+    /// The window as a problem of states, biases, landmarks, and how the camera sits on the body
+    /// and how late its clock is. What is known is held. Pictures alone know of no velocities or
+    /// biases.
+    ///
+    /// # Errors
+    ///
+    /// An [`ObservabilityError`] when the window does not fit together or a covariance cannot be
+    /// inverted.
+    pub fn problem(&self) -> Result<Problem, ObservabilityError> {
+        self.check()?;
+        let (mut problem, variables) = self.unknowns();
+        self.add_pixels(&variables, &mut problem)?;
+        self.add_intervals(&variables, &mut problem)?;
+        Ok(problem)
+    }
+    // ANCHOR_END: problem
+
+    /// The variables, with what is known held, and no factors.
+    fn unknowns(&self) -> (Problem, Variables) {
+        let mut problem = Problem::new();
+        let variables = Variables::add(self, &mut problem);
+        self.hold_known(&variables, &mut problem).expect("the variables are the problem's");
+        (problem, variables)
     }
 
-    // ANCHOR: columns
-    /// Which coordinates are unknown, among nine (φ, v, p) for each state, six for each bias,
-    /// gyroscope first, and three for each landmark. Pictures alone know of no velocities or biases.
-    pub(super) fn unknown(&self) -> Vec<usize> {
-        let (biases, landmarks) = self.starts();
-        let inertial = !self.intervals.is_empty();
-        let assumption = &self.assumption;
-        let is_unknown = |column: &usize| {
-            if *column < biases {
-                inertial || !(3..6).contains(&(column % 9))
-            } else if *column < landmarks {
-                let gyro = (column - biases) % 6 < 3;
-                let known =
-                    if gyro { assumption.gyro_known } else { assumption.accelerometer_known };
-                inertial && !known
-            } else {
-                true
-            }
-        };
-        (0..landmarks + 3 * self.landmarks.len()).filter(is_unknown).collect()
+    /// Which coordinates are unknown.
+    pub(super) fn columns(&self) -> Columns {
+        self.unknowns().0.columns()
     }
-    // ANCHOR_END: columns
+
+    // ANCHOR: hold_known
+    /// Holds what is assumed to be known.
+    fn hold_known(&self, variables: &Variables, problem: &mut Problem) -> Result<(), ProblemError> {
+        let inertial = !self.intervals.is_empty();
+        for state in variables.states.iter().filter(|_| !inertial) {
+            problem.hold_coordinates(*state, 3..6)?;
+        }
+        for bias in &variables.biases {
+            if !inertial || self.assumption.gyro_known {
+                problem.hold_coordinates(*bias, 0..3)?;
+            }
+            if !inertial || self.assumption.accelerometer_known {
+                problem.hold_coordinates(*bias, 3..6)?;
+            }
+        }
+        if !self.calibration.extrinsics {
+            problem.hold(variables.extrinsics)?;
+        }
+        if !self.calibration.time_offset {
+            problem.hold(variables.time_offset)?;
+        }
+        Ok(())
+    }
+    // ANCHOR_END: hold_known
+
+    // ANCHOR: add_pixels
+    /// A factor for each pixel, by its state, its landmark, and the camera's place and clock.
+    fn add_pixels(&self, variables: &Variables, problem: &mut Problem) -> Result<(), ProblemError> {
+        for &ReprojFactor { keyframe, point, pixel, inverse_sigma } in &self.observations {
+            let factor = PixelByBody {
+                state: variables.states[keyframe],
+                landmark: variables.landmarks[point],
+                extrinsics: variables.extrinsics,
+                time_offset: variables.time_offset,
+                camera: self.camera,
+                angular_velocity: self.angular_velocities[keyframe],
+                pixel,
+                inverse_sigma,
+            };
+            problem.add_factor(factor, Kernel::Squared)?;
+        }
+        Ok(())
+    }
+    // ANCHOR_END: add_pixels
+
+    // ANCHOR: add_intervals
+    /// A factor for each interval, by the states at its ends and the bias in it, and one for each
+    /// step of a bias that walks.
+    fn add_intervals(
+        &self,
+        variables: &Variables,
+        problem: &mut Problem,
+    ) -> Result<(), ObservabilityError> {
+        for (i, interval) in self.intervals.iter().enumerate() {
+            let states = [variables.states[i], variables.states[i + 1]];
+            let bias = variables.biases[self.bias_index(i)];
+            let factor = InertialFactor::new(states, bias, *interval, self.gravity)?;
+            problem.add_factor(factor, Kernel::Squared)?;
+            if let Some(noise) = &self.assumption.walk {
+                let biases = [variables.biases[i], variables.biases[i + 1]];
+                let factor = BiasWalkFactor::new(biases, noise, interval.duration)?;
+                problem.add_factor(factor, Kernel::Squared)?;
+            }
+        }
+        Ok(())
+    }
+    // ANCHOR_END: add_intervals
 
     // ANCHOR: residual
     /// The whitened residuals: pixels, then intervals, then steps of walking biases.
@@ -147,112 +185,50 @@ impl Window {
     /// An [`ObservabilityError`] when the window does not fit together, a landmark is not in front
     /// of its camera, or a number is not finite.
     pub fn residual(&self) -> Result<DVector<f64>, ObservabilityError> {
-        self.check()?;
-        let mut rows = Vec::new();
-        for (index, factor) in self.observations.iter().enumerate() {
-            let pose = self.rig.camera_from_world(&self.states[factor.keyframe]);
-            let pixel = self.camera.project(&pose, &self.landmarks[factor.point]);
-            let pixel = pixel.ok_or_else(|| self.not_in_front(index))?;
-            rows.extend_from_slice(factor.residual(&pixel).as_slice());
-        }
-        for (i, interval) in self.intervals.iter().enumerate() {
-            let bias = &self.biases[self.bias_index(i)];
-            let (first, second) = (&self.states[i], &self.states[i + 1]);
-            let residual = imu_residual(interval, first, second, &self.gravity, bias);
-            rows.extend_from_slice((interval.sqrt_information()? * residual).as_slice());
-        }
-        for (i, walk) in self.walks()?.iter().enumerate() {
-            let residual = walk.linearize(&self.biases[i], &self.biases[i + 1]).residual;
-            rows.extend_from_slice(residual.as_slice());
-        }
-        finite(DVector::from_vec(rows))
+        Ok(self.linearize()?.1)
     }
-    // ANCHOR_END: residual
 
-    // ANCHOR: jacobian
-    /// The whitened residuals with their derivatives by all that is unknown.
+    /// The derivatives of the whitened residuals by all that is unknown, and the residuals.
     ///
     /// # Errors
     ///
     /// Those of [`Window::residual`].
-    pub fn linearize(&self) -> Result<LinearizedWindow, ObservabilityError> {
-        let residual = self.residual()?;
-        let (_, landmarks) = self.starts();
-        let mut whole = DMatrix::zeros(residual.len(), landmarks + 3 * self.landmarks.len());
-        let row = self.add_pixels(&mut whole)?;
-        let row = self.add_intervals(&mut whole, row)?;
-        self.add_walks(&mut whole, row)?;
-        if let Some(row) = whole.row_iter().position(|row| !row.iter().all(|x| x.is_finite())) {
-            return Err(ObservabilityError::NotFinite { row });
-        }
-        Ok(LinearizedWindow { residual, jacobian: whole.select_columns(&self.unknown()) })
+    pub fn linearize(&self) -> Result<(DMatrix<f64>, DVector<f64>), ObservabilityError> {
+        let problem = self.problem()?;
+        problem.jacobian(problem.values()).map_err(|error| match error {
+            // Pixels were added first, and nothing else is undefined anywhere.
+            SolveError::Undefined { factor } => self.not_in_front(factor),
+            error => error.into(),
+        })
     }
-    // ANCHOR_END: jacobian
-
-    // ANCHOR: add_pixels
-    /// Two rows for each pixel, by its state and its landmark.
-    fn add_pixels(&self, whole: &mut DMatrix<f64>) -> Result<usize, ObservabilityError> {
-        let (_, landmarks) = self.starts();
-        for (index, factor) in self.observations.iter().enumerate() {
-            let (state, point) = (&self.states[factor.keyframe], &self.landmarks[factor.point]);
-            let pose = self.rig.camera_from_world(state);
-            let predicted = self.camera.project_with_jacobians(&pose, point);
-            let predicted = predicted.ok_or_else(|| self.not_in_front(index))?;
-            let by_point = factor.linearize(&predicted).by_point;
-            let by_state = pixel_by_state(state, point, &by_point);
-            let row = 2 * index;
-            whole.fixed_view_mut::<2, 9>(row, 9 * factor.keyframe).copy_from(&by_state);
-            let column = landmarks + 3 * factor.point;
-            whole.fixed_view_mut::<2, 3>(row, column).copy_from(&by_point);
-        }
-        Ok(2 * self.observations.len())
-    }
-    // ANCHOR_END: add_pixels
-
-    // ANCHOR: add_intervals
-    /// Nine rows for each interval, by the states at its ends and the bias in it.
-    fn add_intervals(
-        &self,
-        whole: &mut DMatrix<f64>,
-        start: usize,
-    ) -> Result<usize, ObservabilityError> {
-        let (biases, _) = self.starts();
-        for (i, interval) in self.intervals.iter().enumerate() {
-            let at = self.bias_index(i);
-            let (first, second) = (&self.states[i], &self.states[i + 1]);
-            let linear = linearize(interval, first, second, &self.gravity, &self.biases[at])
-                .whitened(&interval.sqrt_information()?);
-            let row = start + 9 * i;
-            whole.fixed_view_mut::<9, 9>(row, 9 * i).copy_from(&linear.by_first);
-            whole.fixed_view_mut::<9, 9>(row, 9 * (i + 1)).copy_from(&linear.by_second);
-            whole.fixed_view_mut::<9, 6>(row, biases + 6 * at).copy_from(&linear.by_bias);
-        }
-        Ok(start + 9 * self.intervals.len())
-    }
-    // ANCHOR_END: add_intervals
-
-    /// Six rows for each step of walking biases.
-    fn add_walks(&self, whole: &mut DMatrix<f64>, start: usize) -> Result<(), ObservabilityError> {
-        let (biases, _) = self.starts();
-        for (i, walk) in self.walks()?.iter().enumerate() {
-            let linear = walk.linearize(&self.biases[i], &self.biases[i + 1]);
-            let (row, column) = (start + 6 * i, biases + 6 * i);
-            whole.fixed_view_mut::<6, 6>(row, column).copy_from(&linear.by_first);
-            whole.fixed_view_mut::<6, 6>(row, column + 6).copy_from(&linear.by_second);
-        }
-        Ok(())
-    }
-
-    fn walks(&self) -> Result<Vec<BiasWalk>, ObservabilityError> {
-        let Some(noise) = &self.assumption.walk else { return Ok(Vec::new()) };
-        let walk = |interval: &Preintegrated| Ok(BiasWalk::new(noise, interval.duration)?);
-        self.intervals.iter().map(walk).collect()
-    }
+    // ANCHOR_END: residual
 
     fn not_in_front(&self, observation: usize) -> ObservabilityError {
         let ReprojFactor { keyframe: state, point: landmark, .. } = self.observations[observation];
         ObservabilityError::NotInFront { observation, state, landmark }
     }
+
+    // ANCHOR: retract
+    /// How many coordinates are unknown.
+    pub fn dimension(&self) -> usize {
+        self.columns().count
+    }
+
+    /// The window moved by a step of all that is unknown: states (φ, v, p), then biases, then
+    /// landmarks, then what is unknown of the calibration.
+    pub fn retract(&self, step: &[f64]) -> Self {
+        let (problem, _) = self.unknowns();
+        let mut whole = vec![0.0; problem.values().dimension()];
+        problem.columns().spread(step, &mut whole);
+        let values = problem.values().retract(&whole);
+        let rig = CameraImu {
+            body_from_camera: values.of_kind::<Isometry3<f64>>()[0],
+            time_offset: values.of_kind::<Vector1<f64>>()[0].x,
+        };
+        let (states, biases) = (values.of_kind().to_vec(), values.of_kind().to_vec());
+        Self { states, biases, landmarks: values.of_kind().to_vec(), rig, ..self.clone() }
+    }
+    // ANCHOR_END: retract
 
     /// Whether the parts of the window fit together.
     pub(super) fn check(&self) -> Result<(), ObservabilityError> {
@@ -282,37 +258,23 @@ impl Window {
     }
 }
 
-fn finite(residual: DVector<f64>) -> Result<DVector<f64>, ObservabilityError> {
-    match residual.iter().position(|value| !value.is_finite()) {
-        Some(row) => Err(ObservabilityError::NotFinite { row }),
-        None => Ok(residual),
-    }
+/// The variables of a window's problem.
+struct Variables {
+    states: Vec<Key<NavState>>,
+    biases: Vec<Key<ImuBias>>,
+    landmarks: Vec<Key<Vector3<f64>>>,
+    extrinsics: Key<Isometry3<f64>>,
+    time_offset: Key<Vector1<f64>>,
 }
 
-// ANCHOR: retract
-/// A step moves all that is unknown: states (φ, v, p), then biases, then landmarks.
-impl Manifold for Window {
-    fn dimension(&self) -> usize {
-        self.unknown().len()
-    }
-
-    fn retract(&self, step: &[f64]) -> Self {
-        let (biases, landmarks) = self.starts();
-        let mut whole = vec![0.0; landmarks + 3 * self.landmarks.len()];
-        for (column, change) in self.unknown().into_iter().zip(step) {
-            whole[column] = *change;
+impl Variables {
+    fn add(window: &Window, problem: &mut Problem) -> Self {
+        Self {
+            states: window.states.iter().map(|state| problem.add_variable(*state)).collect(),
+            biases: window.biases.iter().map(|bias| problem.add_variable(*bias)).collect(),
+            landmarks: window.landmarks.iter().map(|point| problem.add_variable(*point)).collect(),
+            extrinsics: problem.add_variable(window.rig.body_from_camera),
+            time_offset: problem.add_variable(Vector1::new(window.rig.time_offset)),
         }
-        let mut moved = self.clone();
-        for (state, step) in moved.states.iter_mut().zip(whole.chunks_exact(9)) {
-            *state = state.retract(step);
-        }
-        for (bias, step) in moved.biases.iter_mut().zip(whole[biases..].chunks_exact(6)) {
-            *bias = ImuBias::from_vector(&bias.vector().retract(step));
-        }
-        for (landmark, step) in moved.landmarks.iter_mut().zip(whole[landmarks..].chunks_exact(3)) {
-            *landmark = landmark.retract(step);
-        }
-        moved
     }
 }
-// ANCHOR_END: retract

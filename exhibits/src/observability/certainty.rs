@@ -1,7 +1,8 @@
 //! How sure the window is of a quantity, and at best.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::observability::{Similarity, Spectrum, Window};
+use vislam::least_squares::Spectrum;
+use vislam::observability::{Similarity, Window};
 use vislam::preintegration::Vector9;
 
 use super::draws;

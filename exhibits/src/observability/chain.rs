@@ -4,7 +4,7 @@ use nalgebra::{Matrix2x3, Matrix3, SMatrix, Vector3};
 use vislam::inertial::{CameraImu, NavState};
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
-use vislam::observability as theory;
+use vislam::factors as theory;
 
 use super::STATES;
 use super::draws;

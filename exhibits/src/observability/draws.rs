@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, Vector3};
 use vislam::inertial::{Angles, CameraImu, GRAVITY, NavState, ScalarTrajectory, Trajectory};
-use vislam::least_squares::Manifold;
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
 use super::worked::of_flight;

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use vislam::inertial::{ScalarTrajectory, Trajectory};
-use vislam::least_squares::Manifold;
-use vislam::observability::{BiasAssumption, Direction, Flight, Spectrum, Window};
+use vislam::least_squares::Spectrum;
+use vislam::observability::{BiasAssumption, Direction, Flight, Window};
 
 use super::certainty::scale_information;
 use super::worked::{VELOCITY, log_distance, of_flight, spectrum, turning, window};
@@ -103,15 +103,16 @@ fn mixed(disagreement: f64) -> Mixed {
     let mut random = Random::new(31);
     let step: Vec<f64> = (0..truth.dimension()).map(|_| random.normal(disagreement)).collect();
     let elsewhere = truth.retract(&step);
-    let rows = |window: &Window| window.linearize().expect("the estimates are close").jacobian;
+    let rows = |window: &Window| window.linearize().expect("the estimates are close").0;
     let (mut jacobian, other): (DMatrix<f64>, _) = (rows(&truth), rows(&elsewhere));
     let first = 2 * truth.observations.len();
     let readings = jacobian.nrows() - first;
     jacobian.rows_mut(first, readings).copy_from(&other.rows(first, readings));
     let spectrum = Spectrum::of(&jacobian).expect("the disagreement is above rounding");
+    let null_space = spectrum.null_space();
     let four = [0, 1, 2].map(Direction::Translation);
-    let [x, y, z] = four.map(|direction| spectrum.leaves(&truth.direction(direction)));
-    let yaw = spectrum.leaves(&truth.direction(Direction::Yaw));
+    let [x, y, z] = four.map(|direction| null_space.leaves(&truth.direction(direction)));
+    let yaw = null_space.leaves(&truth.direction(Direction::Yaw));
     let sigma = spectrum.sigma(&first_yaw(&truth)).expect("the yaw seems to be known");
     Mixed { free: spectrum.zeros, yaw_degrees: sigma.to_degrees(), leaves: [x, y, z, yaw] }
 }

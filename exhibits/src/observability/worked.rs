@@ -4,9 +4,8 @@ use std::sync::OnceLock;
 
 use nalgebra::{DVector, Vector3};
 use vislam::inertial::{Angles, ImuNoise, ScalarTrajectory, Trajectory};
-use vislam::observability::{
-    BiasAssumption, Flight, FreeDirections, Spectrum, Window, landmarks_around,
-};
+use vislam::least_squares::Spectrum;
+use vislam::observability::{BiasAssumption, Flight, FreeDirections, Window, landmarks_around};
 
 /// Landmarks on all sides, of which a camera that looks ahead sees a part.
 const LANDMARKS: usize = 100;
@@ -113,8 +112,8 @@ pub fn free(window: &Window) -> FreeDirections {
 
 /// The spectrum of a window.
 pub fn spectrum(window: &Window) -> Spectrum {
-    let linear = window.linearize().expect("every landmark is in front of its cameras");
-    Spectrum::of(&linear.jacobian).expect("the motions of the chapter are degenerate or are not")
+    let (jacobian, _) = window.linearize().expect("every landmark is in front of its cameras");
+    Spectrum::of(&jacobian).expect("the motions of the chapter are degenerate or are not")
 }
 
 /// The gradient of the logarithm of the distance between the first position and the last.
