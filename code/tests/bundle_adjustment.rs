@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{
-    DMatrix, DVector, Isometry3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
+    DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
 };
 use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::bundle_adjustment::{
@@ -13,10 +13,11 @@ use vislam::bundle_adjustment::{
 };
 use vislam::factors::{MovingCamera, PixelByCamera, Prior};
 use vislam::least_squares::{
-    Factor, Kernel, LandmarkElimination, Method, Options, Problem, SolveError, Stop, Values,
+    Factor, Kernel, Key, LandmarkElimination, Method, Options, Point, Problem, SolveError, Stop,
+    Values,
 };
 use vislam::manifold::{se3, so3};
-use vislam::reprojection::{Pinhole, ReprojFactor};
+use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential, ReprojFactor};
 
 type Ba = TinyBa<PosedPinhole, 6>;
 
@@ -189,7 +190,11 @@ impl Camera<7> for Zooming {
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<7>> {
         let LinearizedPixel { pixel, by_camera, by_point } =
             Camera::<9>::differentiate(&self.0, point_in_world)?;
-        Some(LinearizedPixel { pixel, by_camera: by_camera.fixed_columns::<7>(0).into_owned(), by_point })
+        Some(LinearizedPixel {
+            pixel,
+            by_camera: by_camera.fixed_columns::<7>(0).into_owned(),
+            by_point,
+        })
     }
 
     fn retract(&self, change: &SVector<f64, 7>) -> Self {
@@ -228,7 +233,8 @@ fn a_camera_may_move_in_any_number_of_directions() {
     for camera in 0..6 {
         assert!((step.cameras[camera] - full.rows(7 * camera, 7)).norm() < 1e-10 * full.norm());
     }
-    let report = problem.solve(&Options { max_iterations: 200, ..Options::large_problem() }).unwrap();
+    let report =
+        problem.solve(&Options { max_iterations: 200, ..Options::large_problem() }).unwrap();
     assert!(report.rmse_px < 1.5);
     assert_abs_diff_eq!(problem.cameras[0].0.focal_length, 400.0, epsilon = 20.0);
 }
@@ -375,6 +381,250 @@ fn a_stereo_rig_knows_scale_and_not_where_it_is() {
     problem.fixed.fill(false);
     let free = GaugeFreedom { position: 3, orientation: 3, ..GaugeFreedom::default() };
     assert_eq!(solver(&problem).step(0.0).unwrap_err(), BaError::RankDeficient { free });
+}
+
+/// A street with camera 0 held, open or closed, at the truth.
+fn street_at_truth(cameras: usize, is_closed: bool) -> Ba {
+    let street = if is_closed { Scene::closed_street } else { Scene::street };
+    let Scene { problem, true_cameras, true_points, .. } = street(cameras, 2.5, 1.0, 31);
+    Ba { cameras: true_cameras, points: true_points, ..problem }
+}
+
+/// Pixels of a street leave free how large it is, and nothing else, however far it goes.
+fn assert_that_only_scale_is_free(cameras: usize) {
+    let free = GaugeFreedom { scale: 1, ..GaugeFreedom::default() };
+    for is_closed in [false, true] {
+        let solver = solver(&street_at_truth(cameras, is_closed));
+        assert_eq!(solver.gauge_freedom().unwrap(), free, "{cameras}, closed: {is_closed}");
+        assert_eq!(solver.step(0.0).unwrap_err(), BaError::RankDeficient { free });
+    }
+}
+
+#[test]
+fn scale_is_free_on_streets_of_50_and_400_cameras_and_nothing_else() {
+    assert_that_only_scale_is_free(50);
+    assert_that_only_scale_is_free(400);
+}
+
+#[test]
+#[ignore = "takes a while: 2,000 cameras and 20,000 points, twice"]
+fn scale_is_free_on_a_street_of_2000_cameras_and_nothing_else() {
+    assert_that_only_scale_is_free(2000);
+}
+
+fn stored_blocks(problem: &Ba) -> usize {
+    solver(problem).report(Stop::IterationLimit).stored_blocks
+}
+
+#[test]
+fn a_street_that_comes_back_stores_less_than_twice_the_blocks() {
+    for cameras in [50, 200, 800] {
+        let [open, closed] = [false, true].map(|is| stored_blocks(&street_at_truth(cameras, is)));
+        assert!(closed < 2 * open, "{closed} against {open}");
+    }
+}
+
+#[test]
+fn a_street_whose_cameras_are_numbered_in_no_order_is_stored_as_a_band() {
+    for is_closed in [false, true] {
+        let ordered = street_at_truth(200, is_closed);
+        let mut shuffled = ordered.clone();
+        // 77 has no divisor in common with 199, so every camera but the first gets a new number.
+        let new = |camera: usize| if camera == 0 { 0 } else { 1 + 77 * (camera - 1) % 199 };
+        for (camera, pose) in ordered.cameras.iter().enumerate() {
+            shuffled.cameras[new(camera)] = *pose;
+        }
+        shuffled.factors.iter_mut().for_each(|factor| factor.keyframe = new(factor.keyframe));
+        let [stored, in_order] = [&shuffled, &ordered].map(stored_blocks);
+        assert!(stored < in_order + in_order / 4, "{stored} against {in_order}");
+        let [step, expected] = [&shuffled, &ordered].map(|ba| solver(ba).step(1e-3).unwrap());
+        for camera in 1..200 {
+            let difference = step.cameras[new(camera)] - expected.cameras[camera];
+            assert!(difference.norm() < 1e-7 * expected.cameras[camera].norm());
+        }
+    }
+}
+
+type CameraKey = Key<MovingCamera<PosedPinhole, 6>>;
+
+/// The same problem made of variables and factors by hand, with points that are seen once left
+/// out.
+fn of_factors(ba: &Ba) -> (Problem, Vec<CameraKey>, Vec<Key<Vector3<f64>>>) {
+    let mut problem = Problem::new();
+    let cameras: Vec<_> =
+        ba.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
+    let points: Vec<_> = ba.points.iter().map(|point| problem.add_variable(*point)).collect();
+    for (camera, _) in cameras.iter().zip(&ba.fixed).filter(|(_, fixed)| **fixed) {
+        problem.hold(*camera).unwrap();
+    }
+    for (point, key) in points.iter().enumerate() {
+        let seen: Vec<_> = ba.factors.iter().filter(|factor| factor.point == point).collect();
+        if seen.len() < 2 {
+            problem.hold(*key).unwrap();
+            continue;
+        }
+        for ReprojFactor { keyframe, pixel, inverse_sigma, .. } in seen.into_iter().copied() {
+            let factor =
+                PixelByCamera { camera: cameras[keyframe], landmark: *key, pixel, inverse_sigma };
+            problem.add_factor(factor, Kernel::Squared).unwrap();
+        }
+    }
+    (problem, cameras, points)
+}
+
+fn elimination(problem: &Problem) -> LandmarkElimination<6> {
+    LandmarkElimination::new::<Vector3<f64>>(problem).unwrap()
+}
+
+/// Solves with the dense system and with the landmarks eliminated, and gives both values.
+fn solved_both_ways(problem: &mut Problem) -> [Values; 2] {
+    let options = Options::default();
+    let coarse = problem.solve(&options).unwrap().values;
+    problem.set_values(coarse).unwrap();
+    let last = Options { max_iterations: 3, ..Options::gauss_newton() };
+    let dense = problem.solve(&last).unwrap().values;
+    let eliminated = problem.solve_with(elimination(problem), &last).unwrap().values;
+    [dense, eliminated]
+}
+
+#[test]
+fn dense_and_eliminated_equations_have_one_solution_and_one_covariance() {
+    for scene in [Scene::ring(8, 40, 1.0, 32), Scene::street(12, 2.5, 1.0, 33)] {
+        let (mut problem, cameras, points) = of_factors(&scene.problem);
+        // What is known of camera 1 beforehand says how large everything is.
+        let anchor = MovingCamera(scene.true_cameras[1]);
+        let sqrt_information = Matrix6::from_diagonal_element(1.0 / 0.02);
+        let prior = Prior { variable: cameras[1], anchor, sqrt_information };
+        problem.add_factor(prior, Kernel::Squared).unwrap();
+        let [dense, eliminated] = solved_both_ways(&mut problem);
+        let covariance = problem.covariance(&dense).unwrap();
+        let columns = problem.columns();
+        for (apart, column) in dense.local(&eliminated).into_iter().zip(columns.of) {
+            let sigma = column.map_or(0.0, |c| covariance.matrix()[(c, c)].sqrt());
+            assert!(apart.abs() <= 1e-6 * sigma);
+        }
+
+        let least_seen = problem.null_space(&dense).unwrap().least_seen.unwrap();
+        let tolerance = 10.0 * f64::EPSILON / (least_seen * least_seen);
+        assert!(tolerance < 1e-4);
+        let at = Point { values: &dense, frozen: None };
+        let mut system = elimination(&problem);
+        let of_cameras = system.covariance(&problem, at).unwrap();
+        let of_points = system.landmark_covariances(&problem, at, &of_cameras).unwrap();
+        let rows = system.rows(&problem);
+        for camera in &cameras[1..] {
+            let row = 6 * rows[camera.index()].unwrap();
+            let block = of_cameras.view((row, row), (6, 6)).into_owned();
+            assert_same_covariance(&block, &covariance.of(*camera).unwrap(), tolerance);
+        }
+        let moving = points.iter().filter_map(|point| covariance.of(*point));
+        for (eliminated, dense) in of_points.iter().zip(moving) {
+            let eliminated = DMatrix::from_column_slice(3, 3, eliminated.as_slice());
+            assert_same_covariance(&eliminated, &dense, tolerance);
+        }
+    }
+}
+
+/// Entries differ by no more than a part of the standard deviations to which they belong.
+fn assert_same_covariance(one: &DMatrix<f64>, other: &DMatrix<f64>, tolerance: f64) {
+    for (row, column) in (0..one.nrows()).flat_map(|r| (0..one.ncols()).map(move |c| (r, c))) {
+        let size = (other[(row, row)] * other[(column, column)]).sqrt();
+        assert!((one[(row, column)] - other[(row, column)]).abs() <= tolerance * size);
+    }
+}
+
+#[test]
+fn a_bundle_adjustment_is_the_problem_of_its_factors() {
+    for mut scene in [Scene::ring(8, 40, 1.0, 34), Scene::street(12, 2.5, 1.0, 35)] {
+        scene.problem.cameras[1] = scene.true_cameras[1];
+        scene.problem.fixed[1] = true;
+        let (mut problem, cameras, points) = of_factors(&scene.problem);
+        let [dense, _] = solved_both_ways(&mut problem);
+        let precise = Options { decrease_tolerance: 1e-15, ..Options::default() };
+        scene.problem.solve(&precise).unwrap();
+        let covariance = problem.covariance(&dense).unwrap();
+        let own = solver(&scene.problem).covariance().unwrap();
+        for (index, key) in cameras.iter().enumerate().skip(2) {
+            let expected = covariance.of(*key).unwrap();
+            let apart = dense[*key].0.local(&scene.problem.cameras[index]);
+            for axis in 0..6 {
+                assert!(apart[axis].abs() < 1e-4 * expected[(axis, axis)].sqrt());
+            }
+            let found = own.camera(index).unwrap();
+            let found = DMatrix::from_column_slice(6, 6, found.as_slice());
+            assert_same_covariance(&found, &expected, 1e-4);
+        }
+        for (index, key) in points.iter().enumerate() {
+            let Some(expected) = covariance.of(*key) else { continue };
+            let found = own.point(index).unwrap();
+            let found = DMatrix::from_column_slice(3, 3, found.as_slice());
+            assert_same_covariance(&found, &expected, 1e-4);
+        }
+    }
+}
+
+#[test]
+fn the_minimal_norm_covariance_of_a_street_keeps_the_weakest_direction_that_pixels_see() {
+    let street = street_at_truth(30, false);
+    let (problem, cameras, points) = of_factors(&street);
+    let (jacobian, _) = problem.jacobian(problem.values()).unwrap();
+    let (rows, size) = jacobian.shape();
+    // Growth about camera 0, which stands in the origin.
+    let mut growth = DVector::zeros(size);
+    let columns = problem.columns();
+    let column = |index| columns.of[problem.values().coordinates_of(index).unwrap().start];
+    for (key, camera) in cameras.iter().zip(&street.cameras).skip(1) {
+        growth.fixed_rows_mut::<3>(column(key.index()).unwrap()).copy_from(&-camera.centre());
+    }
+    for (key, point) in points.iter().zip(&street.points) {
+        let Some(column) = column(key.index()) else { continue };
+        growth.fixed_rows_mut::<3>(column).copy_from(point);
+    }
+    assert!((&jacobian * &growth).norm() < 1e-12 * jacobian.norm() * growth.norm());
+    // With growth measured too, nothing is free; then it is taken away.
+    let unit = growth.normalize();
+    let mut whole = jacobian.insert_row(rows, 0.0);
+    whole.row_mut(rows).tr_copy_from(&(jacobian_size(&street) * &unit));
+    let root = whole.qr().unpack_r().try_inverse().unwrap();
+    let moving = 6 * 29;
+    let of_cameras = root.rows(0, moving).into_owned();
+    let growth = growth.rows(0, moving).normalize();
+    let projected = &of_cameras - &growth * growth.tr_mul(&of_cameras);
+    let expected = &projected * projected.transpose();
+
+    let found = solver(&street).minimal_norm_covariance().unwrap().cameras;
+    assert!((&found - &expected).norm() < 1e-6 * expected.norm());
+    let weakest = |matrix: &DMatrix<f64>| matrix.symmetric_eigenvalues().max();
+    assert_relative_eq!(weakest(&found), weakest(&expected), max_relative = 1e-6);
+}
+
+/// About the largest length of a column of a street's Jacobian.
+fn jacobian_size(street: &Ba) -> f64 {
+    let (h, _) = full_system(&Ba { factors: street.factors[..100].to_vec(), ..street.clone() });
+    h.diagonal().max().sqrt()
+}
+
+#[test]
+fn cameras_with_a_lens_are_adjusted_too() {
+    let scene = Scene::ring(8, 40, 0.0, 36);
+    let lens = RadialTangential::new(-0.2, 0.05, 0.0, 0.0, 0.0).unwrap();
+    let with_lens = |camera: &PosedPinhole| Posed {
+        intrinsics: DistortedPinhole { pinhole: camera.intrinsics, lens },
+        camera_from_world: camera.camera_from_world,
+    };
+    let truth: Vec<_> = scene.true_cameras.iter().map(with_lens).collect();
+    let cameras = scene.problem.cameras.iter().map(with_lens).collect();
+    let mut factors = scene.problem.factors;
+    for factor in &mut factors {
+        factor.pixel = truth[factor.keyframe].project(&scene.true_points[factor.point]).unwrap();
+    }
+    let mut problem = TinyBa::new(cameras, scene.problem.points, factors);
+    problem.fixed[0] = true;
+    let options = Options { decrease_tolerance: 1e-12, ..Options::large_problem() };
+    let report = problem.solve(&options).unwrap();
+    assert!(report.stop.is_convergence() && report.rmse_px < 1e-6, "{report:?}");
+    let free = Solver::new(&problem, &options).unwrap().gauge_freedom().unwrap();
+    assert_eq!(free, GaugeFreedom { scale: 1, ..GaugeFreedom::default() });
 }
 
 #[test]
@@ -628,6 +878,115 @@ fn derivatives_of_both_cameras_agree_with_differences() {
     }
 }
 
+/// Numbers without a pattern between -1 and 1.
+struct Unit(u64);
+
+impl Unit {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self, size: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| size * self.next())
+    }
+}
+
+/// Two states of a factor and its pixel: derivatives where it stands agree with differences, and so
+/// do those of a problem at a linearization point that is frozen elsewhere.
+fn assert_factor<C: Camera<D> + Copy, const D: usize>(
+    states: [(&C, Vector3<f64>); 2],
+    pixel: Vector2<f64>,
+) {
+    let mut problem = Problem::new();
+    let camera = problem.add_variable(MovingCamera(*states[0].0));
+    let landmark = problem.add_variable(states[0].1);
+    let factor = PixelByCamera { camera, landmark, pixel, inverse_sigma: 2.0 };
+    problem.add_factor(factor, Kernel::Squared).unwrap();
+    for (frozen, (at, point)) in states.iter().enumerate() {
+        if frozen == 1 {
+            problem.freeze(camera, MovingCamera(**at)).unwrap();
+            problem.freeze(landmark, *point).unwrap();
+        }
+        let (jacobian, residual) = problem.jacobian(problem.values()).unwrap();
+        let expected = 2.0 * (states[0].0.project(&states[0].1).unwrap() - pixel);
+        assert_abs_diff_eq!(Vector2::new(residual[0], residual[1]), expected, epsilon = 1e-9);
+        for axis in 0..D + 3 {
+            let moved = |step: f64| {
+                let change = SVector::<f64, D>::from_fn(|i, _| if i == axis { step } else { 0.0 });
+                let along = Vector3::from_fn(|i, _| if D + i == axis { step } else { 0.0 });
+                let camera = MovingCamera(at.retract(&change));
+                factor.residual((&camera, &(point + along))).unwrap()
+            };
+            let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            let column = Vector2::new(jacobian[(0, axis)], jacobian[(1, axis)]);
+            assert_abs_diff_eq!(column, difference, epsilon = 1e-5 * (1.0 + difference.norm()));
+        }
+    }
+}
+
+#[test]
+fn factors_of_all_cameras_agree_with_differences_also_where_they_are_frozen_elsewhere() {
+    let mut unit = Unit(1);
+    let intrinsics = Pinhole::new(400.0, 420.0, 320.0, 240.0).unwrap();
+    for _ in 0..1000 {
+        let mut state = || {
+            let depth = 8.0 + 6.0 * unit.next();
+            let slopes = unit.vector(0.6);
+            let in_camera = depth * Vector3::new(slopes.x, slopes.y, 1.0);
+            let rotation = so3::exp(&unit.vector(1.5));
+            let translation = unit.vector(3.0);
+            let point = rotation.inverse() * (in_camera - translation);
+            let pose = Isometry3::from_parts(translation.into(), rotation.into());
+            (pose, point, [0.3 * unit.next(), 0.1 * unit.next()])
+        };
+        let states = [state(), state()];
+        let pixel = Vector2::new(300.0 + 100.0 * unit.next(), 200.0 + 100.0 * unit.next());
+        let points = states.map(|(_, point, _)| point);
+        let posed = states.map(|(camera_from_world, ..)| Posed { intrinsics, camera_from_world });
+        assert_factor::<_, 6>([(&posed[0], points[0]), (&posed[1], points[1])], pixel);
+        let lens = RadialTangential::new(-0.1, 0.05, 0.01, -0.02, 0.0).unwrap();
+        let intrinsics = DistortedPinhole { pinhole: intrinsics, lens };
+        let posed = states.map(|(camera_from_world, ..)| Posed { intrinsics, camera_from_world });
+        assert_factor::<_, 6>([(&posed[0], points[0]), (&posed[1], points[1])], pixel);
+        let bal = states.map(|(pose, _, radial)| BalCamera {
+            rotation: pose.rotation.to_rotation_matrix(),
+            translation: pose.translation.vector,
+            focal_length: 400.0,
+            radial,
+        });
+        assert_factor::<_, 6>([(&bal[0], points[0]), (&bal[1], points[1])], pixel);
+        assert_factor::<_, 9>([(&bal[0], points[0]), (&bal[1], points[1])], pixel);
+    }
+}
+
+#[test]
+fn the_way_from_a_camera_to_another_one_is_that_of_its_retraction() {
+    let mut unit = Unit(2);
+    for _ in 0..200 {
+        let change = SVector::<f64, 9>::from_fn(|_, _| 0.5 * unit.next());
+        let from = BalCamera {
+            rotation: so3::exp(&unit.vector(1.5)),
+            translation: unit.vector(3.0),
+            focal_length: 400.0,
+            radial: [0.1, -0.1],
+        };
+        let to = from.retract(&change);
+        assert_abs_diff_eq!(Camera::<9>::local(&from, &to), change, epsilon = 1e-9);
+        let jacobian = Camera::<9>::local_jacobian(&from, &to);
+        for axis in 0..9 {
+            let moved = |step: f64| {
+                let small = SVector::<f64, 9>::from_fn(|i, _| if i == axis { step } else { 0.0 });
+                Camera::<9>::local(&from, &to.retract(&small))
+            };
+            let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            assert_abs_diff_eq!(jacobian.column(axis).into_owned(), difference, epsilon = 1e-6);
+        }
+    }
+}
+
 #[test]
 fn a_pinhole_has_no_derivative_where_it_has_no_pixel() {
     let camera = Scene::ring(8, 40, 1.0, 17).true_cameras[0];
@@ -698,9 +1057,7 @@ fn bad_input_is_an_error_that_names_it() {
     for damping in [f64::NAN, 0.0, -1.0] {
         let error = Solver::new(&good, &damped_by(damping)).err().unwrap();
         let is_named = |name: &str| name == "initial_damping";
-        assert!(
-            matches!(error, BaError::Solve(SolveError::Option { name, .. }) if is_named(name))
-        );
+        assert!(matches!(error, BaError::Solve(SolveError::Option { name, .. }) if is_named(name)));
     }
     let error = SolveError::Option { name: "damping", value: -1.0 };
     assert_eq!(solver(&good).step(-1.0).unwrap_err(), BaError::Solve(error));

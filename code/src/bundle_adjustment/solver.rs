@@ -6,8 +6,8 @@ use super::assembly::Assembly;
 use super::{BaError, BaReport, Camera, TinyBa};
 use crate::factors::MovingCamera;
 use crate::least_squares::{
-    Iteration, LandmarkElimination, LinearSystem, Options, Point, Search, Singular,
-    SolveError, Stop, Values,
+    Iteration, LandmarkElimination, LinearSystem, Options, Point, Search, Singular, SolveError,
+    Stop, Values,
 };
 
 // ANCHOR: trial_step

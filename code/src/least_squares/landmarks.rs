@@ -90,7 +90,8 @@ impl<const D: usize> LandmarkElimination<D> {
         let nothing =
             Eliminated { inverse_factor: one, forward: zero, curvature: zero, damping: zero };
         let most = |count: fn(&Landmark) -> usize| structure.landmarks.iter().map(count).max();
-        let (runs, rows) = (most(|l| l.runs.len()), most(|l| l.rows.len()));
+        let rows = most(|landmark| landmark.rows.len());
+        let linear = room_for_linearized(problem, &structure);
         Ok(Self {
             schur: SchurComplement::new(structure.first_columns.clone()),
             rhs: zeros.clone(),
@@ -100,7 +101,7 @@ impl<const D: usize> LandmarkElimination<D> {
             smallest: zeros,
             eliminated: vec![nothing; structure.landmarks.len()],
             landmark_gradient: 0.0,
-            linear: vec![Linearized::default(); runs.unwrap_or(0).max(1)],
+            linear,
             couplings: Vec::with_capacity(rows.unwrap_or(0)),
             structure,
         })
@@ -534,6 +535,24 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
         let norm = self.scaled_gradient();
         if norm.is_finite() { Ok(norm) } else { Err(SolveError::OutOfRange) }
     }
+}
+
+/// Room for the factors of any one landmark, run by run, and for any one factor without landmark.
+fn room_for_linearized(problem: &Problem, structure: &Structure) -> Vec<Linearized> {
+    let runs = structure.landmarks.iter().map(|landmark| landmark.runs.len()).max();
+    let mut linear = vec![Linearized::default(); runs.unwrap_or(0).max(1)];
+    let mut reserve = |place: usize, group: usize, factors: usize| {
+        let group = problem.group(group);
+        linear[place].clear(group.rows(), group.columns());
+        linear[place].reserve(factors);
+    };
+    for landmark in &structure.landmarks {
+        for (place, run) in structure.runs[landmark.runs.clone()].iter().enumerate() {
+            reserve(place, run.group, run.factors.len());
+        }
+    }
+    structure.others.iter().for_each(|other| reserve(0, other.group, 1));
+    linear
 }
 
 /// A factor as the elimination sees it.

@@ -40,9 +40,9 @@ impl Linearized {
     /// Room for so many factors more.
     pub fn reserve(&mut self, factors: usize) {
         let rows = factors * self.rows;
-        self.residuals.reserve(rows);
+        self.residuals.reserve_exact(rows);
         for slot in &mut self.jacobians[..self.slots] {
-            slot.rows.reserve(rows * slot.columns);
+            slot.rows.reserve_exact(rows * slot.columns);
         }
     }
 
