@@ -515,7 +515,9 @@ fn what_does_not_fit_together_is_an_error_that_says_so() {
     assert!(sentence(|w| w.observations[3].point = 99).contains("observation 3"));
     assert!(sentence(|w| w.observations[3].keyframe = 99).contains("state 99"));
     assert!(sentence(|w| w.landmarks[0] = Vector3::new(-50.0, 0.0, 0.0)).contains("landmark 0"));
-    assert!(sentence(|w| w.observations[0].pixel = Vector2::new(f64::NAN, 0.0)).contains("factor 0"));
+    assert!(
+        sentence(|w| w.observations[0].pixel = Vector2::new(f64::NAN, 0.0)).contains("factor 0")
+    );
     assert!(sentence(|w| w.states[1].velocity.x = f64::NAN).contains("not finite"));
     assert!(sentence(|w| w.gravity = Vector3::repeat(f64::INFINITY)).contains("not finite"));
     let matrix = DMatrix::from_element(2, 2, f64::NAN);
