@@ -159,22 +159,23 @@ impl<const D: usize> LandmarkElimination<D> {
     // ANCHOR: add_variables
     /// Adds the factors of the landmark to the blocks of the other variables, as if it could not
     /// move.
+    #[inline(never)]
     fn add_variables(&mut self, index: usize) {
         let Self { structure, linear, schur, gradient, curvature, .. } = self;
         let rows = &structure.rows[structure.landmarks[index].rows.clone()];
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(row) = seen.slot.map(|slot| rows[slot]) else { continue };
+        each_factor::<D>(structure, linear, index, |seen| {
+            let Some(row) = seen.slot.map(|slot| rows[slot]) else { return };
             add_outer(schur.block(row, row), seen.other, seen.other);
             add_gradient(&mut gradient[row], &mut curvature[row], seen.other, seen.residual);
-        }
+        });
     }
     // ANCHOR_END: add_variables
 
     // ANCHOR: eliminate
     /// Forms, damps and factors the 3×3 block of the landmark.
+    #[inline(never)]
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
-        let (mut block, gradient) =
-            landmark_block(factors::<D>(&self.structure, &self.linear, index));
+        let (mut block, gradient) = landmark_block::<D>(&self.structure, &self.linear, index);
         let curvature = block.diagonal();
         let damping = curvature.map(|h| damping * h.max(SMALLEST_CURVATURE));
         for axis in 0..3 {
@@ -194,20 +195,21 @@ impl<const D: usize> LandmarkElimination<D> {
     /// summed over factors. They are blocks of the Cholesky factor of the whole system.
     ///
     /// Implements {eq:coupling-factor}.
+    #[inline(never)]
     fn couple(&mut self, index: usize) {
         let Self { structure, linear, couplings, eliminated, .. } = self;
         couplings.clear();
         couplings.resize(structure.landmarks[index].rows.len(), [[0.0; D]; 3]);
         let inverse_factor = &eliminated[index].inverse_factor;
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(slot) = seen.slot else { continue };
+        each_factor::<D>(structure, linear, index, |seen| {
+            let Some(slot) = seen.slot else { return };
             for (other, landmark) in seen.other.iter().zip(seen.landmark) {
                 let scaled = inverse_factor * Vector3::from(*landmark);
                 for (column, scaled) in couplings[slot].iter_mut().zip(scaled.iter()) {
                     add_multiple(column, *scaled, other);
                 }
             }
-        }
+        });
     }
     // ANCHOR_END: couple
 
@@ -216,6 +218,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// from their right-hand sides.
     ///
     /// Implements {eq:covisible-pairs}.
+    #[inline(never)]
     fn subtract_pairs(&mut self, index: usize) {
         let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
         let forward = &self.eliminated[index].forward;
@@ -243,7 +246,7 @@ impl<const D: usize> LandmarkElimination<D> {
                 rows.filter_map(|(slot, row)| Some(((*row)?, linear.rows_of::<D>(slot))))
             };
             for (row, left) in moving() {
-                add_gradient(&mut gradient[row], &mut curvature[row], left, &linear.residuals);
+                add_gradient(&mut gradient[row], &mut curvature[row], left, linear.residuals());
                 for (column, right) in moving().filter(|(column, _)| *column <= row) {
                     add_outer(schur.block(row, column), left, right);
                 }
@@ -329,12 +332,12 @@ impl<const D: usize> LandmarkElimination<D> {
         let Self { structure, linear, rhs, eliminated, .. } = self;
         let rows = &structure.rows[structure.landmarks[index].rows.clone()];
         let mut pull = Vector3::zeros();
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(step) = seen.slot.map(|slot| &rhs[rows[slot]]) else { continue };
+        each_factor::<D>(structure, linear, index, |seen| {
+            let Some(step) = seen.slot.map(|slot| &rhs[rows[slot]]) else { return };
             for (other, landmark) in seen.other.iter().zip(seen.landmark) {
                 pull += dot(other, step) * Vector3::from(*landmark);
             }
-        }
+        });
         let Eliminated { inverse_factor, forward, .. } = &eliminated[index];
         Ok(-inverse_factor.tr_mul(&(forward + inverse_factor * pull)))
     }
@@ -543,8 +546,7 @@ fn room_for_linearized(problem: &Problem, structure: &Structure) -> Vec<Lineariz
     let mut linear = vec![Linearized::default(); runs.unwrap_or(0).max(1)];
     let mut reserve = |place: usize, group: usize, factors: usize| {
         let group = problem.group(group);
-        linear[place].clear(group.rows(), group.columns());
-        linear[place].reserve(factors);
+        linear[place].begin(factors, group.rows(), group.columns());
     };
     for landmark in &structure.landmarks {
         for (place, run) in structure.runs[landmark.runs.clone()].iter().enumerate() {
@@ -567,31 +569,31 @@ struct Seen<'a, const D: usize> {
     residual: &'a [f64],
 }
 
-/// The linearized factors of a landmark.
+/// Goes through the linearized factors of a landmark.
 #[inline(always)]
-fn factors<'a, const D: usize>(
+fn each_factor<'a, const D: usize>(
     structure: &'a Structure,
     linear: &'a [Linearized],
     index: usize,
-) -> impl Iterator<Item = Seen<'a, D>> {
+    mut visit: impl FnMut(Seen<'a, D>),
+) {
     let runs = &structure.runs[structure.landmarks[index].runs.clone()];
-    runs.iter().zip(linear).flat_map(move |(run, linear)| {
-        let slots = structure.groups[run.group];
-        let other = slots.other.map_or(&[][..], |slot| linear.rows_of::<D>(slot));
-        let landmark = linear.rows_of::<3>(slots.landmark);
-        let factors = &structure.slots[run.factors.clone()];
-        factors.iter().enumerate().map(move |(factor, slot)| {
-            let rows = factor * linear.rows..(factor + 1) * linear.rows;
+    for (run, linear) in runs.iter().zip(linear) {
+        let (each, slots) = (linear.rows(), structure.groups[run.group]);
+        let others = slots.other.map_or(&[][..], |slot| linear.rows_of::<D>(slot));
+        let (landmarks, residuals) = (linear.rows_of::<3>(slots.landmark), linear.residuals());
+        for (factor, slot) in structure.slots[run.factors.clone()].iter().enumerate() {
+            let rows = factor * each..(factor + 1) * each;
             let slot = (*slot != HELD).then_some(*slot as usize);
-            let other = if slot.is_some() { &other[rows.clone()] } else { &[] };
-            Seen {
+            let other = if slot.is_some() { &others[rows.clone()] } else { &[] };
+            visit(Seen {
                 slot,
                 other,
-                landmark: &landmark[rows.clone()],
-                residual: &linear.residuals[rows],
-            }
-        })
-    })
+                landmark: &landmarks[rows.clone()],
+                residual: &residuals[rows],
+            });
+        }
+    }
 }
 
 /// Adds the product of the transposed rows of one variable with those of another to their block.
@@ -624,11 +626,13 @@ fn add_gradient<const D: usize>(
 ///
 /// Implements the middle line of {eq:ba-blocks}.
 #[inline(always)]
-fn landmark_block<'a, const D: usize>(
-    factors: impl Iterator<Item = Seen<'a, D>>,
+fn landmark_block<const D: usize>(
+    structure: &Structure,
+    linear: &[Linearized],
+    index: usize,
 ) -> (Matrix3<f64>, Vector3<f64>) {
     let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-    for seen in factors {
+    each_factor::<D>(structure, linear, index, |seen| {
         for (row, residual) in seen.landmark.iter().zip(seen.residual) {
             for column in 0..3 {
                 gradient[column] = multiply_add(row[column], *residual, gradient[column]);
@@ -638,7 +642,7 @@ fn landmark_block<'a, const D: usize>(
                 }
             }
         }
-    }
+    });
     (block, gradient)
 }
 // ANCHOR_END: landmark_block

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{BaReport, Camera, Options, Solver, Stop};
+use vislam::bundle_adjustment::{BaReport, Camera, Solver};
+use vislam::least_squares::{Method, Options, Stop};
 
 use super::whole::Ba;
 
@@ -12,6 +13,14 @@ pub const NOISE: f64 = 1.0;
 
 /// How far the cameras of the street see along it, in metres.
 pub const REACH: f64 = 2.5;
+
+/// The damping with which a solve begins when nothing else is said.
+pub const DAMPING: f64 = 1e-4;
+
+fn damped_by(initial_damping: f64) -> Options {
+    let method = Method::LevenbergMarquardt { initial_damping };
+    Options { method, ..Options::large_problem() }
+}
 
 /// The ring of the chapter.
 pub fn ring() -> Ba {
@@ -35,12 +44,12 @@ pub fn long_street() -> Ba {
 
 /// A solve that goes on until no decrease is left.
 pub fn solved(problem: Ba) -> BaReport {
-    solved_from(problem, Options::default().damping)
+    solved_from(problem, DAMPING)
 }
 
 /// The same with this damping at the start.
 pub fn solved_from(mut problem: Ba, damping: f64) -> BaReport {
-    let options = Options { relative_decrease: 1e-12, damping, ..Options::default() };
+    let options = Options { decrease_tolerance: 1e-12, ..damped_by(damping) };
     problem.solve(&options).expect("a problem")
 }
 
@@ -61,14 +70,15 @@ pub struct Bend {
 
 pub fn bend(light: f64) -> Bend {
     let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
-    let cameras = |iterations: usize, damping: f64| {
+    let cameras = |max_iterations: usize, damping: f64| {
         let mut problem = street();
-        let options = Options { iterations, damping, relative_decrease: 1e-14 };
+        let options =
+            Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
         problem.solve(&options).expect("a problem");
         problem.cameras
     };
-    let usual = Options::default().damping;
-    let (early, late, lightly) = (cameras(2, usual), cameras(60, usual), cameras(60, light));
+    let (early, late) = (cameras(2, DAMPING), cameras(60, DAMPING));
+    let lightly = cameras(60, light);
     let left = |k: usize| (early[k].centre().y - late[k].centre().y).abs();
     let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
     let last = truth.len() - 1;
@@ -83,7 +93,7 @@ pub fn bend(light: f64) -> Bend {
 
 /// What a report says before anything is solved.
 pub fn unsolved(problem: &Ba) -> BaReport {
-    let solver = Solver::new(problem, &Options::default()).expect("a problem");
+    let solver = Solver::new(problem, &Options::large_problem()).expect("a problem");
     solver.report(Stop::IterationLimit)
 }
 
@@ -92,7 +102,7 @@ pub fn unsolved(problem: &Ba) -> BaReport {
 pub fn step_and_its_opposite() -> [f64; 3] {
     let mut problem = ring();
     problem.fixed[1] = true;
-    let mut solver = Solver::new(&problem, &Options::default()).expect("a problem");
+    let solver = Solver::new(&problem, &Options::large_problem()).expect("a problem");
     let step = solver.step(0.0).expect("nothing is free");
     let mut opposite = problem.clone();
     for (camera, change) in opposite.cameras.iter_mut().zip(&step.cameras) {
