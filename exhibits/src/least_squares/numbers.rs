@@ -1,16 +1,14 @@
 //! The numbers that the chapter quotes.
 
-use nalgebra::{Isometry3, Vector2};
-use vislam::least_squares::{
-    Evaluation, FREE_BELOW, Kernel, Options, Problem, Residual, SolveError, Stop, Undefined,
-};
+use nalgebra::{Isometry3, Matrix6, Vector2, Vector6};
+use vislam::least_squares::{Factor, Kernel, Key, Options, Problem, RANK_TOLERANCE, SolveError, Stop};
 use vislam::manifold::se3;
 
 use super::cloud::{Cloud, radius_of_95_percent};
 use super::oracle::twist;
 use super::robust::{self, KERNELS};
 use super::worked::{
-    self, Backwards, GUESS, POSTS, SIGMA, Tape, estimate, fence, garden, rate, stepped,
+    self, Backwards, GUESS, POSTS, SIGMA, Tape, ToSpot, estimate, fence, garden, rate, stepped,
 };
 use crate::chapter::Chapter;
 use crate::random::Random;
@@ -85,8 +83,8 @@ fn converged(chapter: &mut Chapter) {
     for (name, tape) in ["left_0_cm", "left_1_cm", "left_2_cm"].into_iter().zip(garden()) {
         chapter.number(name, 100.0 * SIGMA * tape.residual_at(&spot), "cm", 1);
     }
-    let solution = worked::solve(&garden(), GUESS, &Options::default());
-    chapter.number("cost_left", solution.report.cost, "", 2);
+    let (_, report) = worked::solve(&garden(), GUESS, &Options::default());
+    chapter.number("cost_left", report.cost, "", 2);
     chapter.number("cost_expected", 0.5 * (garden().len() as f64 - 2.0), "", 1);
     chapter.number("rate_garden", rate(&garden(), &spot), "", 3);
     let tolerance = Options::default().gradient_tolerance;
@@ -103,9 +101,9 @@ pub fn fence_path(start: Vector2<f64>, options: &Options) -> Vec<(f64, f64)> {
     let mut path = Vec::new();
     for steps in 0..=options.max_iterations {
         let options = Options { max_iterations: steps, ..*options };
-        let solution = worked::solve(&fence(), start, &options);
-        path.push((solution.values[0].y, solution.report.gradient_norm));
-        if solution.report.iterations.len() < steps {
+        let (spot, report) = worked::solve(&fence(), start, &options);
+        path.push((spot.y, report.gradient_norm));
+        if report.iterations.len() < steps {
             break;
         }
     }
@@ -125,7 +123,7 @@ fn beside_the_fence(chapter: &mut Chapter) {
     chapter.number("fence_after_5_cm", distance(5), "cm", 0);
     let leap = stepped(&worked::two_tapes(), &worked::TWO_TAPE_STARTS[1]);
     chapter.number("leap", (leap - worked::TWO_TAPE_STARTS[1]).norm(), "m", 0);
-    let report = worked::solve(&fence(), fence_start(), &Options::default()).report;
+    let (_, report) = worked::solve(&fence(), fence_start(), &Options::default());
     let refused = report.iterations.iter().filter(|iteration| !iteration.accepted).count();
     chapter.number("fence_lm_iterations", report.iterations.len() as f64, "", 0);
     chapter.number("fence_lm_refused", refused as f64, "", 0);
@@ -133,28 +131,29 @@ fn beside_the_fence(chapter: &mut Chapter) {
 
 /// A pose measured against another one.
 struct Between {
-    variables: [usize; 2],
+    poses: [Key<Isometry3<f64>>; 2],
     measured: Isometry3<f64>,
 }
 
-impl Residual<Isometry3<f64>> for Between {
-    fn variables(&self) -> &[usize] {
-        &self.variables
+type TwoPoses<'a> = (&'a Isometry3<f64>, &'a Isometry3<f64>);
+
+impl Factor<6> for Between {
+    type Variables = (Isometry3<f64>, Isometry3<f64>);
+    type Jacobians = (Matrix6<f64>, Matrix6<f64>);
+
+    fn variables(&self) -> (Key<Isometry3<f64>>, Key<Isometry3<f64>>) {
+        self.poses.into()
     }
 
-    fn dimension(&self) -> usize {
-        6
+    fn residual(&self, (first, second): TwoPoses) -> Option<Vector6<f64>> {
+        Some(se3::local(&self.measured, &first.inv_mul(second)))
     }
 
-    fn evaluate(&self, values: &[Isometry3<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        let [first, second] = self.variables.map(|variable| values[variable]);
-        let relative = first.inv_mul(&second);
-        let residual = se3::local(&self.measured, &relative);
+    fn linearize(&self, (first, second): TwoPoses) -> Option<(Vector6<f64>, Self::Jacobians)> {
+        let residual = self.residual((first, second))?;
         let by_second = se3::right_jacobian_inverse(&residual);
-        into.residual(&residual);
-        into.jacobian(0, &(-by_second * se3::adjoint(&relative.inverse())));
-        into.jacobian(1, &by_second);
-        Ok(())
+        let by_first = -by_second * se3::adjoint(&second.inv_mul(first));
+        Some((residual, (by_first, by_second)))
     }
 }
 
@@ -162,15 +161,14 @@ fn free_directions(chapter: &mut Chapter) {
     const POSES: usize = 5;
     let mut random = Random::new(41);
     let mut problem = Problem::new();
-    for _ in 0..POSES {
-        problem.add_variable(se3::exp(&twist(&mut random, 1.0)));
-    }
+    let start = [(); POSES].map(|()| se3::exp(&twist(&mut random, 1.0)));
+    let poses = start.map(|pose| problem.add_variable(pose));
     for first in 0..POSES {
         let second = (first + 1) % POSES;
-        let relative = problem.values()[first].inv_mul(&problem.values()[second]);
+        let relative = start[first].inv_mul(&start[second]);
         let measured = se3::retract(&relative, &twist(&mut random, 0.1));
-        let between = Between { variables: [first, second], measured };
-        problem.add_residual(between, Kernel::Squared).expect("both poses are variables");
+        let between = Between { poses: [poses[first], poses[second]], measured };
+        problem.add_factor(between, Kernel::Squared).expect("both poses are variables");
     }
     let (free, dimension) = match problem.solve(&Options::gauss_newton()) {
         Err(SolveError::Singular(singular)) => (singular.free as f64, singular.dimension as f64),
@@ -179,7 +177,7 @@ fn free_directions(chapter: &mut Chapter) {
     chapter.number("loop_poses", POSES as f64, "", 0);
     chapter.number("loop_free", free, "", 0);
     chapter.number("loop_directions", dimension, "", 0);
-    chapter.number("free_below_exponent", FREE_BELOW.log10(), "", 0);
+    chapter.number("rank_exponent", RANK_TOLERANCE.log10(), "", 0);
 }
 
 fn scatter(chapter: &mut Chapter) {
@@ -210,11 +208,13 @@ fn misread() -> [Tape; 3] {
 fn misread_tape(chapter: &mut Chapter) {
     let right = estimate(&garden());
     let solved = |kernel| {
-        let problem = worked::problem(&misread(), GUESS, kernel);
-        problem.solve(&Options::default()).expect("the tapes are defined at the guess")
+        let (problem, spot) = worked::problem(&misread(), GUESS, kernel);
+        let solved = problem.solve(&Options::default());
+        let solution = solved.expect("the tapes are defined at the guess");
+        (solution.values[spot], solution.report.cost)
     };
-    let shift_cm = |kernel| 100.0 * (solved(kernel).values[0] - right).norm();
-    chapter.number("outlier_cost", solved(KERNELS[0]).report.cost, "", 0);
+    let shift_cm = |kernel| 100.0 * (solved(kernel).0 - right).norm();
+    chapter.number("outlier_cost", solved(KERNELS[0]).1, "", 0);
     chapter.number("outlier_tape", misread()[1].measured, "m", 2);
     chapter.number("outlier_shift_cm", shift_cm(KERNELS[0]), "cm", 0);
     chapter.number("outlier_huber_cm", shift_cm(KERNELS[1]), "cm", 0);
@@ -265,20 +265,21 @@ fn leverage(chapter: &mut Chapter) {
 fn mistakes(chapter: &mut Chapter) {
     let [first, second, third] = garden();
     let mut problem = Problem::new();
-    problem.add_variable(GUESS);
-    let residuals = [
-        problem.add_residual(Backwards(first), Kernel::Squared),
-        problem.add_residual(second, Kernel::Squared),
-        problem.add_residual(third, Kernel::Squared),
+    let spot = problem.add_variable(GUESS);
+    let [first, second, third] = [first, second, third].map(|tape| ToSpot { spot, tape });
+    let factors = [
+        problem.add_factor(Backwards(first), Kernel::Squared),
+        problem.add_factor(second, Kernel::Squared),
+        problem.add_factor(third, Kernel::Squared),
     ];
-    assert!(residuals.iter().all(Result::is_ok), "the spot is variable 0");
+    assert!(factors.iter().all(Result::is_ok), "the spot is a variable");
     let stalled = problem.solve(&Options::default()).expect("the tapes are defined at the guess");
     assert_eq!(stalled.report.stop, Stop::Stalled, "the chapter says so");
     chapter.number("wrong_sign_cost", stalled.report.cost, "", 1);
     const STEPS: usize = 30;
     let gauss_newton = problem.solve(&worked::unstopped(STEPS)).expect("the step is determined");
     chapter.number("wrong_sign_steps", STEPS as f64, "", 0);
-    let away = gauss_newton.values[0] - estimate(&garden());
+    let away = gauss_newton.values[spot] - estimate(&garden());
     chapter.number("wrong_sign_away", away.norm(), "m", 1);
 
     let mut unwhitened = fence();

@@ -1,76 +1,85 @@
 //! One number, or a line, from readings of which some are wrong.
 
-use nalgebra::{Vector1, Vector2};
-use vislam::least_squares::{
-    Evaluation, Kernel, Manifold, Options, Problem, Residual, Solution, Undefined,
-};
+use nalgebra::{Matrix1, RowVector2, Vector1, Vector2};
+use vislam::least_squares::{Factor, Kernel, Key, Manifold, Options, Problem};
 
 /// Thresholds and scales at which the kernels are nearly as good as squares on normal noise.
 pub const KERNELS: [Kernel; 3] = [Kernel::Squared, Kernel::Huber(1.345), Kernel::Cauchy(2.385)];
 
 /// One reading of a number, in standard deviations.
-struct Reading(f64);
+struct Reading {
+    number: Key<Vector1<f64>>,
+    read: f64,
+}
 
-impl Residual<Vector1<f64>> for Reading {
-    fn variables(&self) -> &[usize] {
-        &[0]
+impl Factor<1> for Reading {
+    type Variables = (Vector1<f64>,);
+    type Jacobians = (Matrix1<f64>,);
+
+    fn variables(&self) -> (Key<Vector1<f64>>,) {
+        (self.number,)
     }
 
-    fn dimension(&self) -> usize {
-        1
+    fn residual(&self, (number,): (&Vector1<f64>,)) -> Option<Vector1<f64>> {
+        Some(Vector1::new(number.x - self.read))
     }
 
-    fn evaluate(&self, values: &[Vector1<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        into.residual(&Vector1::new(values[0].x - self.0));
-        into.jacobian(0, &Vector1::new(1.0));
-        Ok(())
+    fn linearize(&self, number: (&Vector1<f64>,)) -> Option<(Vector1<f64>, (Matrix1<f64>,))> {
+        Some((self.residual(number)?, (Matrix1::identity(),)))
     }
 }
 
 /// A point to which a line y = a + b x is fitted, with unit noise in y.
-struct Dot(Vector2<f64>);
+struct Dot {
+    line: Key<Vector2<f64>>,
+    at: Vector2<f64>,
+}
 
-impl Residual<Vector2<f64>> for Dot {
-    fn variables(&self) -> &[usize] {
-        &[0]
+impl Factor<1> for Dot {
+    type Variables = (Vector2<f64>,);
+    type Jacobians = (RowVector2<f64>,);
+
+    fn variables(&self) -> (Key<Vector2<f64>>,) {
+        (self.line,)
     }
 
-    fn dimension(&self) -> usize {
-        1
+    fn residual(&self, line: (&Vector2<f64>,)) -> Option<Vector1<f64>> {
+        self.linearize(line).map(|(residual, _)| residual)
     }
 
-    fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        let by_line = Vector2::new(1.0, self.0.x);
-        into.residual(&Vector1::new(by_line.dot(&values[0]) - self.0.y));
-        into.jacobian(0, &by_line.transpose());
-        Ok(())
+    fn linearize(&self, (line,): (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
+        let by_line = RowVector2::new(1.0, self.at.x);
+        Some((by_line * line - Vector1::new(self.at.y), (by_line,)))
     }
 }
 
-fn solved<V: Manifold>(
+/// The only variable of a problem, and the cost there, searched from a start.
+fn solved<V: Manifold, F: Factor<1>>(
     start: V,
-    residuals: Vec<impl Residual<V> + 'static>,
+    factors: impl Fn(Key<V>) -> Vec<F>,
     kernel: Kernel,
-) -> Solution<V> {
+) -> (V, f64) {
     let mut problem = Problem::new();
-    problem.add_variable(start);
-    for residual in residuals {
-        problem.add_residual(residual, kernel).expect("the only variable is variable 0");
+    let variable = problem.add_variable(start);
+    for factor in factors(variable) {
+        problem.add_factor(factor, kernel).expect("it names the only variable");
     }
-    problem.solve(&Options::default()).expect("a location or a line is determined")
+    let solved = problem.solve(&Options::default());
+    let solution = solved.expect("a location or a line is determined");
+    (solution.values[variable].clone(), solution.report.cost)
 }
 
 /// A number from readings of it, and the cost there, searched from a start.
 pub fn location(readings: &[f64], start: f64, kernel: Kernel) -> (f64, f64) {
-    let residuals = readings.iter().map(|reading| Reading(*reading)).collect();
-    let solution = solved(Vector1::new(start), residuals, kernel);
-    (solution.values[0].x, solution.report.cost)
+    let factors = |number| readings.iter().map(|&read| Reading { number, read }).collect();
+    let (number, cost) = solved(Vector1::new(start), factors, kernel);
+    (number.x, cost)
 }
 
 /// The slope of a line through points, searched from a line through the origin.
 pub fn slope(points: &[Vector2<f64>], start: f64, kernel: Kernel) -> f64 {
-    let residuals = points.iter().map(|point| Dot(*point)).collect();
-    solved(Vector2::new(0.0, start), residuals, kernel).values[0].y
+    let factors = |line| points.iter().map(|&at| Dot { line, at }).collect();
+    solved(Vector2::new(0.0, start), factors, kernel).0.y
 }
 
 /// Ten good readings, spread like a standard normal distribution around zero.

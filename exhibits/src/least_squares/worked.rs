@@ -1,10 +1,8 @@
 //! The worked examples of the chapter: a spot in a garden found with three tapes, and one that lies
 //! almost on a fence.
 
-use nalgebra::{Matrix2, Vector1, Vector2};
-use vislam::least_squares::{
-    Evaluation, Kernel, NormalEquations, Options, Problem, Residual, Solution, Undefined,
-};
+use nalgebra::{Matrix2, RowVector2, Vector1, Vector2};
+use vislam::least_squares::{Factor, Kernel, Key, NormalEquations, Options, Problem, Report};
 
 /// A tape from a known post to an unknown spot, in metres.
 #[derive(Clone, Copy)]
@@ -32,24 +30,29 @@ impl Tape {
     }
 }
 
-impl Residual<Vector2<f64>> for Tape {
-    fn variables(&self) -> &[usize] {
-        &[0]
+/// A tape to the spot that a problem looks for.
+#[derive(Clone, Copy)]
+pub struct ToSpot {
+    pub spot: Key<Vector2<f64>>,
+    pub tape: Tape,
+}
+
+impl Factor<1> for ToSpot {
+    type Variables = (Vector2<f64>,);
+    type Jacobians = (RowVector2<f64>,);
+
+    fn variables(&self) -> (Key<Vector2<f64>>,) {
+        (self.spot,)
     }
 
-    fn dimension(&self) -> usize {
-        1
+    fn residual(&self, spot: (&Vector2<f64>,)) -> Option<Vector1<f64>> {
+        self.linearize(spot).map(|(residual, _)| residual)
     }
 
-    fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        let spot = values[0];
-        if spot == self.post {
-            return Err(Undefined);
-        }
-        let direction = (spot - self.post).normalize();
-        into.residual(&Vector1::new(self.residual_at(&spot)));
-        into.jacobian(0, &(direction.transpose() / self.sigma));
-        Ok(())
+    fn linearize(&self, (spot,): (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
+        let direction = (spot - self.tape.post).try_normalize(0.0)?;
+        let residual = Vector1::new(self.tape.residual_at(spot));
+        Some((residual, (direction.transpose() / self.tape.sigma,)))
     }
 }
 
@@ -96,18 +99,26 @@ pub fn contradicting(factor: f64) -> [Tape; 3] {
     })
 }
 
-pub fn problem(tapes: &[Tape], start: Vector2<f64>, kernel: Kernel) -> Problem<Vector2<f64>> {
+pub fn problem(
+    tapes: &[Tape],
+    start: Vector2<f64>,
+    kernel: Kernel,
+) -> (Problem, Key<Vector2<f64>>) {
     let mut problem = Problem::new();
-    problem.add_variable(start);
+    let spot = problem.add_variable(start);
     for tape in tapes {
-        problem.add_residual(*tape, kernel).expect("the spot is variable 0");
+        let factor = ToSpot { spot, tape: *tape };
+        problem.add_factor(factor, kernel).expect("the spot is a variable");
     }
-    problem
+    (problem, spot)
 }
 
-pub fn solve(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> Solution<Vector2<f64>> {
-    let solved = problem(tapes, start, Kernel::Squared).solve(options);
-    solved.expect("three posts that are not in line determine a spot")
+/// Where a search ends, and what it did.
+pub fn solve(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> (Vector2<f64>, Report) {
+    let (problem, spot) = problem(tapes, start, Kernel::Squared);
+    let solved = problem.solve(options);
+    let solution = solved.expect("three posts that are not in line determine a spot");
+    (solution.values[spot], solution.report)
 }
 
 /// Gauss-Newton that is stopped by nothing but its count.
@@ -123,7 +134,7 @@ pub fn unstopped(max_iterations: usize) -> Options {
 
 /// The spot that explains the tapes best, from a start near the first guess.
 pub fn estimate(tapes: &[Tape]) -> Vector2<f64> {
-    let mut spot = solve(tapes, GUESS, &Options::default()).values[0];
+    let (mut spot, _) = solve(tapes, GUESS, &Options::default());
     // Newton's method brings what the stopping rule has left.
     for _ in 0..3 {
         let inverse = (hessian(tapes, &spot) + curvature(tapes, &spot)).try_inverse();
@@ -134,8 +145,8 @@ pub fn estimate(tapes: &[Tape]) -> Vector2<f64> {
 }
 
 pub fn system(tapes: &[Tape], spot: &Vector2<f64>) -> NormalEquations {
-    let problem = problem(tapes, *spot, Kernel::Squared);
-    problem.linearize(&[*spot]).expect("the spot is at no post")
+    let (problem, _) = problem(tapes, *spot, Kernel::Squared);
+    problem.linearize(problem.values()).expect("the spot is at no post")
 }
 
 /// The Gauss-Newton Hessian at a spot.
@@ -173,21 +184,22 @@ pub fn rate(tapes: &[Tape], spot: &Vector2<f64>) -> f64 {
 pub const FAR_FROM_FENCE: Vector2<f64> = Vector2::new(2.0, 0.7);
 
 /// A tape whose Jacobian has the wrong sign.
-pub struct Backwards(pub Tape);
+pub struct Backwards(pub ToSpot);
 
-impl Residual<Vector2<f64>> for Backwards {
-    fn variables(&self) -> &[usize] {
-        &[0]
+impl Factor<1> for Backwards {
+    type Variables = (Vector2<f64>,);
+    type Jacobians = (RowVector2<f64>,);
+
+    fn variables(&self) -> (Key<Vector2<f64>>,) {
+        self.0.variables()
     }
 
-    fn dimension(&self) -> usize {
-        1
+    fn residual(&self, spot: (&Vector2<f64>,)) -> Option<Vector1<f64>> {
+        self.0.residual(spot)
     }
 
-    fn evaluate(&self, values: &[Vector2<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        self.0.evaluate(values, into)?;
-        let direction = (values[0] - self.0.post).normalize();
-        into.jacobian(0, &(-direction.transpose() / self.0.sigma));
-        Ok(())
+    fn linearize(&self, spot: (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
+        let (residual, (by_spot,)) = self.0.linearize(spot)?;
+        Some((residual, (-by_spot,)))
     }
 }

@@ -3,10 +3,8 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::{Isometry3, Matrix2x6, Rotation3, Vector3, Vector6};
-use vislam::least_squares::{
-    Evaluation, Kernel, Manifold, Options, PoseOrPoint, Problem, Residual, Solution, Undefined,
-};
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, Vector2, Vector3, Vector6};
+use vislam::least_squares::{Factor, Kernel, Key, Options, Problem, Solution, Values};
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::{LinearizedReproj, Pinhole, ReprojFactor};
 
@@ -28,30 +26,33 @@ pub enum Convention {
 }
 
 struct Observation {
+    pose: Key<Isometry3<f64>>,
+    point: Key<Vector3<f64>>,
     camera: Pinhole,
     factor: ReprojFactor,
     convention: Convention,
-    variables: [usize; 2],
 }
 
-impl Residual<PoseOrPoint> for Observation {
-    fn variables(&self) -> &[usize] {
-        &self.variables
+impl Factor<2> for Observation {
+    type Variables = (Isometry3<f64>, Vector3<f64>);
+    type Jacobians = (Matrix2x6<f64>, Matrix2x3<f64>);
+
+    fn variables(&self) -> (Key<Isometry3<f64>>, Key<Vector3<f64>>) {
+        (self.pose, self.point)
     }
 
-    fn dimension(&self) -> usize {
-        2
+    fn residual(&self, values: (&Isometry3<f64>, &Vector3<f64>)) -> Option<Vector2<f64>> {
+        self.linearize(values).map(|(residual, _)| residual)
     }
 
-    fn evaluate(&self, values: &[PoseOrPoint], into: &mut Evaluation) -> Result<(), Undefined> {
-        let [pose, point] = self.variables.map(|variable| &values[variable]);
-        let (pose, point) = (pose.pose().ok_or(Undefined)?, point.point().ok_or(Undefined)?);
-        let predicted = self.camera.project_with_jacobians(pose, point).ok_or(Undefined)?;
+    fn linearize(
+        &self,
+        (pose, point): (&Isometry3<f64>, &Vector3<f64>),
+    ) -> Option<(Vector2<f64>, Self::Jacobians)> {
+        let predicted = self.camera.project_with_jacobians(pose, point)?;
         let linearized = self.factor.linearize(&predicted);
-        into.residual(&linearized.residual);
-        into.jacobian(0, &self.convention.pose_block(&linearized, pose, point));
-        into.jacobian(1, &linearized.by_point);
-        Ok(())
+        let by_pose = self.convention.pose_block(&linearized, pose, point);
+        Some((linearized.residual, (by_pose, linearized.by_point)))
     }
 }
 
@@ -89,7 +90,7 @@ fn with_skew_of_point_in_camera(
 /// A ring with a place to begin.
 pub struct Experiment {
     pub ring: Ring,
-    start: Vec<PoseOrPoint>,
+    start: Values,
 }
 
 impl Experiment {
@@ -102,75 +103,67 @@ impl Experiment {
         let poses = ring.poses.iter().enumerate().map(|(index, pose)| {
             let (step, turn) = (random.direction(off), random.direction(0.3 * off));
             let xi = Vector6::new(step.x, step.y, step.z, turn.x, turn.y, turn.z);
-            let moved = if PINNED.contains(&index) { *pose } else { se3::retract(pose, &xi) };
-            PoseOrPoint::Pose(moved)
+            if PINNED.contains(&index) { *pose } else { se3::retract(pose, &xi) }
         });
-        let mut start: Vec<_> = poses.collect();
+        let poses: Vec<_> = poses.collect();
         let mut random = Random::new(43);
-        let points =
-            ring.points.iter().map(|point| PoseOrPoint::Point(point + random.direction(off)));
-        start.extend(points);
+        let points = ring.points.iter().map(|point| point + random.direction(off));
+        let start = values(poses, points);
         Self { ring, start }
     }
 
     /// The values without any error.
-    pub fn truth(&self) -> Vec<PoseOrPoint> {
-        let poses = self.ring.poses.iter().map(|pose| PoseOrPoint::Pose(*pose));
-        poses.chain(self.ring.points.iter().map(|point| PoseOrPoint::Point(*point))).collect()
+    pub fn truth(&self) -> Values {
+        values(self.ring.poses.iter().copied(), self.ring.points.iter().copied())
     }
 
-    fn problem(&self, convention: Convention, values: &[PoseOrPoint]) -> Problem<PoseOrPoint> {
+    fn problem(&self, convention: Convention, values: &Values) -> Problem {
         let mut problem = Problem::new();
-        for value in values {
-            problem.add_variable(*value);
-        }
+        let poses = values.of_kind::<Isometry3<f64>>().iter();
+        let poses: Vec<_> = poses.map(|pose| problem.add_variable(*pose)).collect();
+        let points = values.of_kind::<Vector3<f64>>().iter();
+        let points: Vec<_> = points.map(|point| problem.add_variable(*point)).collect();
         for pinned in PINNED {
-            problem.fix(pinned).expect("it was added");
+            problem.hold(poses[pinned]).expect("it was added");
         }
         for factor in &self.ring.factors {
-            let variables = [factor.keyframe, self.ring.poses.len() + factor.point];
+            let (pose, point) = (poses[factor.keyframe], points[factor.point]);
             let camera = self.ring.camera;
-            let observation = Observation { camera, factor: *factor, convention, variables };
-            problem.add_residual(observation, Kernel::Squared).expect("its variables were added");
+            let observation = Observation { pose, point, camera, factor: *factor, convention };
+            problem.add_factor(observation, Kernel::Squared).expect("its variables were added");
         }
         problem
     }
 
     /// What the library's solver makes of it.
-    pub fn solve(&self, convention: Convention, options: &Options) -> Solution<PoseOrPoint> {
+    pub fn solve(&self, convention: Convention, options: &Options) -> Solution {
         let problem = self.problem(convention, &self.start);
         problem.solve(options).expect("the start is sound and two cameras are pinned")
     }
 
     /// So many Gauss-Newton steps.
-    pub fn run(&self, convention: Convention, steps: usize) -> Solution<PoseOrPoint> {
+    pub fn run(&self, convention: Convention, steps: usize) -> Solution {
         self.solve(convention, &to_the_last_digit(steps))
     }
 
     /// The minimum of the cost, to rounding.
-    pub fn optimum(&self) -> Vec<PoseOrPoint> {
+    pub fn optimum(&self) -> Values {
         self.run(Convention::Consistent, 20).values
     }
 
     /// Distances from `reference` of the free cameras together, in metres and radians, before
     /// every one of so many Gauss-Newton steps and after the last; fewer when one has failed.
-    pub fn errors(
-        &self,
-        convention: Convention,
-        reference: &[PoseOrPoint],
-        steps: usize,
-    ) -> Vec<f64> {
+    pub fn errors(&self, convention: Convention, reference: &Values, steps: usize) -> Vec<f64> {
         let problem = self.problem(convention, &self.start);
+        let columns = problem.columns();
         let mut values = self.start.clone();
+        let mut step = vec![0.0; values.dimension()];
         let mut errors = vec![distance(&values, reference)];
         for _ in 0..steps {
             let system = problem.linearize(&values).ok();
-            let Some(step) = system.and_then(|system| system.step(0.0)) else { break };
-            for (index, value) in values.iter_mut().enumerate() {
-                if let Some(rows) = problem.rows_of(index) {
-                    *value = value.retract(&step.step.as_slice()[rows]);
-                }
-            }
+            let Some(solved) = system.and_then(|system| system.step(0.0)) else { break };
+            columns.spread(solved.step.as_slice(), &mut step);
+            values = values.retract(&step);
             errors.push(distance(&values, reference));
         }
         errors
@@ -182,7 +175,7 @@ impl Experiment {
     }
 
     /// The length of the true gradient in units of its own noise, whatever convention led there.
-    pub fn gradient_norm(&self, values: &[PoseOrPoint]) -> f64 {
+    pub fn gradient_norm(&self, values: &Values) -> f64 {
         let problem = self.problem(Convention::Consistent, values);
         problem.linearize(values).map_or(f64::NAN, |system| system.gradient_norm())
     }
@@ -199,20 +192,40 @@ pub fn to_the_last_digit(steps: usize) -> Options {
     }
 }
 
+/// Poses, and then points.
+fn values(
+    poses: impl IntoIterator<Item = Isometry3<f64>>,
+    points: impl IntoIterator<Item = Vector3<f64>>,
+) -> Values {
+    let mut values = Values::new();
+    for pose in poses {
+        values.add(pose);
+    }
+    for point in points {
+        values.add(point);
+    }
+    values
+}
+
+/// The poses of both, camera by camera.
+fn pairs<'a>(
+    values: &'a Values,
+    reference: &'a Values,
+) -> impl Iterator<Item = (&'a Isometry3<f64>, &'a Isometry3<f64>)> {
+    values.of_kind().iter().zip(reference.of_kind())
+}
+
 /// Metres between the centre of a camera and its centre in `reference`, the largest.
-pub fn largest_shift(values: &[PoseOrPoint], reference: &[PoseOrPoint]) -> f64 {
-    let centre = |value: &PoseOrPoint| Some(value.pose()?.inverse().translation.vector);
-    let pairs = values.iter().zip(reference);
-    let shifts = pairs.filter_map(|(value, other)| Some((centre(value)? - centre(other)?).norm()));
+pub fn largest_shift(values: &Values, reference: &Values) -> f64 {
+    let centre = |pose: &Isometry3<f64>| pose.inverse().translation.vector;
+    let shifts = pairs(values, reference).map(|(pose, other)| (centre(pose) - centre(other)).norm());
     shifts.fold(0.0, f64::max)
 }
 
 /// Distance of all cameras together from those of `reference`, in metres and radians.
-fn distance(values: &[PoseOrPoint], reference: &[PoseOrPoint]) -> f64 {
-    let pairs = values.iter().zip(reference);
-    let squares = pairs.filter_map(|(value, reference)| {
-        Some(se3::local(reference.pose()?, value.pose()?).norm_squared())
-    });
+fn distance(values: &Values, reference: &Values) -> f64 {
+    let squares =
+        pairs(values, reference).map(|(pose, other)| se3::local(other, pose).norm_squared());
     squares.sum::<f64>().sqrt()
 }
 

@@ -18,7 +18,7 @@ fn path(start: Vector2<f64>, options: &Options) -> Vec<Vector2<f64>> {
     let mut path: Vec<Vector2<f64>> = Vec::new();
     for steps in 0..=STEPS {
         let options = Options { max_iterations: steps, ..*options };
-        let spot = worked::solve(&two_tapes(), start, &options).values[0];
+        let (spot, _) = worked::solve(&two_tapes(), start, &options);
         if path.last() != Some(&spot) {
             path.push(spot);
         }
