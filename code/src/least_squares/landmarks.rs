@@ -299,11 +299,7 @@ impl<const D: usize> LandmarkElimination<D> {
         step: &mut [f64],
     ) -> Result<(f64, f64), Singular> {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
-        for (row, variables) in self.structure.variables.iter().enumerate() {
-            for start in variables {
-                step[*start..start + D].copy_from_slice(&self.rhs[row]);
-            }
-        }
+        self.write_variables(step);
         for index in 0..self.structure.landmarks.len() {
             let change = self.landmark_step(problem, at, index)?;
             let start = self.structure.landmarks[index].coordinate;
@@ -316,6 +312,15 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok((twice_predicted, square))
     }
     // ANCHOR_END: back_substitute
+
+    /// Writes the step of the variables that have rows.
+    fn write_variables(&self, step: &mut [f64]) {
+        for (row, variables) in self.structure.variables.iter().enumerate() {
+            for start in variables {
+                step[*start..start + D].copy_from_slice(&self.rhs[row]);
+            }
+        }
+    }
 
     // ANCHOR: landmark_step
     /// The move of a landmark, when the others' are known. Its factors are linearized again: that
@@ -461,9 +466,7 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok(inverse)
     }
 
-    // ANCHOR: landmark_covariance
-    /// The covariance of each landmark, from that of the other variables: what its own factors
-    /// leave open, and what those that see it hand on. Implements {eq:ba-point-covariance}.
+    /// The covariance of each landmark, from that of the other variables.
     ///
     /// # Errors
     ///
@@ -474,27 +477,34 @@ impl<const D: usize> LandmarkElimination<D> {
         at: Point,
         others: &DMatrix<f64>,
     ) -> Result<Vec<Matrix3<f64>>, Singular> {
-        let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
         let mut covariances = Vec::with_capacity(self.structure.landmarks.len());
         for index in 0..self.structure.landmarks.len() {
             self.linearize_landmark(problem, at, index)?;
             self.eliminate(index, 0.0)?;
             self.couple(index);
-            let matrix = |columns: &[[f64; D]; 3]| {
-                SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
-            };
-            let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
-            let couplings: Vec<_> = self.couplings.iter().map(matrix).collect();
-            let mut sum = Matrix3::identity();
-            for (row, left) in rows.iter().zip(&couplings) {
-                for (column, right) in rows.iter().zip(&couplings) {
-                    sum += left.transpose() * block(*row, *column) * right;
-                }
-            }
-            let factor = &self.eliminated[index].inverse_factor;
-            covariances.push(factor.tr_mul(&sum) * factor);
+            covariances.push(self.landmark_covariance(index, others));
         }
         Ok(covariances)
+    }
+
+    // ANCHOR: landmark_covariance
+    /// The covariance of the landmark that has been eliminated last: what its own factors leave
+    /// open, and what the variables that see it hand on. Implements {eq:ba-point-covariance}.
+    fn landmark_covariance(&self, index: usize, others: &DMatrix<f64>) -> Matrix3<f64> {
+        let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
+        let matrix = |columns: &[[f64; D]; 3]| {
+            SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
+        };
+        let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
+        let couplings: Vec<_> = self.couplings.iter().map(matrix).collect();
+        let mut sum = Matrix3::identity();
+        for (row, left) in rows.iter().zip(&couplings) {
+            for (column, right) in rows.iter().zip(&couplings) {
+                sum += left.transpose() * block(*row, *column) * right;
+            }
+        }
+        let factor = &self.eliminated[index].inverse_factor;
+        factor.tr_mul(&sum) * factor
     }
     // ANCHOR_END: landmark_covariance
 }

@@ -98,6 +98,10 @@ fn streets(chapter: &mut Chapter) {
     chapter.number("long_waste", points * all_pairs / report.block_products as f64, "", 0);
     chapter.number("long_all_blocks", all_pairs, "", 0);
     chapter.number("long_blocks", report.stored_blocks as f64, "", 0);
+    let shuffled = progress::shuffled(&long);
+    chapter.number("shuffled_blocks", progress::blocks_as_numbered(&shuffled) as f64, "", 0);
+    let renumbered = progress::unsolved(&shuffled).stored_blocks;
+    chapter.number("renumbered_blocks", renumbered as f64, "", 0);
     let closed = progress::unsolved(&progress::closed(long));
     let more = closed.stored_blocks - report.stored_blocks;
     chapter.number("closing_blocks", more as f64, "", 0);

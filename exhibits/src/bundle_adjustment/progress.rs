@@ -130,6 +130,30 @@ pub fn closed(mut street: Ba) -> Ba {
     street
 }
 
+/// The same street with its cameras numbered in no order, except for the first.
+pub fn shuffled(street: &Ba) -> Ba {
+    let mut shuffled = street.clone();
+    let moving = street.cameras.len() - 1;
+    // A prime, so that no two cameras get one number.
+    let new = |camera: usize| if camera == 0 { 0 } else { 1 + 7919 * (camera - 1) % moving };
+    for (camera, pose) in street.cameras.iter().enumerate() {
+        shuffled.cameras[new(camera)] = *pose;
+    }
+    shuffled.factors.iter_mut().for_each(|factor| factor.keyframe = new(factor.keyframe));
+    shuffled
+}
+
+/// Blocks from the first of each row to its diagonal, when rows are in the order of the cameras.
+pub fn blocks_as_numbered(problem: &Ba) -> usize {
+    let mut first: Vec<usize> = (0..problem.cameras.len()).collect();
+    for (one, other) in shared_points(problem).into_keys() {
+        let (later, earlier) = (one.max(other), one.min(other));
+        first[later] = first[later].min(earlier);
+    }
+    let moving = (0..problem.cameras.len()).filter(|camera| !problem.fixed[*camera]);
+    moving.map(|camera| camera + 1 - first[camera]).sum()
+}
+
 /// How many points each pair of moving cameras shares, by pairs with the larger index first.
 pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
     let mut seen_by = vec![Vec::new(); problem.points.len()];
@@ -150,7 +174,20 @@ pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{closed, long_street, shared_points, short_street, unsolved};
+    use super::{
+        blocks_as_numbered, closed, long_street, shared_points, short_street, shuffled, unsolved,
+    };
+
+    #[test]
+    fn blocks_are_counted_as_the_library_does_and_a_shuffled_street_is_put_in_order() {
+        let street = long_street();
+        let stored = unsolved(&street).stored_blocks;
+        assert_eq!(blocks_as_numbered(&street), stored);
+        let shuffled = shuffled(&street);
+        assert_eq!(unsolved(&shuffled).block_products, unsolved(&street).block_products);
+        assert!(blocks_as_numbered(&shuffled) > 10 * stored);
+        assert!(unsolved(&shuffled).stored_blocks < 2 * stored);
+    }
 
     #[test]
     fn the_closed_street_has_one_observation_more_and_loses_none() {
