@@ -61,8 +61,8 @@ pub trait Jacobians<const R: usize> {
     /// Columns of each.
     const COLUMNS: &'static [usize];
 
-    /// Appends their rows, times a factor.
-    fn append(&self, factor: f64, into: &mut Linearized);
+    /// Writes them as those of the factor at this place, times a weight.
+    fn write(&self, factor: usize, weight: f64, into: &mut Linearized);
 }
 
 macro_rules! tuple {
@@ -100,8 +100,8 @@ macro_rules! tuple {
             const COLUMNS: &'static [usize] = &[$($columns),+];
 
             #[inline(always)]
-            fn append(&self, factor: f64, into: &mut Linearized) {
-                $(into.append_rows($slot, factor, &self.$slot);)+
+            fn write(&self, factor: usize, weight: f64, into: &mut Linearized) {
+                $(into.write_jacobian(factor, $slot, weight, &self.$slot);)+
             }
         }
     };

@@ -111,11 +111,10 @@ impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
         at: Point,
         into: &mut Linearized,
     ) -> Result<(), Undefined> {
-        into.clear(R, F::Jacobians::COLUMNS);
-        into.reserve(factors.len());
+        into.begin(factors.len(), R, F::Jacobians::COLUMNS);
         let lists = F::Variables::lists(at.values);
         let frozen = at.frozen.map(F::Variables::lists);
-        for &index in factors {
+        for (place, &index) in factors.iter().enumerate() {
             let factor = &self.factors[index as usize];
             let keys = factor.variables();
             let here = F::Variables::pick(lists, &keys);
@@ -130,8 +129,8 @@ impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
             let squared = residual.norm_squared();
             let root_weight = self.kernel.root_weight_of_square(squared);
             into.cost += self.kernel.cost_of_square(squared);
-            into.residuals.extend_from_slice((root_weight * residual).as_slice());
-            jacobians.append(root_weight, into);
+            into.write_residual(place, root_weight, &residual);
+            jacobians.write(place, root_weight, into);
         }
         Ok(())
     }

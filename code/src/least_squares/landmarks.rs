@@ -52,7 +52,8 @@ pub struct LandmarkElimination<const D: usize> {
     landmark_gradient: f64,
     /// The factors of the landmark at hand, by run.
     linear: Vec<Linearized>,
-    /// The D×3 matrices that couple it to the other variables: {eq:coupling-factor}.
+    /// The D×3 matrices that couple landmarks to the variables that see them, in the order of the
+    /// structure's rows: {eq:coupling-factor}.
     couplings: Vec<[[f64; D]; 3]>,
 }
 // ANCHOR_END: landmark_elimination
@@ -90,7 +91,7 @@ impl<const D: usize> LandmarkElimination<D> {
         let nothing =
             Eliminated { inverse_factor: one, forward: zero, curvature: zero, damping: zero };
         let most = |count: fn(&Landmark) -> usize| structure.landmarks.iter().map(count).max();
-        let (runs, rows) = (most(|l| l.runs.len()), most(|l| l.rows.len()));
+        let runs = most(|l| l.runs.len());
         Ok(Self {
             schur: SchurComplement::new(structure.first_columns.clone()),
             rhs: zeros.clone(),
@@ -101,7 +102,7 @@ impl<const D: usize> LandmarkElimination<D> {
             eliminated: vec![nothing; structure.landmarks.len()],
             landmark_gradient: 0.0,
             linear: vec![Linearized::default(); runs.unwrap_or(0).max(1)],
-            couplings: Vec::with_capacity(rows.unwrap_or(0)),
+            couplings: vec![[[0.0; D]; 3]; structure.rows.len()],
             structure,
         })
     }
@@ -158,22 +159,23 @@ impl<const D: usize> LandmarkElimination<D> {
     // ANCHOR: add_variables
     /// Adds the factors of the landmark to the blocks of the other variables, as if it could not
     /// move.
+    #[inline(never)]
     fn add_variables(&mut self, index: usize) {
         let Self { structure, linear, schur, gradient, curvature, .. } = self;
         let rows = &structure.rows[structure.landmarks[index].rows.clone()];
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(row) = seen.slot.map(|slot| rows[slot]) else { continue };
+        each_factor::<D>(structure, linear, index, |seen| {
+            let Some(row) = seen.slot.map(|slot| rows[slot]) else { return };
             add_outer(schur.block(row, row), seen.other, seen.other);
             add_gradient(&mut gradient[row], &mut curvature[row], seen.other, seen.residual);
-        }
+        });
     }
     // ANCHOR_END: add_variables
 
     // ANCHOR: eliminate
     /// Forms, damps and factors the 3×3 block of the landmark.
+    #[inline(never)]
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
-        let (mut block, gradient) =
-            landmark_block(factors::<D>(&self.structure, &self.linear, index));
+        let (mut block, gradient) = landmark_block::<D>(&self.structure, &self.linear, index);
         let curvature = block.diagonal();
         let damping = curvature.map(|h| damping * h.max(SMALLEST_CURVATURE));
         for axis in 0..3 {
@@ -193,20 +195,21 @@ impl<const D: usize> LandmarkElimination<D> {
     /// summed over factors. They are blocks of the Cholesky factor of the whole system.
     ///
     /// Implements {eq:coupling-factor}.
+    #[inline(never)]
     fn couple(&mut self, index: usize) {
         let Self { structure, linear, couplings, eliminated, .. } = self;
-        couplings.clear();
-        couplings.resize(structure.landmarks[index].rows.len(), [[0.0; D]; 3]);
+        let couplings = &mut couplings[structure.landmarks[index].rows.clone()];
+        couplings.fill([[0.0; D]; 3]);
         let inverse_factor = &eliminated[index].inverse_factor;
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(slot) = seen.slot else { continue };
+        each_factor::<D>(structure, linear, index, |seen| {
+            let Some(slot) = seen.slot else { return };
             for (other, landmark) in seen.other.iter().zip(seen.landmark) {
                 let scaled = inverse_factor * Vector3::from(*landmark);
                 for (column, scaled) in couplings[slot].iter_mut().zip(scaled.iter()) {
                     add_multiple(column, *scaled, other);
                 }
             }
-        }
+        });
     }
     // ANCHOR_END: couple
 
@@ -215,12 +218,14 @@ impl<const D: usize> LandmarkElimination<D> {
     /// from their right-hand sides.
     ///
     /// Implements {eq:covisible-pairs}.
+    #[inline(never)]
     fn subtract_pairs(&mut self, index: usize) {
-        let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
+        let range = self.structure.landmarks[index].rows.clone();
+        let (rows, couplings) = (&self.structure.rows[range.clone()], &self.couplings[range]);
         let forward = &self.eliminated[index].forward;
-        for (i, (row, left)) in rows.iter().zip(&self.couplings).enumerate() {
+        for (i, (row, left)) in rows.iter().zip(couplings).enumerate() {
             let (blocks, first) = self.schur.row(*row);
-            for (column, right) in rows[..=i].iter().zip(&self.couplings) {
+            for (column, right) in rows[..=i].iter().zip(couplings) {
                 add_product(&mut blocks[column - first], -1.0, left, right);
             }
             for (column, forward) in left.iter().zip(forward.iter()) {
@@ -242,7 +247,7 @@ impl<const D: usize> LandmarkElimination<D> {
                 rows.filter_map(|(slot, row)| Some(((*row)?, linear.rows_of::<D>(slot))))
             };
             for (row, left) in moving() {
-                add_gradient(&mut gradient[row], &mut curvature[row], left, &linear.residuals);
+                add_gradient(&mut gradient[row], &mut curvature[row], left, linear.residuals());
                 for (column, right) in moving().filter(|(column, _)| *column <= row) {
                     add_outer(schur.block(row, column), left, right);
                 }
@@ -287,55 +292,41 @@ impl<const D: usize> LandmarkElimination<D> {
     /// scaled length of the step; `forward` is what `solve` returned.
     ///
     /// Implements {eq:promise-in-parts}.
-    fn back_substitute(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        forward: f64,
-        step: &mut [f64],
-    ) -> Result<(f64, f64), Singular> {
+    fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
         for (row, variables) in self.structure.variables.iter().enumerate() {
             for start in variables {
                 step[*start..start + D].copy_from_slice(&self.rhs[row]);
             }
         }
-        for index in 0..self.structure.landmarks.len() {
-            let change = self.landmark_step(problem, at, index)?;
-            let start = self.structure.landmarks[index].coordinate;
-            step[start..start + 3].copy_from_slice(change.as_slice());
+        for (index, landmark) in self.structure.landmarks.iter().enumerate() {
+            let change = self.landmark_step(index);
+            step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
             let Eliminated { forward, curvature, damping, .. } = &self.eliminated[index];
             let squares = change.component_mul(&change);
             twice_predicted += forward.norm_squared() + damping.dot(&squares);
             square += curvature.dot(&squares);
         }
-        Ok((twice_predicted, square))
+        (twice_predicted, square)
     }
     // ANCHOR_END: back_substitute
 
     // ANCHOR: landmark_step
-    /// The move of a landmark, when the others' are known. Its factors are linearized again: that
-    /// is hardly more work than to keep their couplings, and needs no memory.
+    /// The move of a landmark, when the others' are known.
     ///
     /// Implements {eq:point-follows}.
-    fn landmark_step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        index: usize,
-    ) -> Result<Vector3<f64>, Singular> {
-        self.linearize_landmark(problem, at, index)?;
-        let Self { structure, linear, rhs, eliminated, .. } = self;
-        let rows = &structure.rows[structure.landmarks[index].rows.clone()];
-        let mut pull = Vector3::zeros();
-        for seen in factors::<D>(structure, linear, index) {
-            let Some(step) = seen.slot.map(|slot| &rhs[rows[slot]]) else { continue };
-            for (other, landmark) in seen.other.iter().zip(seen.landmark) {
-                pull += dot(other, step) * Vector3::from(*landmark);
+    #[inline(always)]
+    fn landmark_step(&self, index: usize) -> Vector3<f64> {
+        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
+        let range = self.structure.landmarks[index].rows.clone();
+        let mut pull = *forward;
+        for (row, coupling) in self.structure.rows[range.clone()].iter().zip(&self.couplings[range])
+        {
+            for (pull, column) in pull.iter_mut().zip(coupling) {
+                *pull += dot(column, &self.rhs[*row]);
             }
         }
-        let Eliminated { inverse_factor, forward, .. } = &eliminated[index];
-        Ok(-inverse_factor.tr_mul(&(forward + inverse_factor * pull)))
+        -inverse_factor.tr_mul(&pull)
     }
     // ANCHOR_END: landmark_step
 
@@ -412,24 +403,19 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok((self.schur.to_matrix(), rhs))
     }
 
-    /// The step of all coordinates that goes with a step of the variables that have rows, when it
-    /// is that of [`LandmarkElimination::schur_complement`] at the same point. Returns the
-    /// predicted decrease too; `forward` is twice the part of it that is not the landmarks'.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular::Undefined`] when a factor has no value.
+    /// The step of all coordinates that goes with a step of the variables that have rows, when the
+    /// last elimination was [`LandmarkElimination::schur_complement`]. Gives the predicted decrease
+    /// too; `forward` is twice the part of it that is not the landmarks'.
     pub fn complete(
         &mut self,
         problem: &Problem,
-        at: Point,
         rows: &DVector<f64>,
         forward: f64,
-    ) -> Result<(Vec<f64>, f64), Singular> {
+    ) -> (Vec<f64>, f64) {
         self.rhs.as_flattened_mut().copy_from_slice(rows.as_slice());
         let mut step = vec![0.0; problem.values().dimension()];
-        let (twice, _) = self.back_substitute(problem, at, forward, &mut step)?;
-        Ok((step, 0.5 * twice))
+        let (twice, _) = self.back_substitute(forward, &mut step);
+        (step, 0.5 * twice)
     }
 
     /// The inverse of the Schur complement: the covariance of the variables that have rows.
@@ -480,7 +466,8 @@ impl<const D: usize> LandmarkElimination<D> {
                 SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
             };
             let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
-            let couplings: Vec<_> = self.couplings.iter().map(matrix).collect();
+            let couplings = &self.couplings[self.structure.landmarks[index].rows.clone()];
+            let couplings: Vec<_> = couplings.iter().map(matrix).collect();
             let mut sum = Matrix3::identity();
             for (row, left) in rows.iter().zip(&couplings) {
                 for (column, right) in rows.iter().zip(&couplings) {
@@ -512,7 +499,7 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
         self.eliminate_all(problem, at, damping).ok()?;
         let gradient_norm = self.scaled_gradient();
         let forward = self.solve().ok()?;
-        let (twice, square) = self.back_substitute(problem, at, forward, into).ok()?;
+        let (twice, square) = self.back_substitute(forward, into);
         Some(Prediction {
             step_norm: square.sqrt(),
             predicted_decrease: 0.5 * twice,
@@ -548,31 +535,31 @@ struct Seen<'a, const D: usize> {
     residual: &'a [f64],
 }
 
-/// The linearized factors of a landmark.
+/// Goes through the linearized factors of a landmark.
 #[inline(always)]
-fn factors<'a, const D: usize>(
+fn each_factor<'a, const D: usize>(
     structure: &'a Structure,
     linear: &'a [Linearized],
     index: usize,
-) -> impl Iterator<Item = Seen<'a, D>> {
+    mut visit: impl FnMut(Seen<'a, D>),
+) {
     let runs = &structure.runs[structure.landmarks[index].runs.clone()];
-    runs.iter().zip(linear).flat_map(move |(run, linear)| {
-        let slots = structure.groups[run.group];
-        let other = slots.other.map_or(&[][..], |slot| linear.rows_of::<D>(slot));
-        let landmark = linear.rows_of::<3>(slots.landmark);
-        let factors = &structure.slots[run.factors.clone()];
-        factors.iter().enumerate().map(move |(factor, slot)| {
-            let rows = factor * linear.rows..(factor + 1) * linear.rows;
+    for (run, linear) in runs.iter().zip(linear) {
+        let (each, slots) = (linear.rows(), structure.groups[run.group]);
+        let others = slots.other.map_or(&[][..], |slot| linear.rows_of::<D>(slot));
+        let (landmarks, residuals) = (linear.rows_of::<3>(slots.landmark), linear.residuals());
+        for (factor, slot) in structure.slots[run.factors.clone()].iter().enumerate() {
+            let rows = factor * each..(factor + 1) * each;
             let slot = (*slot != HELD).then_some(*slot as usize);
-            let other = if slot.is_some() { &other[rows.clone()] } else { &[] };
-            Seen {
+            let other = if slot.is_some() { &others[rows.clone()] } else { &[] };
+            visit(Seen {
                 slot,
                 other,
-                landmark: &landmark[rows.clone()],
-                residual: &linear.residuals[rows],
-            }
-        })
-    })
+                landmark: &landmarks[rows.clone()],
+                residual: &residuals[rows],
+            });
+        }
+    }
 }
 
 /// Adds the product of the transposed rows of one variable with those of another to their block.
@@ -605,11 +592,13 @@ fn add_gradient<const D: usize>(
 ///
 /// Implements the middle line of {eq:ba-blocks}.
 #[inline(always)]
-fn landmark_block<'a, const D: usize>(
-    factors: impl Iterator<Item = Seen<'a, D>>,
+fn landmark_block<const D: usize>(
+    structure: &Structure,
+    linear: &[Linearized],
+    index: usize,
 ) -> (Matrix3<f64>, Vector3<f64>) {
     let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-    for seen in factors {
+    each_factor::<D>(structure, linear, index, |seen| {
         for (row, residual) in seen.landmark.iter().zip(seen.residual) {
             for column in 0..3 {
                 gradient[column] = multiply_add(row[column], *residual, gradient[column]);
@@ -619,7 +608,7 @@ fn landmark_block<'a, const D: usize>(
                 }
             }
         }
-    }
+    });
     (block, gradient)
 }
 // ANCHOR_END: landmark_block

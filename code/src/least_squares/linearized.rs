@@ -1,19 +1,17 @@
 //! Residuals and derivatives of many factors, as a linear system takes them.
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
 /// Linearized factors of one group, each of the same shape. Residuals and derivatives are weighted
 /// by the root of their kernel's weight, so that plain sums of products make gradient and Hessian.
 #[derive(Debug, Clone, Default)]
 pub struct Linearized {
-    /// How many numbers the residual of each factor has.
-    pub rows: usize,
-    /// How many variables each factor has.
-    pub slots: usize,
-    /// The residuals, one after the other.
-    pub residuals: Vec<f64>,
+    rows: usize,
+    slots: usize,
+    len: usize,
     /// The cost of all of them.
     pub cost: f64,
+    residuals: Vec<f64>,
     /// For each slot the derivatives by that variable, row by row.
     jacobians: Vec<Slot>,
 }
@@ -21,52 +19,69 @@ pub struct Linearized {
 #[derive(Debug, Clone, Default)]
 struct Slot {
     columns: usize,
-    rows: Vec<f64>,
+    entries: Vec<f64>,
 }
 
 impl Linearized {
-    /// Nothing, of factors with so many rows and with variables of these dimensions. What was
-    /// there is forgotten; its memory is kept.
-    pub fn clear(&mut self, rows: usize, columns: &[usize]) {
-        (self.rows, self.slots, self.cost) = (rows, columns.len(), 0.0);
-        self.residuals.clear();
-        self.jacobians.resize_with(self.jacobians.len().max(columns.len()), Slot::default);
+    /// Room for so many factors, with so many rows and with variables of these dimensions. What
+    /// was there is void; memory is taken only when there has never been as much.
+    pub fn begin(&mut self, len: usize, rows: usize, columns: &[usize]) {
+        (self.len, self.rows, self.slots, self.cost) = (len, rows, columns.len(), 0.0);
+        grow(&mut self.residuals, len * rows);
+        if self.jacobians.len() < columns.len() {
+            self.jacobians.resize_with(columns.len(), Slot::default);
+        }
         for (slot, columns) in self.jacobians.iter_mut().zip(columns) {
-            slot.rows.clear();
             slot.columns = *columns;
+            grow(&mut slot.entries, len * rows * columns);
         }
     }
 
-    /// Room for so many factors more.
-    pub fn reserve(&mut self, factors: usize) {
-        let rows = factors * self.rows;
-        self.residuals.reserve(rows);
-        for slot in &mut self.jacobians[..self.slots] {
-            slot.rows.reserve(rows * slot.columns);
-        }
-    }
-
-    /// Appends the rows of a block of derivatives, times a factor.
+    /// Writes the residual of a factor, times a weight.
     #[inline(always)]
-    pub fn append_rows<const R: usize, const C: usize>(
+    pub fn write_residual<const R: usize>(
         &mut self,
+        factor: usize,
+        weight: f64,
+        residual: &SVector<f64, R>,
+    ) {
+        let place = &mut self.residuals[factor * R..(factor + 1) * R];
+        place.copy_from_slice((weight * residual).as_slice());
+    }
+
+    /// Writes the derivatives of a factor by one of its variables, times a weight.
+    #[inline(always)]
+    pub fn write_jacobian<const R: usize, const C: usize>(
+        &mut self,
+        factor: usize,
         slot: usize,
-        factor: f64,
+        weight: f64,
         block: &SMatrix<f64, R, C>,
     ) {
         let rows: [[f64; C]; R] =
-            std::array::from_fn(|row| std::array::from_fn(|column| factor * block[(row, column)]));
-        self.jacobians[slot].rows.extend_from_slice(rows.as_flattened());
+            std::array::from_fn(|row| std::array::from_fn(|column| weight * block[(row, column)]));
+        let place = factor * R * C..(factor + 1) * R * C;
+        self.jacobians[slot].entries[place].copy_from_slice(rows.as_flattened());
     }
 
     /// How many factors there are.
     pub fn len(&self) -> usize {
-        self.residuals.len() / self.rows.max(1)
+        self.len
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.residuals.is_empty()
+        self.len == 0
+    }
+
+    /// How many numbers the residual of each factor has.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The residuals, one after the other.
+    pub fn residuals(&self) -> &[f64] {
+        &self.residuals[..self.len * self.rows]
     }
 
     /// Columns of the derivatives by the variables in a slot.
@@ -77,7 +92,8 @@ impl Linearized {
     /// The derivatives by the variables in a slot, row by row.
     #[inline]
     pub fn jacobian(&self, slot: usize) -> &[f64] {
-        &self.jacobians[slot].rows
+        let Slot { columns, entries } = &self.jacobians[slot];
+        &entries[..self.len * self.rows * columns]
     }
 
     /// The same as rows of a length that is known when compiling; no rows when it is another one.
@@ -88,8 +104,8 @@ impl Linearized {
 
     /// The memory that it holds, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        let numbers: usize = self.jacobians.iter().map(|slot| slot.rows.capacity()).sum();
-        size_of::<f64>() * (numbers + self.residuals.capacity())
+        let entries: usize = self.jacobians.iter().map(|slot| slot.entries.capacity()).sum();
+        size_of::<f64>() * (entries + self.residuals.capacity())
     }
 
     /// The first factor with a number that is not finite.
@@ -98,10 +114,16 @@ impl Linearized {
             let place = numbers.iter().position(|number| !number.is_finite())?;
             Some(place / each.max(1))
         };
-        let jacobians = self.jacobians[..self.slots].iter();
-        jacobians
-            .filter_map(|slot| first(&slot.rows, self.rows * slot.columns))
-            .chain(first(&self.residuals, self.rows))
+        (0..self.slots)
+            .filter_map(|slot| first(self.jacobian(slot), self.rows * self.columns(slot)))
+            .chain(first(self.residuals(), self.rows))
             .min()
+    }
+}
+
+/// Makes a list at least this long.
+fn grow(list: &mut Vec<f64>, len: usize) {
+    if list.len() < len {
+        list.resize(len, 0.0);
     }
 }

@@ -245,10 +245,10 @@ impl Problem {
                 group.factors.variables(place, &mut |index| {
                     slots.push(self.values.coordinates_of(index).unwrap_or_default().start);
                 });
-                for row in 0..buffer.linear.rows {
-                    let row = place * buffer.linear.rows + row;
+                for row in 0..buffer.linear.rows() {
+                    let row = place * buffer.linear.rows() + row;
                     gather(&buffer.linear, row, slots, columns, &mut buffer.entries);
-                    let residual = buffer.linear.residuals[row];
+                    let residual = buffer.linear.residuals()[row];
                     visit(Row { residual, entries: &buffer.entries });
                 }
             }

@@ -1,10 +1,10 @@
 //! From the state of a body to the pixel of a landmark.
 
 use nalgebra::{Matrix2x3, Matrix3, SMatrix, Vector3};
+use vislam::factors as theory;
 use vislam::inertial::{CameraImu, NavState};
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
-use vislam::factors as theory;
 
 use super::STATES;
 use super::draws;

@@ -1,0 +1,319 @@
+//! Each factor against what it measures: derivatives by central differences, where it stands and
+//! where somebody froze its linearization point.
+
+use nalgebra::{
+    DMatrix, Isometry3, Matrix6, Rotation3, SVector, Vector1, Vector2, Vector3, Vector6,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use vislam::factors::{BiasWalkFactor, InertialFactor, PixelByBody, Prior, StereoByPose};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
+use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
+use vislam::manifold::{se3, so3};
+use vislam::preintegration::{Preintegrated, preintegrate};
+use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
+use vislam::two_views::{StereoFactor, StereoPinhole};
+
+const STATES: usize = 1000;
+const PINHOLE: Pinhole = Pinhole { fx: 400.0, fy: 410.0, cx: 320.0, cy: 240.0 };
+
+struct Draws(ChaCha8Rng);
+
+impl Draws {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    fn number(&mut self, size: f64) -> f64 {
+        self.0.random_range(-size..size)
+    }
+
+    fn vector<const N: usize>(&mut self, size: f64) -> SVector<f64, N> {
+        SVector::from_fn(|_, _| self.number(size))
+    }
+
+    fn state(&mut self) -> NavState {
+        NavState {
+            world_from_body: so3::exp(&self.vector(2.0)),
+            velocity: self.vector(3.0),
+            position: self.vector(5.0),
+        }
+    }
+
+    fn bias(&mut self) -> ImuBias {
+        ImuBias { gyro: self.vector(0.02), accelerometer: self.vector(0.2) }
+    }
+
+    /// A pose of the camera in the body, near the identity.
+    fn extrinsics(&mut self) -> Isometry3<f64> {
+        se3::exp(&self.vector(0.2))
+    }
+
+    /// Small, as one of an estimator that has nearly converged.
+    fn nearby<V: Manifold>(&mut self, value: &V) -> V {
+        let step: Vec<f64> = (0..value.dimension()).map(|_| self.number(0.02)).collect();
+        value.retract(&step)
+    }
+}
+
+/// The Jacobian of a problem by central differences, each residual at its values.
+fn differences(problem: &Problem, at: &Values) -> DMatrix<f64> {
+    let columns = problem.columns();
+    let residual = |column: usize, step: f64| {
+        let mut by_column = vec![0.0; columns.count];
+        by_column[column] = step;
+        let mut coordinates = vec![0.0; at.dimension()];
+        columns.spread(&by_column, &mut coordinates);
+        problem.jacobian(&at.retract(&coordinates)).unwrap().1
+    };
+    let step = 1e-5;
+    let slopes: Vec<_> = (0..columns.count)
+        .map(|column| (residual(column, step) - residual(column, -step)) / (2.0 * step))
+        .collect();
+    DMatrix::from_columns(&slopes)
+}
+
+/// Compares a problem's Jacobian with differences at its values, and, with every linearization
+/// point frozen at `frozen`, with differences there, while residuals stay those of the values.
+fn compare(problem: &mut Problem, freeze: impl Fn(&mut Problem), frozen: &Values, tolerance: f64) {
+    let values = problem.values().clone();
+    let (here, residual) = problem.jacobian(&values).unwrap();
+    let expected = differences(problem, &values);
+    assert!((&here - &expected).amax() < tolerance * expected.amax(), "{here}{expected}");
+    let elsewhere = differences(problem, frozen);
+    freeze(problem);
+    let (held, same) = problem.jacobian(&values).unwrap();
+    assert_eq!(same, residual);
+    assert!((&held - &elsewhere).amax() < tolerance * elsewhere.amax(), "{held}{elsewhere}");
+}
+
+/// Adds a variable, and freezes it where a second draw has it.
+struct Frozen {
+    values: Values,
+}
+
+impl Frozen {
+    fn new() -> Self {
+        Self { values: Values::new() }
+    }
+
+    fn add<V: Manifold>(&mut self, draws: &mut Draws, problem: &mut Problem, value: V) -> Key<V> {
+        self.values.add(draws.nearby(&value));
+        problem.add_variable(value)
+    }
+
+    fn freeze<V: Manifold>(&self, problem: &mut Problem, key: Key<V>) {
+        problem.freeze(key, self.values[key].clone()).unwrap();
+    }
+}
+
+fn pixels_of_a_body<M: vislam::reprojection::CameraModel>(camera: M, seed: u64) {
+    let mut draws = Draws::new(seed);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let (state, extrinsics) = (draws.state(), draws.extrinsics());
+        let offset = Vector1::new(draws.number(0.02));
+        let ahead = Vector3::new(draws.number(1.0), draws.number(1.0), 5.0);
+        let world_from_camera = state.pose() * extrinsics;
+        let landmark = se3::transform(&world_from_camera, &ahead);
+        let factor = PixelByBody {
+            state: frozen.add(&mut draws, &mut problem, state),
+            landmark: frozen.add(&mut draws, &mut problem, landmark),
+            extrinsics: frozen.add(&mut draws, &mut problem, extrinsics),
+            time_offset: frozen.add(&mut draws, &mut problem, offset),
+            camera: camera.clone(),
+            angular_velocity: draws.vector(0.5),
+            pixel: Vector2::new(320.0, 240.0),
+            inverse_sigma: 1.3,
+        };
+        let (state, landmark, extrinsics, time_offset) = factor.variables();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, state);
+            frozen.freeze(problem, landmark);
+            frozen.freeze(problem, extrinsics);
+            frozen.freeze(problem, time_offset);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+#[test]
+fn a_pixel_of_a_moving_body_has_the_slopes_of_its_residual() {
+    pixels_of_a_body(PINHOLE, 1);
+}
+
+#[test]
+fn a_pixel_behind_a_lens_has_them_too() {
+    let lens = RadialTangential::new(-0.28, 0.07, 1e-4, 2e-5, 0.0).unwrap();
+    pixels_of_a_body(DistortedPinhole { pinhole: PINHOLE, lens }, 2);
+}
+
+#[test]
+fn a_late_clock_shows_the_landmark_from_where_the_body_has_gone() {
+    let mut problem = Problem::new();
+    let state = NavState { velocity: Vector3::new(2.0, 0.0, 0.0), ..NavState::origin() };
+    let factor = PixelByBody {
+        state: problem.add_variable(state),
+        landmark: problem.add_variable(Vector3::new(0.0, 0.0, 4.0)),
+        extrinsics: problem.add_variable(Isometry3::identity()),
+        time_offset: problem.add_variable(Vector1::new(0.01)),
+        camera: PINHOLE,
+        angular_velocity: Vector3::zeros(),
+        pixel: Vector2::new(320.0, 240.0),
+        inverse_sigma: 1.0,
+    };
+    problem.add_factor(factor, Kernel::Squared).unwrap();
+    let (_, residual) = problem.jacobian(problem.values()).unwrap();
+    // Two centimetres to the right at four metres: two pixels to the left.
+    assert!((residual - Vector2::new(-2.0, 0.0)).norm() < 1e-9);
+}
+
+#[test]
+fn a_stereo_observation_has_the_slopes_of_its_residual() {
+    let camera = StereoPinhole::new(PINHOLE, 0.12).unwrap();
+    let mut draws = Draws::new(4);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let pose = se3::exp(&draws.vector(1.0));
+        let ahead = Vector3::new(draws.number(1.0), draws.number(1.0), 5.0);
+        let landmark = se3::transform(&pose.inverse(), &ahead);
+        let seen = Vector3::new(320.0, 240.0, 310.0);
+        let factor = StereoByPose {
+            pose: frozen.add(&mut draws, &mut problem, pose),
+            landmark: frozen.add(&mut draws, &mut problem, landmark),
+            camera,
+            observed: StereoFactor::new(0, 0, seen, 0.8).unwrap(),
+        };
+        let (pose, landmark) = factor.variables();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, pose);
+            frozen.freeze(problem, landmark);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+/// Readings of half a second.
+fn interval(draws: &mut Draws) -> Preintegrated {
+    let samples: Vec<_> = (0..20)
+        .map(|_| ImuSample { gyro: draws.vector(1.0), accelerometer: draws.vector(5.0) - GRAVITY })
+        .collect();
+    preintegrate(&samples, 0.025, &draws.bias(), &ImuNoise::mems()).unwrap()
+}
+
+#[test]
+fn readings_have_the_slopes_of_their_residual() {
+    let mut draws = Draws::new(5);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let preintegrated = interval(&mut draws);
+        let (state, bias) = (draws.state(), draws.bias());
+        let next = draws.nearby(&preintegrated.predict(&state, &GRAVITY, &bias));
+        let first = frozen.add(&mut draws, &mut problem, state);
+        let second = frozen.add(&mut draws, &mut problem, next);
+        let bias = frozen.add(&mut draws, &mut problem, bias);
+        let factor = InertialFactor::new([first, second], bias, preintegrated, GRAVITY).unwrap();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, first);
+            frozen.freeze(problem, second);
+            frozen.freeze(problem, bias);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-6);
+    }
+}
+
+#[test]
+fn a_walk_of_the_bias_has_the_slopes_of_its_residual() {
+    let mut draws = Draws::new(6);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let value = draws.bias();
+        let first = frozen.add(&mut draws, &mut problem, value);
+        let value = draws.bias();
+        let second = frozen.add(&mut draws, &mut problem, value);
+        let factor = BiasWalkFactor::new([first, second], &ImuNoise::euroc(), 0.5).unwrap();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, first);
+            frozen.freeze(problem, second);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+fn prior_of<V: Manifold, const N: usize>(draw: impl Fn(&mut Draws) -> V, seed: u64) {
+    let mut draws = Draws::new(seed);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let anchor = draw(&mut draws);
+        let step: Vec<f64> = (0..N).map(|_| draws.number(0.8)).collect();
+        let variable = frozen.add(&mut draws, &mut problem, anchor.retract(&step));
+        let sqrt_information = nalgebra::SMatrix::<f64, N, N>::from_fn(|_, _| draws.number(1.0));
+        let prior = Prior { variable, anchor, sqrt_information };
+        problem.add_factor(prior, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| frozen.freeze(problem, variable);
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+#[test]
+fn a_prior_has_the_slopes_of_its_residual_whatever_it_is_about() {
+    prior_of::<Vector3<f64>, 3>(|draws| draws.vector(2.0), 7);
+    prior_of::<Rotation3<f64>, 3>(|draws| so3::exp(&draws.vector(2.0)), 8);
+    prior_of::<Isometry3<f64>, 6>(|draws| se3::exp(&draws.vector(1.5)), 9);
+    prior_of::<NavState, 9>(Draws::state, 10);
+    prior_of::<ImuBias, 6>(Draws::bias, 11);
+}
+
+#[test]
+fn a_state_and_a_bias_are_found_from_pixels_and_readings_together() {
+    let mut draws = Draws::new(12);
+    let preintegrated = interval(&mut draws);
+    let truth = NavState::origin();
+    let bias = preintegrated.bias;
+    let next = preintegrated.predict(&truth, &GRAVITY, &bias);
+    let mut problem = Problem::new();
+    let first = problem.add_variable(truth);
+    let second = problem.add_variable(draws.nearby(&next));
+    let start = ImuBias { gyro: bias.gyro, accelerometer: bias.accelerometer + draws.vector(0.01) };
+    let bias_key = problem.add_variable(start);
+    let extrinsics = problem.add_variable(Isometry3::identity());
+    let time_offset = problem.add_variable(Vector1::new(0.0));
+    problem.hold(first).unwrap();
+    problem.hold(extrinsics).unwrap();
+    problem.hold(time_offset).unwrap();
+    let readings = InertialFactor::new([first, second], bias_key, preintegrated, GRAVITY).unwrap();
+    problem.add_factor(readings, Kernel::Squared).unwrap();
+    let sqrt_information = Matrix6::from_diagonal(&Vector6::new(1e3, 1e3, 1e3, 1e2, 1e2, 1e2));
+    let known = Prior { variable: bias_key, anchor: bias, sqrt_information };
+    problem.add_factor(known, Kernel::Squared).unwrap();
+    for _ in 0..12 {
+        let ahead = Vector3::new(draws.number(1.0), draws.number(1.0), 4.0 + draws.number(1.0));
+        let landmark = problem.add_variable(ahead + draws.vector::<3>(0.05));
+        for (key, state) in [(first, &truth), (second, &next)] {
+            let camera_from_world = state.pose().inverse();
+            let Some(pixel) = PINHOLE.project(&camera_from_world, &ahead) else { continue };
+            let factor = PixelByBody {
+                state: key,
+                landmark,
+                extrinsics,
+                time_offset,
+                camera: PINHOLE,
+                angular_velocity: Vector3::zeros(),
+                pixel,
+                inverse_sigma: 1.0,
+            };
+            problem.add_factor(factor, Kernel::Squared).unwrap();
+        }
+    }
+    let solution = problem.solve(&Default::default()).unwrap();
+    assert!(solution.report.stop.is_convergence(), "{}", solution.report.stop);
+    let mut error = [0.0; 9];
+    solution.values[second].local(&next, &mut error);
+    assert!(error.iter().all(|number| number.abs() < 1e-6), "{error:?}");
+    assert!((solution.values[bias_key].vector() - bias.vector()).norm() < 1e-6);
+    assert!(problem.covariance(&solution.values).is_ok());
+}
