@@ -14,7 +14,7 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use vislam::bundle_adjustment::{Camera, Solver, TinyBa, read_bal};
-use vislam::least_squares::Options;
+use vislam::least_squares::{Options, Stop};
 
 const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
 
@@ -55,8 +55,10 @@ fn solve<C: Camera<D>, const D: usize>(
                 break stop;
             }
         };
-        let iterations = solver.iterations().len().max(1);
-        times.push(1e3 * start.elapsed().as_secs_f64() / iterations as f64);
+        // The step that was computed last may not have been worth trying.
+        let untried = matches!(stop, Stop::PredictedDecreaseSmall | Stop::StepSmall);
+        let steps = (solver.iterations().len() + usize::from(untried)).max(1);
+        times.push(1e3 * start.elapsed().as_secs_f64() / steps as f64);
         if began.elapsed() > Duration::from_secs(1) && times.len() > 2 {
             break solver.report(stop);
         }

@@ -786,7 +786,6 @@ fn wrong_options_and_wrong_values_are_refused() {
     assert_eq!(problem.linearize(&others), Err(wrong));
 }
 
-// ANCHOR: pose_and_point
 /// A point, seen from a pose, relative to it: Tᵀ P in body coordinates less what was measured.
 struct Sighting {
     pose: Key<Isometry3<f64>>,
@@ -796,6 +795,7 @@ struct Sighting {
 
 type PoseAndPoint<'a> = (&'a Isometry3<f64>, &'a Vector3<f64>);
 
+// ANCHOR: pose_and_point
 impl Factor<3> for Sighting {
     type Variables = (Isometry3<f64>, Vector3<f64>);
     type Jacobians = (Matrix3x6<f64>, Matrix3<f64>);

@@ -49,6 +49,17 @@ fn a_twist_that_turns_while_it_moves_follows_an_arc() {
 // ANCHOR_END: worked_arc
 
 #[test]
+fn a_transform_moves_a_point_that_the_operator_only_turns() {
+    let pose = se3::exp(&Vector6::new(0.3, -0.2, 0.5, 0.4, 0.1, -0.6));
+    let point = Vector3::new(1.0, 2.0, 3.0);
+    let moved = se3::transform(&pose, &point);
+    let by_matrix = (pose.to_homogeneous() * point.push(1.0)).xyz();
+    assert_abs_diff_eq!(moved, by_matrix, epsilon = 1e-15);
+    assert_abs_diff_eq!(moved, (pose * nalgebra::Point3::from(point)).coords, epsilon = 1e-15);
+    assert_abs_diff_eq!(moved - pose * point, pose.translation.vector, epsilon = 1e-15);
+}
+
+#[test]
 fn hat_is_the_cross_product_and_vee_undoes_it() {
     for (phi, other) in rotation_vectors().into_iter().zip(rotation_vectors().into_iter().rev()) {
         assert_eq!(so3::hat(&phi) * other, phi.cross(&other));

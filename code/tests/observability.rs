@@ -8,7 +8,8 @@ use vislam::inertial::{Angles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Tra
 use vislam::least_squares::{Manifold, NullSpaceError, Spectrum};
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
-    BiasAssumption, Direction, Flight, ObservabilityError, Similarity, Window, landmarks_around,
+    BiasAssumption, Direction, Flight, ObservabilityError, Similarity, UnknownCalibration, Window,
+    landmarks_around,
 };
 
 const ACCELERATION: Vector3<f64> = Vector3::new(0.7, -0.3, 0.4);
@@ -141,6 +142,37 @@ fn pictures_alone_leave_seven_directions_free() {
         window.intervals.clear();
         assert_eq!(window.free_directions().unwrap().to_string(), seven);
     }
+}
+
+/// The degenerate motions of online calibration, as Yang and Huang (2019) have them, with known
+/// biases.
+#[test]
+fn calibration_is_free_where_the_motion_does_not_excite_it() {
+    let free = |trajectory, calibration| {
+        let flight = Flight::new(trajectory).with_lever(LEVER);
+        let landmarks = landmarks_around(&Vector3::zeros(), 60);
+        let mut window = flight.window(&landmarks, BiasAssumption::KNOWN).unwrap();
+        window.calibration = calibration;
+        window.free_directions().unwrap().to_string()
+    };
+    let extrinsics = UnknownCalibration { extrinsics: true, time_offset: false };
+    let both = UnknownCalibration { extrinsics: true, time_offset: true };
+    let offset = UnknownCalibration { extrinsics: false, time_offset: true };
+    let four = format!("4: {POSITION}, yaw");
+    // Turning about two axes or more determines all of it.
+    for calibration in [extrinsics, offset, both] {
+        assert_eq!(free(Trajectory::figure_eight(), calibration), four);
+    }
+    // Without rotation the lever arm is free, and about one axis its part along that axis.
+    let seven = format!("7: {POSITION}, yaw, lever arm x, lever arm y, lever arm z");
+    assert_eq!(free(swaying(Angles::default()), both), seven);
+    assert_eq!(free(swaying(pitching()), both), format!("5: {POSITION}, yaw, lever arm y"));
+    // Where readings are constant, a flight looks the same a moment later, and no picture tells how
+    // late it is.
+    let straight = Trajectory::constant_velocity(&VELOCITY, Angles::default());
+    assert_eq!(free(straight, offset), format!("6: {POSITION}, yaw, scale, 1 without a name"));
+    let falling = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
+    assert_eq!(free(falling, offset), format!("5: {POSITION}, yaw, 1 without a name"));
 }
 
 #[test]

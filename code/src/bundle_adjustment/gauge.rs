@@ -184,8 +184,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut system = self.system();
         let problem = &self.assembly.problem;
         system.schur_complement(problem, self.at(), 0.0).map_err(|s| self.explain(s))?;
-        let completed = system.complete(problem, self.at(), &change, change.dot(&rhs));
-        let (step, predicted_decrease) = completed.map_err(|s| self.explain(s))?;
+        let (step, predicted_decrease) = system.complete(problem, &change, change.dot(&rhs));
         Ok(self.trial(&step, predicted_decrease))
     }
     // ANCHOR_END: minimal_norm

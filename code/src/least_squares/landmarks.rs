@@ -8,7 +8,7 @@ use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
-use super::structure::{HELD, Landmark, Structure};
+use super::structure::{HELD, Structure};
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -52,7 +52,8 @@ pub struct LandmarkElimination<const D: usize> {
     landmark_gradient: f64,
     /// The factors of the landmark at hand, by run.
     linear: Vec<Linearized>,
-    /// The D×3 matrices that couple it to the other variables: {eq:coupling-factor}.
+    /// The D×3 matrices that couple landmarks to the variables that see them, in the order of the
+    /// structure's rows: {eq:coupling-factor}.
     couplings: Vec<[[f64; D]; 3]>,
 }
 // ANCHOR_END: landmark_elimination
@@ -89,8 +90,6 @@ impl<const D: usize> LandmarkElimination<D> {
         let (zero, one) = (Vector3::zeros(), Matrix3::zeros());
         let nothing =
             Eliminated { inverse_factor: one, forward: zero, curvature: zero, damping: zero };
-        let most = |count: fn(&Landmark) -> usize| structure.landmarks.iter().map(count).max();
-        let rows = most(|landmark| landmark.rows.len());
         let linear = room_for_linearized(problem, &structure);
         Ok(Self {
             schur: SchurComplement::new(structure.first_columns.clone()),
@@ -102,7 +101,7 @@ impl<const D: usize> LandmarkElimination<D> {
             eliminated: vec![nothing; structure.landmarks.len()],
             landmark_gradient: 0.0,
             linear,
-            couplings: Vec::with_capacity(rows.unwrap_or(0)),
+            couplings: vec![[[0.0; D]; 3]; structure.rows.len()],
             structure,
         })
     }
@@ -198,8 +197,8 @@ impl<const D: usize> LandmarkElimination<D> {
     #[inline(never)]
     fn couple(&mut self, index: usize) {
         let Self { structure, linear, couplings, eliminated, .. } = self;
-        couplings.clear();
-        couplings.resize(structure.landmarks[index].rows.len(), [[0.0; D]; 3]);
+        let couplings = &mut couplings[structure.landmarks[index].rows.clone()];
+        couplings.fill([[0.0; D]; 3]);
         let inverse_factor = &eliminated[index].inverse_factor;
         each_factor::<D>(structure, linear, index, |seen| {
             let Some(slot) = seen.slot else { return };
@@ -220,11 +219,12 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Implements {eq:covisible-pairs}.
     #[inline(never)]
     fn subtract_pairs(&mut self, index: usize) {
-        let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
+        let range = self.structure.landmarks[index].rows.clone();
+        let (rows, couplings) = (&self.structure.rows[range.clone()], &self.couplings[range]);
         let forward = &self.eliminated[index].forward;
-        for (i, (row, left)) in rows.iter().zip(&self.couplings).enumerate() {
+        for (i, (row, left)) in rows.iter().zip(couplings).enumerate() {
             let (blocks, first) = self.schur.row(*row);
-            for (column, right) in rows[..=i].iter().zip(&self.couplings) {
+            for (column, right) in rows[..=i].iter().zip(couplings) {
                 add_product(&mut blocks[column - first], -1.0, left, right);
             }
             for (column, forward) in left.iter().zip(forward.iter()) {
@@ -291,25 +291,18 @@ impl<const D: usize> LandmarkElimination<D> {
     /// scaled length of the step; `forward` is what `solve` returned.
     ///
     /// Implements {eq:promise-in-parts}.
-    fn back_substitute(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        forward: f64,
-        step: &mut [f64],
-    ) -> Result<(f64, f64), Singular> {
+    fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
         self.write_variables(step);
-        for index in 0..self.structure.landmarks.len() {
-            let change = self.landmark_step(problem, at, index)?;
-            let start = self.structure.landmarks[index].coordinate;
-            step[start..start + 3].copy_from_slice(change.as_slice());
+        for (index, landmark) in self.structure.landmarks.iter().enumerate() {
+            let change = self.landmark_step(index);
+            step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
             let Eliminated { forward, curvature, damping, .. } = &self.eliminated[index];
             let squares = change.component_mul(&change);
             twice_predicted += forward.norm_squared() + damping.dot(&squares);
             square += curvature.dot(&squares);
         }
-        Ok((twice_predicted, square))
+        (twice_predicted, square)
     }
     // ANCHOR_END: back_substitute
 
@@ -323,28 +316,21 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     // ANCHOR: landmark_step
-    /// The move of a landmark, when the others' are known. Its factors are linearized again: that
-    /// is hardly more work than to keep their couplings, and needs no memory.
+    /// The move of a landmark, when the others' are known.
     ///
     /// Implements {eq:point-follows}.
-    fn landmark_step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        index: usize,
-    ) -> Result<Vector3<f64>, Singular> {
-        self.linearize_landmark(problem, at, index)?;
-        let Self { structure, linear, rhs, eliminated, .. } = self;
-        let rows = &structure.rows[structure.landmarks[index].rows.clone()];
-        let mut pull = Vector3::zeros();
-        each_factor::<D>(structure, linear, index, |seen| {
-            let Some(step) = seen.slot.map(|slot| &rhs[rows[slot]]) else { return };
-            for (other, landmark) in seen.other.iter().zip(seen.landmark) {
-                pull += dot(other, step) * Vector3::from(*landmark);
+    #[inline(always)]
+    fn landmark_step(&self, index: usize) -> Vector3<f64> {
+        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
+        let range = self.structure.landmarks[index].rows.clone();
+        let mut pull = *forward;
+        for (row, coupling) in self.structure.rows[range.clone()].iter().zip(&self.couplings[range])
+        {
+            for (pull, column) in pull.iter_mut().zip(coupling) {
+                *pull += dot(column, &self.rhs[*row]);
             }
-        });
-        let Eliminated { inverse_factor, forward, .. } = &eliminated[index];
-        Ok(-inverse_factor.tr_mul(&(forward + inverse_factor * pull)))
+        }
+        -inverse_factor.tr_mul(&pull)
     }
     // ANCHOR_END: landmark_step
 
@@ -421,24 +407,19 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok((self.schur.to_matrix(), rhs))
     }
 
-    /// The step of all coordinates that goes with a step of the variables that have rows, when it
-    /// is that of [`LandmarkElimination::schur_complement`] at the same point. Returns the
-    /// predicted decrease too; `forward` is twice the part of it that is not the landmarks'.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular::Undefined`] when a factor has no value.
+    /// The step of all coordinates that goes with a step of the variables that have rows, when the
+    /// last elimination was [`LandmarkElimination::schur_complement`]. Gives the predicted decrease
+    /// too; `forward` is twice the part of it that is not the landmarks'.
     pub fn complete(
         &mut self,
         problem: &Problem,
-        at: Point,
         rows: &DVector<f64>,
         forward: f64,
-    ) -> Result<(Vec<f64>, f64), Singular> {
+    ) -> (Vec<f64>, f64) {
         self.rhs.as_flattened_mut().copy_from_slice(rows.as_slice());
         let mut step = vec![0.0; problem.values().dimension()];
-        let (twice, _) = self.back_substitute(problem, at, forward, &mut step)?;
-        Ok((step, 0.5 * twice))
+        let (twice, _) = self.back_substitute(forward, &mut step);
+        (step, 0.5 * twice)
     }
 
     /// The inverse of the Schur complement: the covariance of the variables that have rows.
@@ -495,8 +476,9 @@ impl<const D: usize> LandmarkElimination<D> {
         let matrix = |columns: &[[f64; D]; 3]| {
             SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
         };
-        let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
-        let couplings: Vec<_> = self.couplings.iter().map(matrix).collect();
+        let range = self.structure.landmarks[index].rows.clone();
+        let rows = &self.structure.rows[range.clone()];
+        let couplings: Vec<_> = self.couplings[range].iter().map(matrix).collect();
         let mut sum = Matrix3::identity();
         for (row, left) in rows.iter().zip(&couplings) {
             for (column, right) in rows.iter().zip(&couplings) {
@@ -526,7 +508,7 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
         self.eliminate_all(problem, at, damping).ok()?;
         let gradient_norm = self.scaled_gradient();
         let forward = self.solve().ok()?;
-        let (twice, square) = self.back_substitute(problem, at, forward, into).ok()?;
+        let (twice, square) = self.back_substitute(forward, into);
         Some(Prediction {
             step_norm: square.sqrt(),
             predicted_decrease: 0.5 * twice,

@@ -22,7 +22,9 @@ pub trait Manifold: Clone + Send + Sync + 'static {
     /// where points are moved by addition.
     fn local_jacobian(&self, to: &Self) -> DMatrix<f64>;
 }
+// ANCHOR_END: manifold
 
+// ANCHOR: vector
 impl<const N: usize> Manifold for SVector<f64, N> {
     fn dimension(&self) -> usize {
         N
@@ -40,7 +42,7 @@ impl<const N: usize> Manifold for SVector<f64, N> {
         DMatrix::identity(N, N)
     }
 }
-// ANCHOR_END: manifold
+// ANCHOR_END: vector
 
 // ANCHOR: rotation
 /// Moved on the right, R exp(φ), by a rotation vector in radians.

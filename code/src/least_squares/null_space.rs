@@ -15,15 +15,13 @@ use super::solver::SolveError;
 use super::spectrum::Spectrum;
 use super::{Columns, Values};
 
+// ANCHOR: rank_tolerance
 /// A singular value below this fraction of the largest one is zero: rounding leaves some 1e-16.
 pub const RANK_TOLERANCE: f64 = 1e-13;
 
 /// A singular value above this fraction of the largest one is not zero. None may lie in the gap
 /// between the two.
 const SEEN_ABOVE: f64 = 1e-10;
-
-/// Up to this many columns all singular values are computed; beyond, only the smallest.
-const DENSE_COLUMNS: usize = 400;
 
 /// Whether a singular value, as a fraction of the largest, is zero.
 pub(super) fn check_gap(value: f64) -> Result<bool, NullSpaceError> {
@@ -32,6 +30,10 @@ pub(super) fn check_gap(value: f64) -> Result<bool, NullSpaceError> {
     }
     Ok(value < RANK_TOLERANCE)
 }
+// ANCHOR_END: rank_tolerance
+
+/// Up to this many columns all singular values are computed; beyond, only the smallest.
+const DENSE_COLUMNS: usize = 400;
 
 // ANCHOR: null_space
 /// The directions in which all variables can move together without any residual changing to first

@@ -4,7 +4,7 @@
 //! [`so3`] treats rotations, [`se3`] poses. A tangent vector of a pose, a *twist*, is
 //! ξ = (ρ, φ): translation first. A state is moved by `retract(x, δ) = x exp(δ)`, on the
 //! right, so δ is written in the frame of the moving body; `local` undoes it. These are the
-//! conventions of [@sola2018].
+//! conventions of @sola2018.
 //!
 //! # Accuracy
 //!

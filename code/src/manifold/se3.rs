@@ -77,7 +77,7 @@ fn block_triangular(diagonal: &Matrix3<f64>, corner: &Matrix3<f64>) -> Matrix6<f
 // ANCHOR: jacobians
 /// The 6×6 left Jacobian: exp(ξ + δ) = exp(J δ) exp(ξ) to first order in δ.
 ///
-/// Its corner, which [@barfoot2014] write out as Q, is the derivative of the rotation's Jacobian
+/// Its corner, which @barfoot2014 write out as Q, is the derivative of the rotation's Jacobian
 /// in the direction of the translation.
 pub fn left_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
     let (rho, phi) = parts(xi);

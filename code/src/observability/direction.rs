@@ -21,6 +21,9 @@ pub enum Direction {
     Depth(usize),
     /// Everything grows.
     Scale,
+    /// The camera moves on the body along an axis of the body, 0 for x, 1 for y, 2 for z, and the
+    /// body the other way, so that the camera stays where it is. Only where extrinsics are unknown.
+    LeverArm(usize),
 }
 // ANCHOR_END: direction
 
@@ -33,6 +36,7 @@ impl fmt::Display for Direction {
             Self::Tilt(about) => write!(f, "tilt {}", axis(*about)),
             Self::Depth(landmark) => write!(f, "depth of landmark {landmark}"),
             Self::Scale => write!(f, "scale"),
+            Self::LeverArm(along) => write!(f, "lever arm {}", axis(*along)),
         }
     }
 }
@@ -68,6 +72,7 @@ impl Window {
             Direction::Tilt(axis) => turn = if axis == 0 { forward } else { left },
             Direction::Scale => growth = 1.0,
             Direction::Depth(landmark) => return self.depth_direction(landmark),
+            Direction::LeverArm(axis) => return self.lever_direction(axis.min(2)),
         }
         self.whole_motion(&Rates { shift, turn, growth })
     }
@@ -87,7 +92,7 @@ impl Window {
         let hiding = self.hiding_bias(*growth, &turn.cross(&self.gravity));
         whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
         whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + *growth * f));
-        self.select(&whole)
+        self.select(&whole, &Vector3::zeros())
     }
     // ANCHOR_END: null_vector
 
@@ -102,16 +107,33 @@ impl Window {
             let centre = self.rig.world_from_camera(state).translation.vector;
             whole[vectors + landmark] = point - centre;
         }
-        self.select(&whole)
+        self.select(&whole, &Vector3::zeros())
     }
     // ANCHOR_END: depth_direction
 
-    /// What of these vectors, over states, biases and landmarks, is unknown. The camera keeps its
-    /// place on the body, and its clock its offset.
-    fn select(&self, whole: &[Vector3<f64>]) -> DVector<f64> {
+    // ANCHOR: lever_direction
+    /// How the body moves when the camera moves on it by a unit along an axis and stays where it
+    /// is in the world.
+    fn lever_direction(&self, axis: usize) -> DVector<f64> {
+        let along = Vector3::ith(axis, 1.0);
+        let mut whole = Vec::new();
+        for (state, rate) in self.states.iter().zip(&self.angular_velocities) {
+            let turned = |vector: Vector3<f64>| -(state.world_from_body * vector);
+            whole.extend([Vector3::zeros(), turned(rate.cross(&along)), turned(along)]);
+        }
+        whole.resize(whole.len() + 2 * self.biases.len() + self.landmarks.len(), Vector3::zeros());
+        self.select(&whole, &self.rig.body_from_camera.rotation.inverse_transform_vector(&along))
+    }
+    // ANCHOR_END: lever_direction
+
+    /// What of these vectors, over states, biases and landmarks, is unknown, with a shift of the
+    /// camera on the body in its own frame. The camera keeps its orientation on the body, and its
+    /// clock its offset.
+    fn select(&self, whole: &[Vector3<f64>], lever: &Vector3<f64>) -> DVector<f64> {
         let columns = self.columns();
-        let whole = whole.iter().flat_map(|vector| vector.iter()).chain(&[0.0; 7]);
-        let unknown = columns.of.iter().zip(whole).filter(|(column, _)| column.is_some());
+        let vectors = whole.iter().chain([lever, &const { Vector3::new(0.0, 0.0, 0.0) }]);
+        let changes = vectors.flat_map(|vector| vector.iter()).chain(&[0.0]);
+        let unknown = columns.of.iter().zip(changes).filter(|(column, _)| column.is_some());
         DVector::from_iterator(columns.count, unknown.map(|(_, change)| *change))
     }
 }

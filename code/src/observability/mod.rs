@@ -67,6 +67,12 @@ pub enum ObservabilityError {
         /// Number of states.
         states: usize,
     },
+    /// A state has a number that is not finite.
+    #[error("state {state} is not finite; mend it, or leave it out with what was measured there")]
+    State {
+        /// Index of the state.
+        state: usize,
+    },
     /// An observation names a state or landmark that is not there.
     #[error(
         "observation {observation} names state {state} and landmark {landmark}, one of which does \

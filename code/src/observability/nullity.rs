@@ -69,7 +69,8 @@ impl Window {
         let translations = (0..3).map(Direction::Translation);
         let turns = [Direction::Tilt(0), Direction::Tilt(1), Direction::Yaw];
         let depths = (0..self.landmarks.len()).map(Direction::Depth);
-        translations.chain(turns).chain(depths).chain([Direction::Scale])
+        let levers = (0..3).filter(|_| self.calibration.extrinsics).map(Direction::LeverArm);
+        translations.chain(turns).chain(depths).chain([Direction::Scale]).chain(levers)
     }
 
     // ANCHOR: mixtures

@@ -248,6 +248,13 @@ impl Window {
         if given != states {
             return Err(ObservabilityError::AngularVelocities { given, states });
         }
+        let is_finite = |state: &NavState| {
+            let rotation = state.world_from_body.matrix().iter();
+            rotation.chain(&state.velocity).chain(&state.position).all(|number| number.is_finite())
+        };
+        if let Some(state) = self.states.iter().position(|state| !is_finite(state)) {
+            return Err(ObservabilityError::State { state });
+        }
         let missing =
             |factor: &ReprojFactor| factor.keyframe >= states || factor.point >= landmarks;
         self.observations.iter().position(missing).map_or(Ok(()), |observation| {

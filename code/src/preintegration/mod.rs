@@ -1,5 +1,5 @@
 //! Many inertial readings between two states as one measurement that depends on neither: the
-//! preintegration of [@lupton2012], on the rotation group as [@forster2017] have it.
+//! preintegration of @lupton2012, on the rotation group as @forster2017 have it.
 //!
 //! [`preintegrate`] sums readings into [`Deltas`], relative rotation, velocity and position
 //! without gravity, with their covariance and their derivatives by the biases. [`imu_residual`]

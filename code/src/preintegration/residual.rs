@@ -10,7 +10,7 @@ use crate::manifold::so3;
 // ANCHOR: residual
 /// What two states say about the interval between them less what the readings say, in the order
 /// (φ, v, p), in radians, m/s and metres. Gravity, in the world in m/s², appears here and
-/// nowhere in the deltas. It is the residual of [@forster2017]. Implements {eq:imu-residual}.
+/// nowhere in the deltas. It is the residual of @forster2017. Implements {eq:imu-residual}.
 pub fn imu_residual(
     preintegrated: &Preintegrated,
     first: &NavState,

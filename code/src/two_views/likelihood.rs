@@ -31,7 +31,7 @@ const LARGEST_CONDITION: f64 = 1e12;
 
 /// Nonlinear triangulation: the point at which the pixels of the views are most likely, by
 /// Gauss-Newton steps from `start`. A step that does not lower the cost is halved. For two views
-/// [@hartley1997] find that point without a start.
+/// @hartley1997 find that point without a start.
 ///
 /// Implements {eq:point-cost}, {eq:point-covariance} and {eq:point-bias}.
 ///

@@ -71,7 +71,7 @@ impl View {
 /// The point in the world that the views see, by the linear method, when it lies in front of
 /// all of them and two of their rays meet at an angle of `least_parallax` or more.
 ///
-/// The direct linear transform of [@hartley2004]: exact for pixels without noise, and with noise
+/// The direct linear transform of @hartley2004: exact for pixels without noise, and with noise
 /// a start for [`triangulate_nonlinear`](super::triangulate_nonlinear).
 /// Implements {eq:dlt-rows}.
 ///

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::Solver;
+use vislam::bundle_adjustment::scenes::Scene;
 use vislam::least_squares::{Options, Stop};
 
 use crate::chapter::Chapter;

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::bundle_adjustment::Camera;
+use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::least_squares::Options;
 
 use super::certainty::expected_cost;

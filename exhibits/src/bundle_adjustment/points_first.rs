@@ -327,8 +327,9 @@ fn damping(chapter: &mut Chapter) {
     ];
     chapter.equation("damped-reduction", damped_reduction, formula, &mutants);
 
-    let formula: Formula =
-        |case| number(case.solver().step(case.damping).map_or(f64::NAN, |step| step.predicted_decrease));
+    let formula: Formula = |case| {
+        number(case.solver().step(case.damping).map_or(f64::NAN, |step| step.predicted_decrease))
+    };
     let mutants: [(_, Formula); 4] = [
         ("points' own part dropped", |case| predicted(case, [1.0, 0.0, 1.0])),
         ("cameras' part dropped", |case| predicted(case, [0.0, 1.0, 1.0])),

@@ -72,8 +72,7 @@ pub fn bend(light: f64) -> Bend {
     let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
     let cameras = |max_iterations: usize, damping: f64| {
         let mut problem = street();
-        let options =
-            Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
+        let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
         problem.solve(&options).expect("a problem");
         problem.cameras
     };

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::{GRAVITY, Trajectory};
-use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
+use vislam::observability::{BiasAssumption, Flight, Similarity, UnknownCalibration, Window};
 
 use super::near::{self, AMPLITUDES};
 use super::readings::{inertial_residuals, other_scale};
@@ -28,6 +28,7 @@ const TABLE: [[&str; 3]; 11] = [
 pub fn numbers(chapter: &mut Chapter) {
     size(chapter);
     table(chapter);
+    calibration(chapter);
     pictures(chapter);
     worked_turn(chapter);
     tilted(chapter);
@@ -70,6 +71,29 @@ fn table(chapter: &mut Chapter) {
     weightless.gravity = Vector3::zeros();
     let weightless = worked::of_flight(&weightless, BiasAssumption::KNOWN);
     chapter.number("weightless", free(&weightless).count() as f64, "", 0);
+}
+
+/// What is free when extrinsics or the time offset are unknown, with known biases.
+fn calibration(chapter: &mut Chapter) {
+    let lever = Vector3::new(0.1, 0.05, -0.03);
+    let count = |motion, extrinsics| {
+        let flight = Flight::new(motion).with_lever(lever);
+        let mut window = worked::of_flight(&flight, BiasAssumption::KNOWN);
+        window.calibration = UnknownCalibration { extrinsics, time_offset: !extrinsics };
+        free(&window).count() as f64
+    };
+    let names = [
+        ("eight", ["eight_extrinsics", "eight_offset"]),
+        ("pitch", ["pitch_extrinsics", "pitch_offset"]),
+        ("sway", ["sway_extrinsics", "sway_offset"]),
+        ("climb", ["climb_extrinsics", "climb_offset"]),
+    ];
+    for (word, [extrinsics, offset]) in names {
+        for case in cases().iter().filter(|case| case.word == word) {
+            chapter.number(extrinsics, count(case.motion, true), "", 0);
+            chapter.number(offset, count(case.motion, false), "", 0);
+        }
+    }
 }
 
 fn pictures(chapter: &mut Chapter) {

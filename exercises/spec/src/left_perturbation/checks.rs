@@ -19,7 +19,13 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Side"],
-    forbidden: &["bundle_adjustment", "jacobians", "observability", "project_with_jacobians"],
+    forbidden: &[
+        "bundle_adjustment",
+        "factors",
+        "jacobians",
+        "observability",
+        "project_with_jacobians",
+    ],
     hints: include_str!("hints.md"),
     checks,
 };

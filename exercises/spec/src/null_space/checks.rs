@@ -34,6 +34,7 @@ pub const EXERCISE: Exercise = Exercise {
         "full_piv_lu",
         "hessenberg",
         "householder",
+        "least_squares",
         "observability",
         "orthonormal_subspace_basis",
         "orthonormalize",

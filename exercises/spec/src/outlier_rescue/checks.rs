@@ -3,7 +3,7 @@
 use nalgebra::{
     Isometry3, Matrix2, Matrix2x6, Matrix6, Point3, Rotation2, Vector2, Vector3, Vector6,
 };
-use vislam::least_squares::{Evaluation, Kernel, Options, Problem, Residual, Undefined};
+use vislam::least_squares::{Factor, Kernel, Key, Options, Problem};
 use vislam::manifold::se3;
 
 use super::*;
@@ -24,7 +24,14 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Match"],
-    forbidden: &["Kernel", "Problem", "ReprojFactor", "bundle_adjustment"],
+    forbidden: &[
+        "Kernel",
+        "Problem",
+        "ReprojFactor",
+        "bundle_adjustment",
+        "factors",
+        "observability",
+    ],
     hints: include_str!("hints.md"),
     checks,
 };
@@ -232,19 +239,15 @@ impl Case {
     }
 
     /// The library's problem with this kernel; each match is whitened by a matrix of its own.
-    fn problem(
-        &self,
-        whiteners: impl Iterator<Item = Matrix2<f64>>,
-        kernel: Kernel,
-    ) -> Problem<Isometry3<f64>> {
+    fn problem(&self, whiteners: impl Iterator<Item = Matrix2<f64>>, kernel: Kernel) -> Posed {
         let mut problem = Problem::new();
-        problem.add_variable(self.start);
+        let pose = problem.add_variable(self.start);
         for (seen, whitener) in self.matches.iter().zip(whiteners) {
-            let sighting = Sighting { camera: self.camera, seen: *seen, whitener };
+            let sighting = Sighting { pose, camera: self.camera, seen: *seen, whitener };
             // The kernels of the cases are valid and every sighting is of the one variable.
-            let _ = problem.add_residual(sighting, kernel);
+            let _ = problem.add_factor(sighting, kernel);
         }
-        problem
+        Posed { problem, pose }
     }
 
     fn whiteners(&self) -> impl Iterator<Item = Matrix2<f64>> {
@@ -253,23 +256,8 @@ impl Case {
 
     /// Hessian and gradient at the start. Points of cases are in front of the camera, so they
     /// exist.
-    fn system(&self, problem: &Problem<Isometry3<f64>>) -> (Matrix6<f64>, Vector6<f64>) {
-        self.system_at(problem, &self.start)
-    }
-
-    /// The same at another pose.
-    fn system_at(
-        &self,
-        problem: &Problem<Isometry3<f64>>,
-        pose: &Isometry3<f64>,
-    ) -> (Matrix6<f64>, Vector6<f64>) {
-        match problem.linearize(&[*pose]) {
-            Ok(system) => (
-                Matrix6::from_iterator(system.hessian.iter().copied()),
-                Vector6::from_iterator(system.gradient.iter().copied()),
-            ),
-            Err(_) => (Matrix6::zeros(), Vector6::zeros()),
-        }
+    fn system(&self, posed: &Posed) -> (Matrix6<f64>, Vector6<f64>) {
+        posed.system_at(&self.start)
     }
 
     /// Hessian and gradient at the start with weights of any kind.
@@ -278,8 +266,35 @@ impl Case {
         self.system(&self.problem(rooted, Kernel::Squared))
     }
 
+    /// The pose of least robust cost, or of least squares.
+    fn best(&self, threshold: f64) -> Isometry3<f64> {
+        let kernel = if threshold.is_finite() { Kernel::Huber(threshold) } else { Kernel::Squared };
+        self.problem(self.whiteners(), kernel).solved()
+    }
+}
+
+/// The library's problem of one pose.
+struct Posed {
+    problem: Problem,
+    pose: Key<Isometry3<f64>>,
+}
+
+impl Posed {
+    /// Hessian and gradient at a pose; zero where a point is behind the camera.
+    fn system_at(&self, pose: &Isometry3<f64>) -> (Matrix6<f64>, Vector6<f64>) {
+        let mut values = self.problem.values().clone();
+        values.set(self.pose, *pose);
+        match self.problem.linearize(&values) {
+            Ok(system) => (
+                Matrix6::from_iterator(system.hessian.iter().copied()),
+                Vector6::from_iterator(system.gradient.iter().copied()),
+            ),
+            Err(_) => (Matrix6::zeros(), Vector6::zeros()),
+        }
+    }
+
     /// Where the library's solver ends.
-    fn solved(&self, problem: &Problem<Isometry3<f64>>) -> Isometry3<f64> {
+    fn solved(&self) -> Isometry3<f64> {
         let options = Options {
             max_iterations: 500,
             gradient_tolerance: 1e-9,
@@ -287,17 +302,9 @@ impl Case {
             decrease_tolerance: 0.0,
             ..Options::gauss_newton()
         };
-        let values = problem.solve(&options).map(|solution| solution.values);
-        values
-            .ok()
-            .and_then(|values| values.first().copied())
-            .unwrap_or_else(|| Isometry3::translation(f64::NAN, f64::NAN, f64::NAN))
-    }
-
-    /// The pose of least robust cost, or of least squares.
-    fn best(&self, threshold: f64) -> Isometry3<f64> {
-        let kernel = if threshold.is_finite() { Kernel::Huber(threshold) } else { Kernel::Squared };
-        self.solved(&self.problem(self.whiteners(), kernel))
+        let nowhere = || Isometry3::translation(f64::NAN, f64::NAN, f64::NAN);
+        let solution = self.problem.solve(&options);
+        solution.map_or_else(|_| nowhere(), |solution| solution.values[self.pose])
     }
 }
 
@@ -325,15 +332,16 @@ fn lower(covariance: &Matrix2<f64>) -> Matrix2<f64> {
     covariance.cholesky().map_or_else(Matrix2::zeros, |factor| factor.l())
 }
 
-/// A match as a residual of the library, its derivative found by differences.
+/// A match as a factor of the library, its derivative found by differences.
 struct Sighting {
+    pose: Key<Isometry3<f64>>,
     camera: Camera,
     seen: Match,
     whitener: Matrix2<f64>,
 }
 
 impl Sighting {
-    fn residual(&self, camera_from_world: &Isometry3<f64>) -> Option<Vector2<f64>> {
+    fn error(&self, camera_from_world: &Isometry3<f64>) -> Option<Vector2<f64>> {
         let pixel = self.camera.pinhole().project(camera_from_world, &self.seen.point_in_world)?;
         Some(self.whitener * (pixel - self.seen.pixel))
     }
@@ -345,7 +353,7 @@ impl Sighting {
             let moved = |step: f64| {
                 let mut xi = Vector6::zeros();
                 xi[axis] = step;
-                self.residual(&se3::retract(camera_from_world, &xi))
+                self.error(&se3::retract(camera_from_world, &xi))
             };
             let (near, far) = (moved(H)? - moved(-H)?, moved(2.0 * H)? - moved(-2.0 * H)?);
             slope.set_column(axis, &((8.0 * near - far) / (12.0 * H)));
@@ -354,20 +362,20 @@ impl Sighting {
     }
 }
 
-impl Residual<Isometry3<f64>> for Sighting {
-    fn variables(&self) -> &[usize] {
-        &[0]
+impl Factor<2> for Sighting {
+    type Variables = (Isometry3<f64>,);
+    type Jacobians = (Matrix2x6<f64>,);
+
+    fn variables(&self) -> (Key<Isometry3<f64>>,) {
+        (self.pose,)
     }
 
-    fn dimension(&self) -> usize {
-        2
+    fn residual(&self, (pose,): (&Isometry3<f64>,)) -> Option<Vector2<f64>> {
+        self.error(pose)
     }
 
-    fn evaluate(&self, values: &[Isometry3<f64>], into: &mut Evaluation) -> Result<(), Undefined> {
-        let pose = values.first().ok_or(Undefined)?;
-        into.residual(&self.residual(pose).ok_or(Undefined)?);
-        into.jacobian(0, &self.slope(pose).ok_or(Undefined)?);
-        Ok(())
+    fn linearize(&self, (pose,): (&Isometry3<f64>,)) -> Option<(Vector2<f64>, (Matrix2x6<f64>,))> {
+        Some((self.error(pose)?, (self.slope(pose)?,)))
     }
 }
 
@@ -515,7 +523,7 @@ pub fn pose(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let first = solution(case.system(&case.problem(case.whiteners(), kernel)));
     let weights = case.weights(|s| kernel.weight(s));
     let frozen = case.whiteners().zip(&weights).map(|(whitener, w)| w.sqrt() * whitener);
-    let frozen = case.solved(&case.problem(frozen, Kernel::Squared));
+    let frozen = case.problem(frozen, Kernel::Squared).solved();
     let expected = case.best(*threshold);
     let obtained = search(answer, case, *threshold)?;
     compare("the pose", &rows(&obtained), &rows(&expected))
@@ -540,7 +548,7 @@ impl Case {
     fn told(&self, failure: Failure, obtained: &Isometry3<f64>) -> Failure {
         let failure = failure.with_picture(self.picture(&self.best(self.threshold), obtained));
         let problem = self.problem(self.whiteners(), Kernel::Huber(self.threshold));
-        let next = solution(self.system_at(&problem, obtained)).norm();
+        let next = solution(problem.system_at(obtained)).norm();
         let finite = obtained.to_homogeneous().iter().all(|entry| entry.is_finite());
         if failure.misconception.is_some() || !finite {
             return failure;

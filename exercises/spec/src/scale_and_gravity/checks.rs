@@ -25,7 +25,14 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Deltas", "Interval", "State", "Vector9", "Window"],
-    forbidden: &["imu_residual", "linearize", "observability", "predict"],
+    forbidden: &[
+        "factors",
+        "imu_residual",
+        "least_squares",
+        "linearize",
+        "observability",
+        "predict",
+    ],
     hints: include_str!("hints.md"),
     checks,
 };
