@@ -43,9 +43,9 @@ pub struct UnknownCalibration {
     pub time_offset: bool,
 }
 
-// ANCHOR: window
 /// A stretch of time: what is unknown in it, and what was measured.
 #[derive(Debug, Clone, PartialEq)]
+// ANCHOR: window
 pub struct Window {
     /// The camera.
     pub camera: Pinhole,
