@@ -3,8 +3,9 @@
 //! `cargo bench -p benches --bench bundle_adjustment`
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use vislam::bundle_adjustment::Solver;
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Options, Solver};
+use vislam::least_squares::Options;
 
 fn iterations(criterion: &mut Criterion) {
     let scenes = [
@@ -15,10 +16,10 @@ fn iterations(criterion: &mut Criterion) {
         ("street of 200 cameras", Scene::street(200, 2.5, 1.0, 1)),
     ];
     for (name, scene) in scenes {
-        let solver = Solver::new(&scene.problem, &Options::default()).expect("a problem");
+        let options = Options::large_problem();
         criterion.bench_function(name, |bencher| {
             bencher.iter_batched_ref(
-                || solver.clone(),
+                || Solver::new(&scene.problem, &options).expect("a problem"),
                 |solver| solver.iterate(),
                 BatchSize::LargeInput,
             );

@@ -7,8 +7,9 @@
 use std::error::Error;
 use std::time::Instant;
 
+use vislam::bundle_adjustment::Solver;
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Options, Solver};
+use vislam::least_squares::Options;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut observations, mut times, mut bytes) = (Vec::new(), Vec::new(), Vec::new());
@@ -16,12 +17,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         let count = (1250.0 * 10_f64.powf(0.25 * f64::from(exponent))).round() as usize;
         let mut problem = Scene::ring(8, count, 1.0, 1).problem;
         problem.factors.shrink_to_fit();
-        let options = Options { relative_decrease: 0.0, ..Options::default() };
+        // No step is too small to be tried.
+        let options = Options {
+            gradient_tolerance: 0.0,
+            step_tolerance: 0.0,
+            decrease_tolerance: 0.0,
+            ..Options::large_problem()
+        };
         let mut solver = Solver::new(&problem, &options)?;
         let mut fastest = f64::INFINITY;
         for _ in 0..8 {
             let start = Instant::now();
-            solver.iterate();
+            solver.iterate()?;
             fastest = fastest.min(1e3 * start.elapsed().as_secs_f64());
         }
         observations.push(8.0 * count as f64);

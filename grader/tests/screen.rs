@@ -401,11 +401,7 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
             "use vislam::{bundle_adjustment as b, manifold};",
             "bundle_adjustment",
         ),
-        (
-            "left_perturbation",
-            "fn f() { vislam::factors::pixel_by_state(); }",
-            "factors",
-        ),
+        ("left_perturbation", "fn f() { vislam::factors::pixel_by_state(); }", "factors"),
         ("left_perturbation", "use vislam::factors::{PixelByBody, PixelByCamera};", "factors"),
         ("left_perturbation", "use vislam::observability::Window;", "observability"),
         (

@@ -81,6 +81,7 @@ impl<M: CameraModel> Camera<6> for Posed<M> {
         let camera_from_world = se3::retract(&self.camera_from_world, twist);
         Self { camera_from_world, ..self.clone() }
     }
+    // ANCHOR_END: posed_camera
 
     fn local(&self, to: &Self) -> Vector6<f64> {
         se3::local(&self.camera_from_world, &to.camera_from_world)
@@ -90,7 +91,6 @@ impl<M: CameraModel> Camera<6> for Posed<M> {
         se3::right_jacobian_inverse(&self.local(to))
     }
 }
-// ANCHOR_END: posed_camera
 
 impl<M> Posed<M> {
     /// Where the camera is, in world coordinates (metres).

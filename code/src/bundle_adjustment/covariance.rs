@@ -42,12 +42,14 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// [`BaError::RankDeficient`] when what is fixed leaves directions free, and
     /// [`BaError::Ray`] when a point is free.
     pub fn covariance(&self) -> Result<BaCovariance<D>, BaError> {
+        let cameras = self.system().covariance(&self.assembly.problem, self.at());
+        let cameras = cameras.map_err(|singular| self.explain(singular))?;
+        // Rounding can make a singular system look regular.
         let free = self.gauge_freedom()?;
         if free.count() > 0 {
             return Err(BaError::RankDeficient { free });
         }
-        let cameras = self.system().covariance(&self.assembly.problem, self.at());
-        self.with_points(cameras.map_err(|singular| self.explain(singular))?)
+        self.with_points(cameras)
     }
 
     /// Covariances with nothing held beyond what is fixed: the pseudo-inverse of the Schur

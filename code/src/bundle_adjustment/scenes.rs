@@ -70,6 +70,30 @@ impl Scene {
     }
     // ANCHOR_END: street
 
+    /// A street that comes back to where it began: a circle with a camera every metre, all looking
+    /// at the facades outside, 5 to 8 m away, with ten points for every metre of the way. A camera
+    /// sees the points beside the way less than `reach` metres ahead of it or behind.
+    pub fn closed_street(cameras: usize, reach: f64, pixel_sigma: f64, seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let length = cameras as f64;
+        let radius = length / TAU;
+        let outward = |along: f64| {
+            let (sin, cos) = (along / radius).sin_cos();
+            Vector3::new(cos, sin, 0.0)
+        };
+        let camera = |k: usize| looking(&(radius * outward(k as f64)), &outward(k as f64));
+        let true_cameras: Vec<_> = (0..cameras).map(camera).collect();
+        let point = |_| {
+            let (along, away) = (random.uniform(0.0, length), random.uniform(5.0, 8.0));
+            (radius + away) * outward(along) + random.uniform(-2.0, 2.0) * Vector3::z()
+        };
+        let true_points: Vec<_> = (0..10 * cameras).map(point).collect();
+        let sees = |camera: &PosedPinhole, point: &Vector3<f64>| {
+            radius * camera.centre().xy().angle(&point.xy()) < reach
+        };
+        Self::observed(true_cameras, true_points, sees, pixel_sigma, &mut random)
+    }
+
     // ANCHOR: stereo_ring
     /// The [`Scene::ring`] with a second camera on each rig, `baseline` metres to the right
     /// of the first. Camera 2k and camera 2k + 1 are on rig k.

@@ -6,7 +6,8 @@ use super::assembly::Assembly;
 use super::{BaError, BaReport, Camera, TinyBa};
 use crate::factors::MovingCamera;
 use crate::least_squares::{
-    Iteration, LandmarkElimination, LinearSystem, Options, Point, Search, Singular, Stop, Values,
+    Iteration, LandmarkElimination, LinearSystem, Options, Point, Search, Singular, SolveError,
+    Stop, Values,
 };
 
 // ANCHOR: trial_step
@@ -59,8 +60,11 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// With a damping of zero, [`BaError::RankDeficient`] or [`BaError::Ray`] when pixels
-    /// leave something free.
+    /// leave something free. [`BaError::Solve`] when the damping is negative or not finite.
     pub fn step(&self, damping: f64) -> Result<TrialStep<D>, BaError> {
+        if !(damping >= 0.0 && damping.is_finite()) {
+            return Err(SolveError::Option { name: "damping", value: damping }.into());
+        }
         let mut step = vec![0.0; self.values().dimension()];
         let mut system = self.system();
         match system.step(&self.assembly.problem, self.at(), damping, &mut step) {
@@ -114,6 +118,16 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// The cost where the solver stands.
     pub fn cost(&self) -> f64 {
         self.search.cost()
+    }
+
+    /// The norm of the scaled gradient where the solver stands; see
+    /// [`Prediction::gradient_norm`](crate::least_squares::Prediction::gradient_norm).
+    ///
+    /// # Errors
+    ///
+    /// [`BaError::Solve`] when a derivative is too large for a number.
+    pub fn gradient_norm(&self) -> Result<f64, BaError> {
+        Ok(self.system().gradient_norm(&self.assembly.problem, self.at())?)
     }
 
     /// Where the solver stands.

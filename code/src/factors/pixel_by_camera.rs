@@ -53,6 +53,7 @@ impl<C: Camera<D>, const D: usize> Factor<2> for PixelByCamera<C, D> {
         (self.camera, self.landmark)
     }
 
+    // ANCHOR: pixel_by_camera_residual
     #[inline(always)]
     fn residual(
         &self,
@@ -71,5 +72,6 @@ impl<C: Camera<D>, const D: usize> Factor<2> for PixelByCamera<C, D> {
         let by_camera = self.inverse_sigma * predicted.by_camera;
         Some((residual, (by_camera, self.inverse_sigma * predicted.by_point)))
     }
+    // ANCHOR_END: pixel_by_camera_residual
 }
 // ANCHOR_END: pixel_by_camera

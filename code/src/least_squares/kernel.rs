@@ -52,16 +52,6 @@ impl Kernel {
         if self.is_square(squared) { 1.0 } else { self.root_weight_beyond(squared) }
     }
 
-    /// Whether a residual counts as its square.
-    #[inline(always)]
-    fn is_square(&self, squared: f64) -> bool {
-        match *self {
-            Self::Squared => true,
-            Self::Huber(threshold) => squared <= threshold * threshold,
-            Self::Cauchy(_) => false,
-        }
-    }
-
     #[cold]
     fn cost_beyond(&self, squared: f64) -> f64 {
         self.cost(squared.sqrt())
@@ -75,6 +65,16 @@ impl Kernel {
 // ANCHOR_END: beyond
 
 impl Kernel {
+    /// Whether a residual counts as its square.
+    #[inline(always)]
+    fn is_square(&self, squared: f64) -> bool {
+        match *self {
+            Self::Squared => true,
+            Self::Huber(threshold) => squared <= threshold * threshold,
+            Self::Cauchy(_) => false,
+        }
+    }
+
     /// The influence ρ'(s): how hard a residual of this norm pulls.
     pub fn influence(&self, norm: f64) -> f64 {
         self.weight(norm) * norm

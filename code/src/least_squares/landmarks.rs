@@ -8,7 +8,7 @@ use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
-use super::structure::{HELD, Landmark, Structure};
+use super::structure::{HELD, Structure};
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -90,8 +90,7 @@ impl<const D: usize> LandmarkElimination<D> {
         let (zero, one) = (Vector3::zeros(), Matrix3::zeros());
         let nothing =
             Eliminated { inverse_factor: one, forward: zero, curvature: zero, damping: zero };
-        let most = |count: fn(&Landmark) -> usize| structure.landmarks.iter().map(count).max();
-        let runs = most(|l| l.runs.len());
+        let linear = room_for_linearized(problem, &structure);
         Ok(Self {
             schur: SchurComplement::new(structure.first_columns.clone()),
             rhs: zeros.clone(),
@@ -101,7 +100,7 @@ impl<const D: usize> LandmarkElimination<D> {
             smallest: zeros,
             eliminated: vec![nothing; structure.landmarks.len()],
             landmark_gradient: 0.0,
-            linear: vec![Linearized::default(); runs.unwrap_or(0).max(1)],
+            linear,
             couplings: vec![[[0.0; D]; 3]; structure.rows.len()],
             structure,
         })
@@ -294,11 +293,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Implements {eq:promise-in-parts}.
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
-        for (row, variables) in self.structure.variables.iter().enumerate() {
-            for start in variables {
-                step[*start..start + D].copy_from_slice(&self.rhs[row]);
-            }
-        }
+        self.write_variables(step);
         for (index, landmark) in self.structure.landmarks.iter().enumerate() {
             let change = self.landmark_step(index);
             step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
@@ -310,6 +305,15 @@ impl<const D: usize> LandmarkElimination<D> {
         (twice_predicted, square)
     }
     // ANCHOR_END: back_substitute
+
+    /// Writes the step of the variables that have rows.
+    fn write_variables(&self, step: &mut [f64]) {
+        for (row, variables) in self.structure.variables.iter().enumerate() {
+            for start in variables {
+                step[*start..start + D].copy_from_slice(&self.rhs[row]);
+            }
+        }
+    }
 
     // ANCHOR: landmark_step
     /// The move of a landmark, when the others' are known.
@@ -443,9 +447,7 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok(inverse)
     }
 
-    // ANCHOR: landmark_covariance
-    /// The covariance of each landmark, from that of the other variables: what its own factors
-    /// leave open, and what those that see it hand on. Implements {eq:ba-point-covariance}.
+    /// The covariance of each landmark, from that of the other variables.
     ///
     /// # Errors
     ///
@@ -456,28 +458,35 @@ impl<const D: usize> LandmarkElimination<D> {
         at: Point,
         others: &DMatrix<f64>,
     ) -> Result<Vec<Matrix3<f64>>, Singular> {
-        let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
         let mut covariances = Vec::with_capacity(self.structure.landmarks.len());
         for index in 0..self.structure.landmarks.len() {
             self.linearize_landmark(problem, at, index)?;
             self.eliminate(index, 0.0)?;
             self.couple(index);
-            let matrix = |columns: &[[f64; D]; 3]| {
-                SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
-            };
-            let rows = &self.structure.rows[self.structure.landmarks[index].rows.clone()];
-            let couplings = &self.couplings[self.structure.landmarks[index].rows.clone()];
-            let couplings: Vec<_> = couplings.iter().map(matrix).collect();
-            let mut sum = Matrix3::identity();
-            for (row, left) in rows.iter().zip(&couplings) {
-                for (column, right) in rows.iter().zip(&couplings) {
-                    sum += left.transpose() * block(*row, *column) * right;
-                }
-            }
-            let factor = &self.eliminated[index].inverse_factor;
-            covariances.push(factor.tr_mul(&sum) * factor);
+            covariances.push(self.landmark_covariance(index, others));
         }
         Ok(covariances)
+    }
+
+    // ANCHOR: landmark_covariance
+    /// The covariance of the landmark that has been eliminated last: what its own factors leave
+    /// open, and what the variables that see it hand on. Implements {eq:ba-point-covariance}.
+    fn landmark_covariance(&self, index: usize, others: &DMatrix<f64>) -> Matrix3<f64> {
+        let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
+        let matrix = |columns: &[[f64; D]; 3]| {
+            SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
+        };
+        let range = self.structure.landmarks[index].rows.clone();
+        let rows = &self.structure.rows[range.clone()];
+        let couplings: Vec<_> = self.couplings[range].iter().map(matrix).collect();
+        let mut sum = Matrix3::identity();
+        for (row, left) in rows.iter().zip(&couplings) {
+            for (column, right) in rows.iter().zip(&couplings) {
+                sum += left.transpose() * block(*row, *column) * right;
+            }
+        }
+        let factor = &self.eliminated[index].inverse_factor;
+        factor.tr_mul(&sum) * factor
     }
     // ANCHOR_END: landmark_covariance
 }
@@ -521,6 +530,23 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
         let norm = self.scaled_gradient();
         if norm.is_finite() { Ok(norm) } else { Err(SolveError::OutOfRange) }
     }
+}
+
+/// Room for the factors of any one landmark, run by run, and for any one factor without landmark.
+fn room_for_linearized(problem: &Problem, structure: &Structure) -> Vec<Linearized> {
+    let runs = structure.landmarks.iter().map(|landmark| landmark.runs.len()).max();
+    let mut linear = vec![Linearized::default(); runs.unwrap_or(0).max(1)];
+    let mut reserve = |place: usize, group: usize, factors: usize| {
+        let group = problem.group(group);
+        linear[place].begin(factors, group.rows(), group.columns());
+    };
+    for landmark in &structure.landmarks {
+        for (place, run) in structure.runs[landmark.runs.clone()].iter().enumerate() {
+            reserve(place, run.group, run.factors.len());
+        }
+    }
+    structure.others.iter().for_each(|other| reserve(0, other.group, 1));
+    linear
 }
 
 /// A factor as the elimination sees it.

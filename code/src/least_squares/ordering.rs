@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+// ANCHOR: envelope
 /// For each row the first column in which something stands, from lists of rows of which every pair
 /// stands in the matrix. Between it and the diagonal everything fills in.
 pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<usize> {
@@ -12,28 +13,26 @@ pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec
     }
     first
 }
+// ANCHOR_END: envelope
 
 // ANCHOR: reverse_cuthill_mckee
 /// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill]; [@george]):
-/// neighbours before their neighbours, those with the fewest first. A ring becomes a band of twice
-/// the width instead of a band with a full last row.
+/// neighbours before their neighbours, those with the fewest first.
 pub fn reverse_cuthill_mckee(
     rows: usize,
     couplings: impl Iterator<Item = Vec<usize>>,
 ) -> Vec<usize> {
     let neighbours = neighbours(rows, couplings);
     let degree = |row: &usize| neighbours[*row].len();
-    let mut visited = vec![false; rows];
-    let mut sequence = Vec::with_capacity(rows);
     let mut seeds: Vec<usize> = (0..rows).collect();
     seeds.sort_by_key(degree);
+    let mut visited = vec![false; rows];
+    let mut sequence = Vec::with_capacity(rows);
     for seed in seeds {
-        if visited[seed] {
-            continue;
-        }
-        for row in breadth_first(farthest(seed, &neighbours), &neighbours) {
-            visited[row] = true;
-            sequence.push(row);
+        if !visited[seed] {
+            let reached = breadth_first(farthest(seed, &neighbours), &neighbours);
+            reached.iter().for_each(|row| visited[*row] = true);
+            sequence.extend(reached);
         }
     }
     let mut place = vec![0; rows];

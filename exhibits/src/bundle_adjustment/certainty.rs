@@ -127,7 +127,7 @@ fn ba_gauge_change(formula: Change) -> Comparison {
     for seed in 0..SCENES {
         let mut problem = at_truth(&Scene::ring(4, 10, 1.0, seed));
         problem.fixed.fill(false);
-        let shortest = solver(&problem).minimal_norm_covariance().expect("parallax").reduced;
+        let shortest = solver(&problem).minimal_norm_covariance().expect("parallax").cameras;
         let columns: Vec<DVector<f64>> = problem
             .cameras
             .iter()

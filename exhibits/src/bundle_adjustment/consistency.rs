@@ -1,8 +1,8 @@
 //! Are errors as large as their covariances say?
 
 use nalgebra::DVector;
-use vislam::bundle_adjustment::Options;
 use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
+use vislam::least_squares::Options;
 use vislam::manifold::se3;
 
 use super::whole::{Ba, at_truth, solver};
@@ -22,7 +22,7 @@ pub fn normalized_error(seed: u64, noise: f64) -> f64 {
     let mut scene = Scene::ring(8, 40, noise, seed);
     scene.problem.factors.iter_mut().for_each(|factor| factor.inverse_sigma = 1.0);
     let truth = at_truth(&scene);
-    let options = Options { relative_decrease: 1e-10, ..Options::default() };
+    let options = Options { decrease_tolerance: 1e-10, ..Options::large_problem() };
     scene.problem.solve(&options).expect("the ring is a problem");
     let estimate = at_true_scale(&scene.problem.cameras, &scene.true_cameras);
     let pairs = truth.cameras.iter().zip(&estimate).skip(1);
@@ -35,9 +35,9 @@ pub fn normalized_error(seed: u64, noise: f64) -> f64 {
     weighed(&truth, &DVector::from_vec(error))
 }
 
-/// The error in the metric of the reduced system, which is zero along scale.
+/// The error in the metric of the Schur complement, which is zero along scale.
 fn weighed(truth: &Ba, error: &DVector<f64>) -> f64 {
-    let (reduced, _) = solver(truth).reduced_system(0.0).expect("every point has parallax");
+    let (reduced, _) = solver(truth).schur_complement(0.0).expect("every point has parallax");
     error.dot(&(reduced * error))
 }
 

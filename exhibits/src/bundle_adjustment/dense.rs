@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Camera, Options, PosedPinhole, Solver};
+use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver};
+use vislam::least_squares::Options;
 
 use super::whole::{Ba, Whole};
 use crate::random::Random;
@@ -60,7 +61,7 @@ impl Case {
     }
 
     pub fn solver(&self) -> Solver<PosedPinhole, 6> {
-        Solver::new(&self.problem, &Options::default()).expect("a problem")
+        Solver::new(&self.problem, &Options::large_problem()).expect("a problem")
     }
 
     /// The camera alone, all of them along the diagonal.

@@ -4,7 +4,8 @@ use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector3};
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Camera, Options, PosedPinhole};
+use vislam::bundle_adjustment::{Camera, PosedPinhole};
+use vislam::least_squares::Options;
 use vislam::manifold::so3;
 use vislam::two_views::scale_direction;
 
@@ -45,7 +46,7 @@ pub struct Ended {
 }
 
 fn precise() -> Options {
-    Options { relative_decrease: 1e-13, iterations: 100, ..Options::default() }
+    Options { decrease_tolerance: 1e-13, ..Options::default() }
 }
 
 fn solved(held: Option<usize>) -> Ended {
@@ -127,9 +128,9 @@ impl Covariances {
     pub fn of_ring() -> Self {
         let mut problem = ways()[0].problem.clone();
         problem.fixed.fill(false);
-        let mut solver = solver(&problem);
+        let solver = solver(&problem);
         let free = solver.null_space().expect("every point has parallax");
-        let shortest = solver.minimal_norm_covariance().expect("every point has parallax").reduced;
+        let shortest = solver.minimal_norm_covariance().expect("every point has parallax").cameras;
         let cameras = problem.cameras;
         let pinned = |camera| changed(&shortest, &free, &held(&cameras, camera));
         let by_gauge = [pinned(0), pinned(4), shortest.clone()];
@@ -169,7 +170,7 @@ pub fn numbers(chapter: &mut Chapter) {
     let free = |fixed: bool| {
         let mut problem = ring.problem.clone();
         problem.fixed[0] = fixed;
-        let free = solver(&problem).free_directions().expect("every point has parallax");
+        let free = solver(&problem).gauge_freedom().expect("every point has parallax");
         free.count() as f64
     };
     chapter.number("gauge_free", free(false), "", 0);

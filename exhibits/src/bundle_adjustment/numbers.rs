@@ -1,6 +1,6 @@
 //! The numbers of the chapter's first half.
 
-use vislam::bundle_adjustment::Options;
+use vislam::least_squares::Options;
 
 use super::progress::{self, REACH};
 use super::rails;
@@ -97,9 +97,13 @@ fn streets(chapter: &mut Chapter) {
     chapter.number("long_visits", points * all_pairs, "", 0);
     chapter.number("long_waste", points * all_pairs / report.block_products as f64, "", 0);
     chapter.number("long_all_blocks", all_pairs, "", 0);
-    chapter.number("long_blocks", report.reduced_blocks as f64, "", 0);
+    chapter.number("long_blocks", report.stored_blocks as f64, "", 0);
+    let shuffled = progress::shuffled(&long);
+    chapter.number("shuffled_blocks", progress::blocks_as_numbered(&shuffled) as f64, "", 0);
+    let renumbered = progress::unsolved(&shuffled).stored_blocks;
+    chapter.number("renumbered_blocks", renumbered as f64, "", 0);
     let closed = progress::unsolved(&progress::closed(long));
-    let more = closed.reduced_blocks - report.reduced_blocks;
+    let more = closed.stored_blocks - report.stored_blocks;
     chapter.number("closing_blocks", more as f64, "", 0);
     chapter.number(
         "closing_products",
@@ -118,24 +122,24 @@ fn signs(chapter: &mut Chapter) {
 
 fn solves(chapter: &mut Chapter) {
     let ring = progress::solved(progress::ring());
-    chapter.number("ring_first_cost", ring.trace[0].cost, "", 0);
+    chapter.number("ring_first_cost", ring.iterations[0].cost, "", 0);
     chapter.number("ring_cost", ring.cost, "", 1);
     // Scale is free, so one unknown less is used up.
     let equations = 2.0 * progress::ring().factors.len() as f64;
     chapter.number("ring_cost_expected", 0.5 * (equations - ring.full_dim as f64 + 1.0), "", 1);
-    let usual = progress::ring().solve(&Options::default()).expect("a problem");
-    chapter.number("ring_iterations", usual.trace.len() as f64, "", 0);
+    let usual = progress::ring().solve(&Options::large_problem()).expect("a problem");
+    chapter.number("ring_iterations", usual.iterations.len() as f64, "", 0);
     let street = progress::solved(progress::street());
     chapter.number("street_cost", street.cost, "", 0);
-    chapter.number("street_iterations", street.trace.len() as f64, "", 0);
+    chapter.number("street_iterations", street.iterations.len() as f64, "", 0);
     chapter.number("street_all_cameras", progress::street().cameras.len() as f64, "", 0);
-    let first_steps = &street.trace[..3];
+    let first_steps = &street.iterations[..3];
     chapter.number("street_third_cost", first_steps[2].cost, "", 0);
-    chapter.number("damping_exponent", Options::default().damping.log10(), "", 0);
+    chapter.number("damping_exponent", progress::DAMPING.log10(), "", 0);
     let (light, exponent) = (1e-9, -9.0);
     let lightly = progress::solved_from(progress::street(), light);
     chapter.number("light_exponent", exponent, "", 0);
-    chapter.number("light_iterations", lightly.trace.len() as f64, "", 0);
+    chapter.number("light_iterations", lightly.iterations.len() as f64, "", 0);
     chapter.number("light_cost", lightly.cost, "", 0);
     let bend = progress::bend(light);
     chapter.number("bend_half_m", bend.half, "m", 2);

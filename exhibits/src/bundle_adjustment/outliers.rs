@@ -2,8 +2,9 @@
 
 use std::sync::OnceLock;
 
+use vislam::bundle_adjustment::Camera;
 use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
-use vislam::bundle_adjustment::{Camera, Options};
+use vislam::least_squares::Options;
 
 use super::certainty::expected_cost;
 use super::whole::{Ba, solver};
@@ -24,7 +25,7 @@ pub struct Outcome {
     /// The same of all matches.
     pub all_px: f64,
     pub iterations: usize,
-    /// The length of the gradient at the end, over that at the start.
+    /// The length of the scaled gradient at the end, over that at the start.
     pub gradient: f64,
 }
 
@@ -43,11 +44,10 @@ fn of_seed(seed: u64) -> [Outcome; 3] {
 
 fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
     let mut problem = Ba { huber, ..scene.problem.clone() };
-    let options = Options { iterations: 200, relative_decrease: 1e-12, ..Options::default() };
+    let options = Options { max_iterations: 200, ..Options::default() };
     let report = problem.solve(&options).expect("the ring is a problem");
-    let mut at_end = solver(&problem);
-    at_end.iterate();
-    let gradient = at_end.trace()[0].gradient / report.trace[0].gradient;
+    let at_end = solver(&problem).gradient_norm().expect("finite derivatives");
+    let gradient = at_end / report.iterations[0].gradient_norm;
     let cameras = at_true_scale(&problem.cameras, &scene.true_cameras);
     let errors = cameras.iter().zip(&scene.true_cameras).skip(1);
     let errors: Vec<f64> =
@@ -65,7 +65,7 @@ fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
         cameras_cm: 100.0 * root_mean(&errors),
         right_px: root_mean(&right),
         all_px: root_mean(&all),
-        iterations: report.trace.len(),
+        iterations: report.iterations.len(),
         gradient,
     }
 }

@@ -5,7 +5,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3};
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{BalCamera, Camera, Options, Solver, Stop};
+use vislam::bundle_adjustment::{BalCamera, Camera, Solver};
+use vislam::least_squares::{Options, Stop};
 
 use super::dense::{Case, best_step, damped, inverse};
 use super::whole::Ba;
@@ -128,7 +129,7 @@ fn elimination(chapter: &mut Chapter) {
     chapter.equation("point-follows", point_follows, formula, &mutants);
 
     let formula: Formula = |case| {
-        let (s, rhs) = case.solver().reduced_system(0.0).unwrap_or_default();
+        let (s, rhs) = case.solver().schur_complement(0.0).unwrap_or_default();
         with_column(s, &rhs)
     };
     let mutants: [(_, Formula); 6] = [
@@ -185,7 +186,7 @@ fn with_column(matrix: DMatrix<f64>, last: &DVector<f64>) -> DMatrix<f64> {
     wider
 }
 
-/// The reduced system with its right-hand side, with signs and the inverse of the points' blocks
+/// The Schur complement with its right-hand side, with signs and the inverse of the points' blocks
 /// to choose.
 fn reduced(case: &Case, sign: f64, inverse: DMatrix<f64>, of_points: f64) -> DMatrix<f64> {
     let through = case.w() * inverse;
@@ -230,7 +231,7 @@ fn pairs(chapter: &mut Chapter) {
     chapter.equation("covisible-pairs", covisible_pairs, formula, &mutants);
 }
 
-/// The block of the reduced system that belongs to the two moving cameras: a sum over the points
+/// The block of the Schur complement that belongs to the two moving cameras: a sum over the points
 /// that both of them see.
 fn pair(
     case: &Case,
@@ -310,7 +311,7 @@ fn coupling_factor(formula: Formula) -> Comparison {
 
 fn damping(chapter: &mut Chapter) {
     let formula: Formula = |case| {
-        let (s, rhs) = case.solver().reduced_system(case.damping).unwrap_or_default();
+        let (s, rhs) = case.solver().schur_complement(case.damping).unwrap_or_default();
         column(inverse(s) * rhs)
     };
     let mutants: [(_, Formula); 5] = [
@@ -326,13 +327,14 @@ fn damping(chapter: &mut Chapter) {
     ];
     chapter.equation("damped-reduction", damped_reduction, formula, &mutants);
 
-    let formula: Formula =
-        |case| number(case.solver().step(case.damping).map_or(f64::NAN, |step| step.promised));
+    let formula: Formula = |case| {
+        number(case.solver().step(case.damping).map_or(f64::NAN, |step| step.predicted_decrease))
+    };
     let mutants: [(_, Formula); 4] = [
-        ("points' own part dropped", |case| promise(case, [1.0, 0.0, 1.0])),
-        ("cameras' part dropped", |case| promise(case, [0.0, 1.0, 1.0])),
-        ("what damping holds back dropped", |case| promise(case, [1.0, 1.0, 0.0])),
-        ("sign of the damping", |case| promise(case, [1.0, 1.0, -1.0])),
+        ("points' own part dropped", |case| predicted(case, [1.0, 0.0, 1.0])),
+        ("cameras' part dropped", |case| predicted(case, [0.0, 1.0, 1.0])),
+        ("what damping holds back dropped", |case| predicted(case, [1.0, 1.0, 0.0])),
+        ("sign of the damping", |case| predicted(case, [1.0, 1.0, -1.0])),
     ];
     chapter.equation("promise-in-parts", promise_in_parts, formula, &mutants);
 }
@@ -352,8 +354,8 @@ fn damped_reduction(formula: Formula) -> Comparison {
     })
 }
 
-/// The promise with its three parts weighted.
-fn promise(case: &Case, [cameras, points, held]: [f64; 3]) -> DMatrix<f64> {
+/// The predicted decrease with its three parts weighted.
+fn predicted(case: &Case, [cameras, points, held]: [f64; 3]) -> DMatrix<f64> {
     let of_points = inverse(damped(case.b(), case.damping));
     let through = case.w() * &of_points;
     let s = damped(case.a(), case.damping) - &through * case.w().transpose();
@@ -382,7 +384,7 @@ fn promise_in_parts(formula: Formula) -> Comparison {
 
 fn counting(chapter: &mut Chapter) {
     let formula: Count = |problem| {
-        let solver = Solver::new(problem, &Options::default());
+        let solver = Solver::new(problem, &Options::large_problem());
         solver.map_or(f64::NAN, |solver| solver.report(Stop::IterationLimit).block_products as f64)
     };
     let mutants: [(_, Count); 4] = [

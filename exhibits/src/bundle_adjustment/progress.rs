@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{BaReport, Camera, Options, Solver, Stop};
+use vislam::bundle_adjustment::{BaReport, Camera, Solver};
+use vislam::least_squares::{Method, Options, Stop};
 
 use super::whole::Ba;
 
@@ -12,6 +13,14 @@ pub const NOISE: f64 = 1.0;
 
 /// How far the cameras of the street see along it, in metres.
 pub const REACH: f64 = 2.5;
+
+/// The damping with which a solve begins when nothing else is said.
+pub const DAMPING: f64 = 1e-4;
+
+fn damped_by(initial_damping: f64) -> Options {
+    let method = Method::LevenbergMarquardt { initial_damping };
+    Options { method, ..Options::large_problem() }
+}
 
 /// The ring of the chapter.
 pub fn ring() -> Ba {
@@ -35,12 +44,12 @@ pub fn long_street() -> Ba {
 
 /// A solve that goes on until no decrease is left.
 pub fn solved(problem: Ba) -> BaReport {
-    solved_from(problem, Options::default().damping)
+    solved_from(problem, DAMPING)
 }
 
 /// The same with this damping at the start.
 pub fn solved_from(mut problem: Ba, damping: f64) -> BaReport {
-    let options = Options { relative_decrease: 1e-12, damping, ..Options::default() };
+    let options = Options { decrease_tolerance: 1e-12, ..damped_by(damping) };
     problem.solve(&options).expect("a problem")
 }
 
@@ -61,14 +70,14 @@ pub struct Bend {
 
 pub fn bend(light: f64) -> Bend {
     let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
-    let cameras = |iterations: usize, damping: f64| {
+    let cameras = |max_iterations: usize, damping: f64| {
         let mut problem = street();
-        let options = Options { iterations, damping, relative_decrease: 1e-14 };
+        let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
         problem.solve(&options).expect("a problem");
         problem.cameras
     };
-    let usual = Options::default().damping;
-    let (early, late, lightly) = (cameras(2, usual), cameras(60, usual), cameras(60, light));
+    let (early, late) = (cameras(2, DAMPING), cameras(60, DAMPING));
+    let lightly = cameras(60, light);
     let left = |k: usize| (early[k].centre().y - late[k].centre().y).abs();
     let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
     let last = truth.len() - 1;
@@ -83,7 +92,7 @@ pub fn bend(light: f64) -> Bend {
 
 /// What a report says before anything is solved.
 pub fn unsolved(problem: &Ba) -> BaReport {
-    let solver = Solver::new(problem, &Options::default()).expect("a problem");
+    let solver = Solver::new(problem, &Options::large_problem()).expect("a problem");
     solver.report(Stop::IterationLimit)
 }
 
@@ -92,7 +101,7 @@ pub fn unsolved(problem: &Ba) -> BaReport {
 pub fn step_and_its_opposite() -> [f64; 3] {
     let mut problem = ring();
     problem.fixed[1] = true;
-    let mut solver = Solver::new(&problem, &Options::default()).expect("a problem");
+    let solver = Solver::new(&problem, &Options::large_problem()).expect("a problem");
     let step = solver.step(0.0).expect("nothing is free");
     let mut opposite = problem.clone();
     for (camera, change) in opposite.cameras.iter_mut().zip(&step.cameras) {
@@ -120,6 +129,30 @@ pub fn closed(mut street: Ba) -> Ba {
     street
 }
 
+/// The same street with its cameras numbered in no order, except for the first.
+pub fn shuffled(street: &Ba) -> Ba {
+    let mut shuffled = street.clone();
+    let moving = street.cameras.len() - 1;
+    // A prime, so that no two cameras get one number.
+    let new = |camera: usize| if camera == 0 { 0 } else { 1 + 7919 * (camera - 1) % moving };
+    for (camera, pose) in street.cameras.iter().enumerate() {
+        shuffled.cameras[new(camera)] = *pose;
+    }
+    shuffled.factors.iter_mut().for_each(|factor| factor.keyframe = new(factor.keyframe));
+    shuffled
+}
+
+/// Blocks from the first of each row to its diagonal, when rows are in the order of the cameras.
+pub fn blocks_as_numbered(problem: &Ba) -> usize {
+    let mut first: Vec<usize> = (0..problem.cameras.len()).collect();
+    for (one, other) in shared_points(problem).into_keys() {
+        let (later, earlier) = (one.max(other), one.min(other));
+        first[later] = first[later].min(earlier);
+    }
+    let moving = (0..problem.cameras.len()).filter(|camera| !problem.fixed[*camera]);
+    moving.map(|camera| camera + 1 - first[camera]).sum()
+}
+
 /// How many points each pair of moving cameras shares, by pairs with the larger index first.
 pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
     let mut seen_by = vec![Vec::new(); problem.points.len()];
@@ -140,7 +173,20 @@ pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{closed, long_street, shared_points, short_street, unsolved};
+    use super::{
+        blocks_as_numbered, closed, long_street, shared_points, short_street, shuffled, unsolved,
+    };
+
+    #[test]
+    fn blocks_are_counted_as_the_library_does_and_a_shuffled_street_is_put_in_order() {
+        let street = long_street();
+        let stored = unsolved(&street).stored_blocks;
+        assert_eq!(blocks_as_numbered(&street), stored);
+        let shuffled = shuffled(&street);
+        assert_eq!(unsolved(&shuffled).block_products, unsolved(&street).block_products);
+        assert!(blocks_as_numbered(&shuffled) > 10 * stored);
+        assert!(unsolved(&shuffled).stored_blocks < 2 * stored);
+    }
 
     #[test]
     fn the_closed_street_has_one_observation_more_and_loses_none() {

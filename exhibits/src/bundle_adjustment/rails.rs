@@ -1,7 +1,8 @@
 //! The example that is worked by hand: four cameras around one point, two of them on rails.
 
-use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, SVector, Vector2, Vector3};
-use vislam::bundle_adjustment::{Camera, Options, Solver, TinyBa, View};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2, Vector3};
+use vislam::bundle_adjustment::{Camera, LinearizedPixel, Solver, TinyBa};
+use vislam::least_squares::Options;
 use vislam::reprojection::{Pinhole, ReprojFactor};
 
 const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
@@ -28,16 +29,23 @@ impl Camera<1> for OnRail {
         CAMERA.project_cam(&(point_in_world - self.0))
     }
 
-    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<View<1>> {
-        let camera_from_world = Isometry3::translation(-self.0.x, -self.0.y, -self.0.z);
-        let seen = CAMERA.project_with_jacobians(&camera_from_world, point_in_world)?;
+    fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<1>> {
+        let by_point = CAMERA.projection_jacobian(&(point_in_world - self.0))?;
+        let pixel = self.project(point_in_world)?;
         // To push the camera to the right is to push the point to the left.
-        let by_camera: SMatrix<f64, 2, 1> = -seen.by_point.column(0);
-        Some(View { pixel: seen.pixel, by_camera, by_point: seen.by_point })
+        Some(LinearizedPixel { pixel, by_camera: -by_point.column(0), by_point })
     }
 
     fn retract(&self, change: &SVector<f64, 1>) -> Self {
         Self(self.0 + change[0] * Vector3::x())
+    }
+
+    fn local(&self, to: &Self) -> SVector<f64, 1> {
+        SVector::from([to.0.x - self.0.x])
+    }
+
+    fn local_jacobian(&self, _to: &Self) -> SMatrix<f64, 1, 1> {
+        SMatrix::identity()
     }
 }
 
@@ -50,7 +58,7 @@ pub fn solver() -> Solver<OnRail, 1> {
     });
     let mut problem = TinyBa::new(cameras.clone(), vec![POINT], factors.collect());
     problem.fixed = vec![true, true, false, false];
-    Solver::new(&problem, &Options::default()).expect("a problem")
+    Solver::new(&problem, &Options::large_problem()).expect("a problem")
 }
 
 /// The curvature of each unknown before elimination: of a camera, and of the point along x.
@@ -70,7 +78,7 @@ pub fn gradient() -> ([f64; 2], f64) {
     ([of(2).0, of(3).0], (0..4).map(|k| of(k).1).sum())
 }
 
-/// The reduced system and its right-hand side.
+/// The Schur complement and its right-hand side.
 pub fn reduced() -> (DMatrix<f64>, DVector<f64>) {
-    solver().reduced_system(0.0).expect("nothing is free")
+    solver().schur_complement(0.0).expect("nothing is free")
 }

@@ -25,7 +25,7 @@ pub fn ring(baseline: Option<f64>, pinned: bool) -> Ba {
     problem
 }
 
-/// Ascending eigenvalues of the reduced system, each unknown in the unit in which its own
+/// Ascending eigenvalues of the Schur complement, each unknown in the unit in which its own
 /// curvature is one.
 pub fn eigenvalues(problem: &Ba) -> Vec<f64> {
     let blocks = Whole::new(problem).blocks();
@@ -77,7 +77,7 @@ fn size_percent(baseline: f64) -> (f64, f64) {
 /// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let free = |baseline, pinned| {
-        let free = solver(&ring(baseline, pinned)).free_directions();
+        let free = solver(&ring(baseline, pinned)).gauge_freedom();
         free.expect("every point has parallax").count() as f64
     };
     chapter.number("stereo_free", free(Some(BASELINE), false), "", 0);

@@ -2,13 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 use vislam::bundle_adjustment::scenes::Scene;
-use vislam::bundle_adjustment::{Camera, Options, PosedPinhole, Solver, TinyBa};
+use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver, TinyBa};
+use vislam::least_squares::Options;
 
 pub type Ba = TinyBa<PosedPinhole, 6>;
 
 /// The solver at the start of a problem that is known to be one.
 pub fn solver(problem: &Ba) -> Solver<PosedPinhole, 6> {
-    Solver::new(problem, &Options::default()).expect("the scene is a problem")
+    Solver::new(problem, &Options::large_problem()).expect("the scene is a problem")
 }
 
 /// A scene's problem with the truth for a start.
@@ -98,7 +99,7 @@ impl Blocks {
         self.points.clone().try_inverse().expect("every point is seen from two sides")
     }
 
-    /// The reduced system.
+    /// The Schur complement.
     pub fn reduced(&self) -> DMatrix<f64> {
         &self.cameras - &self.coupling * self.points_inverse() * self.coupling.transpose()
     }

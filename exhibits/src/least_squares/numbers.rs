@@ -1,7 +1,9 @@
 //! The numbers that the chapter quotes.
 
 use nalgebra::{Isometry3, Matrix6, Vector2, Vector6};
-use vislam::least_squares::{Factor, Kernel, Key, Options, Problem, RANK_TOLERANCE, SolveError, Stop};
+use vislam::least_squares::{
+    Factor, Kernel, Key, Options, Problem, RANK_TOLERANCE, SolveError, Stop,
+};
 use vislam::manifold::se3;
 
 use super::cloud::{Cloud, radius_of_95_percent};

@@ -218,7 +218,8 @@ fn pairs<'a>(
 /// Metres between the centre of a camera and its centre in `reference`, the largest.
 pub fn largest_shift(values: &Values, reference: &Values) -> f64 {
     let centre = |pose: &Isometry3<f64>| pose.inverse().translation.vector;
-    let shifts = pairs(values, reference).map(|(pose, other)| (centre(pose) - centre(other)).norm());
+    let shifts =
+        pairs(values, reference).map(|(pose, other)| (centre(pose) - centre(other)).norm());
     shifts.fold(0.0, f64::max)
 }
 

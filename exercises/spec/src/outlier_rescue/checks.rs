@@ -239,11 +239,7 @@ impl Case {
     }
 
     /// The library's problem with this kernel; each match is whitened by a matrix of its own.
-    fn problem(
-        &self,
-        whiteners: impl Iterator<Item = Matrix2<f64>>,
-        kernel: Kernel,
-    ) -> Posed {
+    fn problem(&self, whiteners: impl Iterator<Item = Matrix2<f64>>, kernel: Kernel) -> Posed {
         let mut problem = Problem::new();
         let pose = problem.add_variable(self.start);
         for (seen, whitener) in self.matches.iter().zip(whiteners) {
@@ -378,10 +374,7 @@ impl Factor<2> for Sighting {
         self.error(pose)
     }
 
-    fn linearize(
-        &self,
-        (pose,): (&Isometry3<f64>,),
-    ) -> Option<(Vector2<f64>, (Matrix2x6<f64>,))> {
+    fn linearize(&self, (pose,): (&Isometry3<f64>,)) -> Option<(Vector2<f64>, (Matrix2x6<f64>,))> {
         Some((self.error(pose)?, (self.slope(pose)?,)))
     }
 }

@@ -9,7 +9,8 @@ use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::prelude::SVGBackend;
 use plotters::style::{Color, RGBColor};
-use vislam::bundle_adjustment::{Options, Solver};
+use vislam::bundle_adjustment::Solver;
+use vislam::least_squares::Options;
 
 use crate::bundle_adjustment::progress::{shared_points, short_street};
 use crate::bundle_adjustment::whole::Ba;
@@ -21,14 +22,14 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 const CAMERA: i32 = 12;
 const POINT: i32 = 6;
 
-/// Side of a block of the reduced system.
+/// Side of a block of the Schur complement.
 const REDUCED: i32 = 44;
 
 pub fn sparsity() -> Figure {
     let street = short_street();
     let shared = shared_points(&street);
-    let reduced = Solver::new(&street, &Options::default())
-        .and_then(|mut solver| solver.reduced_system(0.0))
+    let reduced = Solver::new(&street, &Options::large_problem())
+        .and_then(|solver| solver.schur_complement(0.0))
         .expect("a street");
     let block = |first: usize, second: usize| -> DMatrix<f64> {
         reduced.0.view((6 * (first - 1), 6 * (second - 1)), (6, 6)).into_owned()
@@ -111,7 +112,7 @@ fn whole(area: &Area, street: &Ba) -> Drawn {
     Ok(())
 }
 
-/// The reduced system.
+/// The Schur complement.
 fn after(area: &Area, moving: usize, filled: impl Fn(usize, usize) -> bool) -> Drawn {
     let (x, y) = (60, 90);
     area.draw(&Text::new("S", (x + REDUCED * moving as i32 / 2, 45), letters_around(INK)))?;
