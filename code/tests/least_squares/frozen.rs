@@ -9,7 +9,7 @@ use super::{Draws, POSTS, Tape, distances, scalar, three_tapes};
 /// The directions from the posts to a spot, over the standard deviation: the Jacobian by hand.
 fn directions(spot: &Vector2<f64>) -> DMatrix<f64> {
     let rows = POSTS.map(|post| (spot - post).normalize().transpose() / 0.05);
-    DMatrix::from_rows(&rows)
+    DMatrix::from_fn(3, 2, |row, column| rows[row][column])
 }
 
 #[test]

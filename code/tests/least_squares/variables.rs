@@ -102,7 +102,7 @@ fn poses_and_rotations_move_on_the_right_and_vectors_by_addition() {
     let mut draws = Draws::new(9);
     let (pose, step): (Isometry3<f64>, Vector6<f64>) = (se3::exp(&draws.vector()), draws.vector());
     assert_relative_eq!(pose.retract(step.as_slice()), pose * se3::exp(&step), epsilon = 1e-15);
-    let (rotation, turn) = (so3::exp(&draws.vector()), draws.vector());
+    let (rotation, turn): (_, Vector3<f64>) = (so3::exp(&draws.vector()), draws.vector());
     assert_relative_eq!(rotation.retract(turn.as_slice()), rotation * so3::exp(&turn));
     assert_eq!(Vector2::new(1.0, 2.0).retract(&[0.5, -0.5]), Vector2::new(1.5, 1.5));
 }
@@ -141,7 +141,8 @@ fn held_coordinates_do_not_move_and_have_no_column() {
     let body = problem.add_variable(start);
     let other = problem.add_variable(draws.vector::<3>());
     problem.hold_coordinates(body, 3..6).unwrap();
-    let prior = Prior { variable: body, anchor, sqrt_information: SMatrix::identity() };
+    let sqrt_information = SMatrix::<f64, 9, 9>::identity();
+    let prior = Prior { variable: body, anchor, sqrt_information };
     problem.add_factor(prior, Kernel::Squared).unwrap();
     let prior =
         Prior { variable: other, anchor: Vector3::zeros(), sqrt_information: Matrix3::identity() };
@@ -165,10 +166,7 @@ fn a_coordinate_that_does_not_exist_cannot_be_held() {
     let mut problem = Problem::new();
     let spot = problem.add_variable(Vector2::<f64>::zeros());
     let refused = problem.hold_coordinates(spot, 1..3);
-    assert_eq!(
-        refused,
-        Err(ProblemError::NoSuchCoordinate { coordinate: 2, dimension: 2 })
-    );
+    assert_eq!(refused, Err(ProblemError::NoSuchCoordinate { coordinate: 2, dimension: 2 }));
 }
 
 /// Three vectors and linear measurements of them, enough for all or for fewer.
@@ -380,7 +378,7 @@ impl<const C: usize> Factor<3> for Seen<C> {
     ) -> Option<(Vector3<f64>, (SMatrix<f64, 3, C>,))> {
         // The turn of the group turns the body and what it sees alike.
         let body_from_world = group.world_from_body.inverse().into_inner();
-        let mut by_group = SMatrix::zeros();
+        let mut by_group = SMatrix::<f64, 3, C>::zeros();
         by_group.fixed_view_mut::<3, 3>(0, 3).copy_from(&-body_from_world);
         let mut by_landmark = by_group.fixed_view_mut::<3, 3>(0, 6 + 3 * self.landmark);
         by_landmark.copy_from(&body_from_world);
@@ -389,7 +387,10 @@ impl<const C: usize> Factor<3> for Seen<C> {
 }
 
 /// A group of three landmarks, all of them seen.
-fn seen_group(start: PoseAndLandmarks, truth: &PoseAndLandmarks) -> (Problem, Key<PoseAndLandmarks>) {
+fn seen_group(
+    start: PoseAndLandmarks,
+    truth: &PoseAndLandmarks,
+) -> (Problem, Key<PoseAndLandmarks>) {
     let mut problem = Problem::new();
     let group = problem.add_variable(start);
     for landmark in 0..3 {
@@ -451,8 +452,11 @@ fn a_group_of_the_wrong_size_for_its_factor_is_refused() {
 #[test]
 fn factors_of_one_type_keep_their_numbers_whatever_stands_between_them() {
     let (mut problem, points) = distances(&[Vector3::zeros(), Vector3::x(), Vector3::y()]);
-    let prior =
-        Prior { variable: points[0], anchor: Vector3::zeros(), sqrt_information: Matrix3::identity() };
+    let prior = Prior {
+        variable: points[0],
+        anchor: Vector3::zeros(),
+        sqrt_information: Matrix3::identity(),
+    };
     assert_eq!(problem.add_factor(prior, Kernel::Squared), Ok(3));
     let twin = super::Distance { points: [points[0], points[1]], measured: f64::NAN };
     assert_eq!(problem.add_factor(twin, Kernel::Squared), Ok(4));
