@@ -410,6 +410,8 @@ fn scale_is_free_on_streets_of_50_and_400_cameras_and_nothing_else() {
 #[ignore = "takes a while: 2,000 cameras and 20,000 points, twice"]
 fn scale_is_free_on_a_street_of_2000_cameras_and_nothing_else() {
     assert_that_only_scale_is_free(2000);
+    let (problem, ..) = of_factors(&street_at_truth(2000, false));
+    println!("{:?}", problem.null_space(problem.values()).unwrap().least_seen);
 }
 
 fn stored_blocks(problem: &Ba) -> usize {
@@ -561,6 +563,17 @@ fn a_bundle_adjustment_is_the_problem_of_its_factors() {
             assert_same_covariance(&found, &expected, 1e-4);
         }
     }
+}
+
+#[test]
+fn what_pixels_hardly_see_of_a_street_fades_with_the_square_of_its_length() {
+    let least_seen = |cameras| {
+        let (problem, ..) = of_factors(&street_at_truth(cameras, false));
+        problem.null_space(problem.values()).unwrap().least_seen.unwrap()
+    };
+    let [short, middle, long] = [50, 100, 200].map(least_seen);
+    println!("least singular values {short:.2e}, {middle:.2e}, {long:.2e}");
+    assert!((3.0..5.5).contains(&(short / middle)) && (3.0..5.5).contains(&(middle / long)));
 }
 
 #[test]

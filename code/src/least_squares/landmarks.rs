@@ -31,7 +31,7 @@ pub enum Singular {
 // ANCHOR: landmark_elimination
 /// The damped normal equations of one step with the landmarks, of three coordinates each,
 /// eliminated. Every other variable that moves has `D` coordinates and a row of blocks in the
-/// Schur complement S ([@brown]; [@triggs]; [@bal]).
+/// Schur complement S ([@triggs2000]; [@agarwal2010]).
 #[derive(Debug, Clone)]
 pub struct LandmarkElimination<const D: usize> {
     structure: Structure,

@@ -16,7 +16,7 @@ pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec
 // ANCHOR_END: envelope
 
 // ANCHOR: reverse_cuthill_mckee
-/// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill]; [@george]):
+/// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill1969]; [@george1971]):
 /// neighbours before their neighbours, those with the fewest first.
 pub fn reverse_cuthill_mckee(
     rows: usize,

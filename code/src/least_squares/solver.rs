@@ -57,7 +57,7 @@ pub struct Prediction {
 pub enum Method {
     /// Every step is the minimum of the linearized problem, and is taken.
     GaussNewton,
-    /// Steps are damped, and refused when the cost does not fall ([@levenberg; @marquardt]).
+    /// Steps are damped, and refused when the cost does not fall ([@nielsen1999; @nocedal2006]).
     LevenbergMarquardt {
         /// The first damping, relative to the Hessian's diagonal.
         initial_damping: f64,
