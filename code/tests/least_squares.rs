@@ -1,5 +1,12 @@
 //! Least squares on problems whose answer is known.
 
+#[path = "least_squares/frozen.rs"]
+mod frozen;
+#[path = "least_squares/null_space.rs"]
+mod null_space;
+#[path = "least_squares/variables.rs"]
+mod variables;
+
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix1, Matrix2, Matrix3, Matrix3x6, Matrix6, Rotation3,

@@ -182,9 +182,16 @@ impl Problem {
         let mut of = vec![None; self.values.dimension()];
         let mut count = 0;
         let coordinates = |index| self.values.coordinates_of(index).unwrap_or_default();
+        // What is tied to something that is held is held too, whichever leads.
+        let mut held = self.held.clone();
+        for (index, &leader) in self.leader.iter().enumerate() {
+            for (own, led) in coordinates(index).zip(coordinates(leader)) {
+                held[led] |= self.held[own];
+            }
+        }
         for (index, &leader) in self.leader.iter().enumerate() {
             if leader == index {
-                for coordinate in coordinates(index).filter(|c| !self.held[*c]) {
+                for coordinate in coordinates(index).filter(|c| !held[*c]) {
                     of[coordinate] = Some(count);
                     count += 1;
                 }

@@ -1,0 +1,79 @@
+//! A search takes its memory once. What an iteration allocates would be noticed by whoever has to
+//! be ready for the next picture.
+
+use nalgebra::{Isometry3, Vector2, Vector3, Vector6};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use vislam::bundle_adjustment::{Camera, Posed};
+use vislam::factors::{MovingCamera, PixelByCamera};
+use vislam::least_squares::{
+    Dense, Kernel, LandmarkElimination, LinearSystem, Method, Options, Problem, Search,
+};
+use vislam::manifold::se3;
+use vislam::reprojection::Pinhole;
+
+const PINHOLE: Pinhole = Pinhole { fx: 400.0, fy: 410.0, cx: 320.0, cy: 240.0 };
+
+/// Six cameras that see forty points, with noise. One of them is held, and the others begin so far
+/// off that some steps are refused.
+fn cameras_and_points() -> Problem {
+    let mut draws = ChaCha8Rng::seed_from_u64(50);
+    let mut number = move || draws.random_range(-1.0..1.0);
+    let mut problem = Problem::new();
+    let (mut truth, mut cameras) = (Vec::new(), Vec::new());
+    for index in 0..6 {
+        let ahead = Isometry3::translation(0.0, 0.0, 6.0);
+        let camera_from_world = se3::retract(&ahead, &(0.5 * Vector6::from_fn(|_, _| number())));
+        let camera = Posed { intrinsics: PINHOLE, camera_from_world };
+        let off = if index == 0 { 0.0 } else { 0.5 };
+        let start = camera.retract(&(off * Vector6::from_fn(|_, _| number())));
+        cameras.push(problem.add_variable(MovingCamera::<_, 6>(start)));
+        truth.push(camera);
+    }
+    problem.hold(cameras[0]).unwrap();
+    for _ in 0..40 {
+        let place = 2.0 * Vector3::from_fn(|_, _| number());
+        let landmark = problem.add_variable(place + Vector3::from_fn(|_, _| number()));
+        for (camera, truth) in cameras.iter().zip(&truth) {
+            let pixel = truth.project(&place).unwrap() + Vector2::from_fn(|_, _| number());
+            let factor = PixelByCamera { camera: *camera, landmark, pixel, inverse_sigma: 1.0 };
+            problem.add_factor(factor, Kernel::Huber(1.345)).unwrap();
+        }
+    }
+    problem
+}
+
+/// How often each iteration of a search allocates, from the second on.
+fn each_iteration<S: LinearSystem>(problem: &Problem, system: S) -> Vec<u64> {
+    let method = Method::LevenbergMarquardt { initial_damping: 1e-9 };
+    let options = Options { method, decrease_tolerance: 0.0, ..Options::default() };
+    let mut search = Search::new(problem, system, &options).unwrap();
+    let mut counts = Vec::new();
+    loop {
+        let mut stop = None;
+        let counted = allocation_counter::measure(|| stop = search.iterate(problem).unwrap());
+        if stop.is_some() {
+            break;
+        }
+        counts.push(counted.count_total);
+    }
+    let iterations = search.iterations();
+    let refused = iterations.iter().filter(|iteration| !iteration.accepted).count();
+    assert!(refused > 0 && iterations.len() > refused + 3, "{refused} of {}", iterations.len());
+    counts.split_off(1)
+}
+
+#[test]
+fn an_iteration_with_the_landmarks_eliminated_allocates_nothing() {
+    let problem = cameras_and_points();
+    let system = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap();
+    let counts = each_iteration(&problem, system);
+    assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
+}
+
+#[test]
+fn an_iteration_of_the_dense_system_allocates_nothing() {
+    let problem = cameras_and_points();
+    let counts = each_iteration(&problem, Dense::new(&problem).unwrap());
+    assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
+}
