@@ -287,11 +287,11 @@ fn a_rotation_is_found_from_directions_and_whatever_the_start() {
     }
 }
 
+/// A problem of poses, their keys and where they truly are.
+type Loop = (Problem, Vec<Key<Isometry3<f64>>>, Vec<Isometry3<f64>>);
+
 /// Poses on a circle, each measured against the next, the last against the first.
-fn loop_of_poses(
-    count: usize,
-    noise: f64,
-) -> (Problem, Vec<Key<Isometry3<f64>>>, Vec<Isometry3<f64>>) {
+fn loop_of_poses(count: usize, noise: f64) -> Loop {
     let mut draws = Draws::new(3);
     let truth: Vec<_> = (0..count).map(|_| se3::exp(&(2.0 * draws.vector::<6>()))).collect();
     let mut problem = Problem::new();

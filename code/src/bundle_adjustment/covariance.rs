@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 
+use super::gauge::SeenDirections;
 use super::{BaError, Camera, Solver};
 
 // ANCHOR: covariance
@@ -60,8 +61,9 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// [`BaError::Ray`] when a point is free.
     pub fn minimal_norm_covariance(&self) -> Result<BaCovariance<D>, BaError> {
-        let (seen, values, _) = self.seen_directions()?;
-        let inverse = &seen * DMatrix::from_diagonal(&values.map(f64::recip)) * seen.transpose();
+        let SeenDirections { vectors, values, .. } = self.seen_directions()?;
+        let scaled = &vectors * DMatrix::from_diagonal(&values.map(f64::recip));
+        let inverse = scaled * vectors.transpose();
         self.with_points(inverse)
     }
 

@@ -52,6 +52,14 @@ impl fmt::Display for GaugeFreedom {
     }
 }
 
+/// Eigenvectors of the Schur complement along which pixels change, their eigenvalues, and its
+/// right-hand side.
+pub(super) struct SeenDirections {
+    pub(super) vectors: DMatrix<f64>,
+    pub(super) values: DVector<f64>,
+    pub(super) rhs: DVector<f64>,
+}
+
 impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// What pixels leave free where the solver stands, cameras and points together.
     fn free(&self) -> Result<NullSpace, BaError> {
@@ -149,15 +157,12 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         })
     }
 
-    /// Eigenvectors of the Schur complement along which pixels change, their eigenvalues, and its
-    /// right-hand side.
-    pub(super) fn seen_directions(
-        &self,
-    ) -> Result<(DMatrix<f64>, DVector<f64>, DVector<f64>), BaError> {
+    /// The directions of the Schur complement along which pixels change.
+    pub(super) fn seen_directions(&self) -> Result<SeenDirections, BaError> {
         let nullity = self.free()?.nullity();
         let (matrix, rhs) = self.schur_complement(0.0)?;
         if matrix.is_empty() {
-            return Ok((matrix, DVector::zeros(0), rhs));
+            return Ok(SeenDirections { vectors: matrix, values: DVector::zeros(0), rhs });
         }
         let eigen = matrix.symmetric_eigen();
         let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -166,7 +171,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let values = DVector::from_fn(seen.len(), |i, _| eigen.eigenvalues[seen[i]]);
         let vectors =
             DMatrix::from_fn(order.len(), seen.len(), |row, i| eigen.eigenvectors[(row, seen[i])]);
-        Ok((vectors, values, rhs))
+        Ok(SeenDirections { vectors, values, rhs })
     }
 
     // ANCHOR: minimal_norm
@@ -178,9 +183,9 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// [`BaError::Ray`] when a point is free.
     pub fn minimal_norm_step(&self) -> Result<TrialStep<D>, BaError> {
-        let (seen, values, rhs) = self.seen_directions()?;
-        let along = seen.tr_mul(&rhs);
-        let change = &seen * along.component_div(&values);
+        let SeenDirections { vectors, values, rhs } = self.seen_directions()?;
+        let along = vectors.tr_mul(&rhs);
+        let change = &vectors * along.component_div(&values);
         let mut system = self.system();
         let problem = &self.assembly.problem;
         system.schur_complement(problem, self.at(), 0.0).map_err(|s| self.explain(s))?;

@@ -27,7 +27,7 @@ pub struct Undefined {
 /// compiling.
 pub trait FactorGroup: Any + Send + Sync {
     /// How many factors there are.
-    fn len(&self) -> usize;
+    fn count(&self) -> usize;
 
     /// How many numbers the residual of each has.
     fn rows(&self) -> usize;
@@ -76,7 +76,7 @@ impl<F: Factor<R>, const R: usize> FactorSet<F, R> {
 }
 
 impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         self.factors.len()
     }
 

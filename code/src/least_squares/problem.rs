@@ -224,7 +224,7 @@ impl Problem {
 
     /// How many numbers the residuals of all factors have together.
     pub fn rows(&self) -> usize {
-        self.groups.iter().map(|group| group.factors.rows() * group.factors.len()).sum()
+        self.groups.iter().map(|group| group.factors.rows() * group.factors.count()).sum()
     }
 
     // ANCHOR: each_row

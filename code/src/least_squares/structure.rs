@@ -124,7 +124,7 @@ impl Structure {
     ) -> Result<(), SolveError> {
         let factors = problem.group(group);
         let mut slots = Slots::default();
-        for factor in 0..factors.len() as u32 {
+        for factor in 0..factors.count() as u32 {
             let mut named = Vec::new();
             factors.variables(factor as usize, &mut |index| named.push(roles.of[index]));
             let wrong =
