@@ -11,7 +11,7 @@ use crate::figure::{self, Drawing, Drawn, Figure, SERIES, letters_right_of, mark
 const NAMES: [&str; 2] = ["street", "ring"];
 
 /// The last iteration on the axis.
-const LAST: f64 = 17.4;
+const LAST: f64 = 16.4;
 
 pub fn convergence() -> Figure {
     let reports = [solved(progress::street()), solved(progress::ring())];
@@ -57,7 +57,7 @@ fn costs(drawing: &Drawing, reports: &[BaReport; 2]) -> Drawn {
 }
 
 fn gradients(drawing: &Drawing, reports: &[BaReport; 2]) -> Drawn {
-    let y_axis = ("log\u{2081}\u{2080} of scaled gradient", -4.0..7.5, 6);
+    let y_axis = ("log\u{2081}\u{2080} of scaled gradient", -4.0..4.0, 5);
     let mut chart = figure::axes(drawing, ("iteration", -0.3..LAST, 7), y_axis)?;
     for (index, report) in reports.iter().enumerate() {
         let places: Vec<_> = report
