@@ -66,55 +66,70 @@ impl NormalEquations {
     /// sum has left the range of the numbers.
     fn complete(&mut self) -> bool {
         self.hessian.fill_upper_triangle_with_lower_triangle();
-        for (scale, &diagonal) in self.scale.iter_mut().zip(self.hessian.diagonal().iter()) {
+        for (row, scale) in self.scale.iter_mut().enumerate() {
+            let diagonal = self.hessian[(row, row)];
             *scale = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 1.0 };
         }
         let sums = self.gradient.iter().chain(&self.hessian).chain(&self.scale);
         let is_finite = self.cost.is_finite() && sums.into_iter().all(|sum| sum.is_finite());
         // A derivative whose square underflows has left its trace in the gradient.
-        let diagonal = self.hessian.diagonal();
-        let vanished = |(gradient, diagonal): (&f64, &f64)| *gradient != 0.0 && *diagonal == 0.0;
-        is_finite && !self.gradient.iter().zip(&diagonal).any(vanished)
+        let vanished = |row: usize| self.gradient[row] != 0.0 && self.hessian[(row, row)] == 0.0;
+        is_finite && !(0..self.gradient.len()).any(vanished)
     }
 
     /// Norm of the scaled gradient. Its entries say by how many of its own standard deviations
     /// each coordinate alone would still move, all others held.
     pub fn gradient_norm(&self) -> f64 {
-        self.gradient.component_mul(&self.scale).norm()
+        let squares = self.gradient.iter().zip(&self.scale).map(|(g, scale)| (g * scale).powi(2));
+        squares.sum::<f64>().sqrt()
     }
 
-    /// The Hessian with rows and columns scaled to a unit diagonal.
-    fn scaled_hessian(&self) -> DMatrix<f64> {
-        let scaled =
-            |row, column| self.scale[row] * self.hessian[(row, column)] * self.scale[column];
-        DMatrix::from_fn(self.scale.len(), self.scale.len(), scaled)
-    }
-
-    // ANCHOR: step
     /// The step δ that solves (H + λ diag H) δ = −g, for the damping λ. With no damping it is the
     /// Gauss-Newton step. `None` when the matrix is singular to rounding. Implements
     /// {eq:damped-step}, {eq:normal-equations} and {eq:predicted-decrease}.
     pub fn step(&self, damping: f64) -> Option<Step> {
-        let mut damped = self.scaled_hessian();
-        for row in 0..self.scale.len() {
-            damped[(row, row)] += damping;
+        let mut step = Step::zeros(self.scale.len());
+        let mut matrix = DMatrix::zeros(self.scale.len(), self.scale.len());
+        self.step_into(damping, &mut matrix, &mut step).then_some(step)
+    }
+
+    // ANCHOR: step
+    /// Writes that step, with memory for a matrix. False when there is none.
+    fn step_into(&self, damping: f64, memory: &mut DMatrix<f64>, into: &mut Step) -> bool {
+        let Self { hessian, gradient, scale, .. } = self;
+        let mut damped = std::mem::take(memory);
+        if damped.nrows() != scale.len() {
+            damped = DMatrix::zeros(scale.len(), scale.len());
         }
-        let factor = Cholesky::new(damped)?;
-        let scaled_gradient = self.gradient.component_mul(&self.scale);
-        let scaled_step = -factor.solve(&scaled_gradient);
-        // g + (H + λ D) δ = 0 turns −gᵀδ − ½ δᵀHδ into this sum of two positive terms.
-        let norm = scaled_step.norm();
-        let predicted_decrease = 0.5 * (damping * norm * norm - scaled_gradient.dot(&scaled_step));
-        let step = scaled_step.component_mul(&self.scale);
-        let smallest_pivot = smallest_pivot(&factor);
-        let is_regular = damping > 0.0 || smallest_pivot > LOST_PIVOT;
-        is_regular.then_some(Step { step, norm, predicted_decrease, smallest_pivot })
+        for (row, column) in (0..scale.len()).flat_map(|r| (0..=r).map(move |c| (r, c))) {
+            damped[(row, column)] = scale[row] * hessian[(row, column)] * scale[column];
+        }
+        (0..scale.len()).for_each(|row| damped[(row, row)] += damping);
+        let Some(factor) = Cholesky::new(damped) else { return false };
+        into.step.zip_zip_apply(gradient, scale, |step, gradient, scale| *step = -scale * gradient);
+        factor.solve_mut(&mut into.step);
+        // g + (H + λ D) δ = 0 turns −gᵀδ − ½ δᵀHδ into the sum of two positive terms.
+        into.norm = into.step.norm();
+        into.step.component_mul_assign(scale);
+        let descent = -gradient.dot(&into.step);
+        into.predicted_decrease = 0.5 * (damping * into.norm * into.norm + descent);
+        into.smallest_pivot = smallest_pivot(&factor);
+        *memory = factor.unpack_dirty();
+        damping > 0.0 || into.smallest_pivot > LOST_PIVOT
     }
     // ANCHOR_END: step
 }
 
+impl Step {
+    fn zeros(dimension: usize) -> Self {
+        let step = DVector::zeros(dimension);
+        Self { step, norm: 0.0, predicted_decrease: 0.0, smallest_pivot: 0.0 }
+    }
+}
+
 fn smallest_pivot(factor: &Cholesky<f64, Dyn>) -> f64 {
-    factor.l_dirty().diagonal().min().powi(2)
+    let matrix = factor.l_dirty();
+    (0..matrix.nrows()).map(|row| matrix[(row, row)]).fold(f64::INFINITY, f64::min).powi(2)
 }
 
 /// The normal equations as a linear system, with the memory that making them needs. Right for
@@ -123,6 +138,9 @@ fn smallest_pivot(factor: &Cholesky<f64, Dyn>) -> f64 {
 #[derive(Debug, Clone)]
 pub struct Dense {
     equations: NormalEquations,
+    step: Step,
+    /// For the factor of the damped Hessian.
+    matrix: DMatrix<f64>,
     columns: Columns,
     buffer: Buffer,
 }
@@ -142,7 +160,9 @@ impl Dense {
             return Err(SolveError::NothingFree);
         }
         let equations = NormalEquations::zeros(columns.count);
-        Ok(Self { equations, columns, buffer: Buffer::default() })
+        let matrix = DMatrix::zeros(columns.count, columns.count);
+        let step = Step::zeros(columns.count);
+        Ok(Self { equations, step, matrix, columns, buffer: Buffer::default() })
     }
 
     /// The normal equations of the last linearization.
@@ -154,7 +174,7 @@ impl Dense {
 impl LinearSystem for Dense {
     // ANCHOR: linearize
     fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
-        let Self { equations, columns, buffer } = self;
+        let Self { equations, columns, buffer, .. } = self;
         equations.gradient.fill(0.0);
         equations.hessian.fill(0.0);
         equations.cost = problem.each_row(at, columns, buffer, |row| equations.accumulate(&row))?;
@@ -169,14 +189,15 @@ impl LinearSystem for Dense {
         damping: f64,
         into: &mut [f64],
     ) -> Option<Prediction> {
-        let step = self.equations.step(damping)?;
+        let Self { equations, step, matrix, columns, .. } = self;
+        equations.step_into(damping, matrix, step).then_some(())?;
         if damping == 0.0 && step.smallest_pivot < SUSPICIOUS_PIVOT {
             // The Hessian has squared what there is to see; its Jacobian decides.
             problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
         }
-        self.columns.spread(step.step.as_slice(), into);
-        let Step { norm, predicted_decrease, .. } = step;
-        let gradient_norm = self.equations.gradient_norm();
+        columns.spread(step.step.as_slice(), into);
+        let Step { norm, predicted_decrease, .. } = *step;
+        let gradient_norm = equations.gradient_norm();
         Some(Prediction { step_norm: norm, predicted_decrease, gradient_norm })
     }
 
