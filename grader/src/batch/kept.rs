@@ -6,6 +6,8 @@
 use std::fs::{self, File, TryLockError};
 use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +51,9 @@ enum Found {
 
 const STATE: &str = "batch.toml";
 const LOCK: &str = ".lock";
+
+/// How long the lock of a process that ended may stay with a program that it was starting.
+const PATIENCE: Duration = Duration::from_secs(3);
 const GRADE: &str = "grade.json";
 const FORMER: &str = "former.json";
 
@@ -256,19 +261,25 @@ fn random() -> u64 {
     RandomState::new().hash_one("seed") % 1_000_000_000
 }
 
-/// The folder's lock, which ends with the process, however that ends.
+/// The folder's lock, which ends with the process, however that ends. A program that this process
+/// was just starting holds it, too, until it runs, and so may outlive a process that was killed:
+/// the lock is asked for until [`PATIENCE`] has passed.
 fn locked(out: &Path) -> Result<File, Trouble> {
     let path = out.join(LOCK);
     let lock = File::create(&path).map_err(|error| unusable(out, &error))?;
-    match lock.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(Trouble::Usage(format!(
-            "another `cargo grade run` writes to {}; wait for it, or choose another folder with \
-             --out",
-            out.display()
-        ))),
-        // Some file systems know no locks; they are no reason not to grade.
-        Err(TryLockError::Error(_)) | Ok(()) => Ok(lock),
+    let begun = Instant::now();
+    while let Err(TryLockError::WouldBlock) = lock.try_lock() {
+        if begun.elapsed() > PATIENCE {
+            return Err(Trouble::Usage(format!(
+                "another `cargo grade run` writes to {}; wait for it, or choose another folder \
+                 with --out",
+                out.display()
+            )));
+        }
+        sleep(Duration::from_millis(20));
     }
+    // Some file systems know no locks; they are no reason not to grade.
+    Ok(lock)
 }
 
 /// The state of the batch in a folder, if there is one.
