@@ -43,8 +43,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// [`BaError::RankDeficient`] when what is fixed leaves directions free, and
     /// [`BaError::Ray`] when a point is free.
     pub fn covariance(&self) -> Result<BaCovariance<D>, BaError> {
-        let cameras = self.system().covariance(&self.assembly.problem, self.at());
-        let cameras = cameras.map_err(|singular| self.explain(singular))?;
+        let cameras = self.system().covariance().map_err(|singular| self.explain(singular))?;
         // Rounding can make a singular system look regular.
         let free = self.gauge_freedom()?;
         if free.count() > 0 {
@@ -69,8 +68,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
 
     /// Adds the points.
     fn with_points(&self, cameras: DMatrix<f64>) -> Result<BaCovariance<D>, BaError> {
-        let landmarks =
-            self.system().landmark_covariances(&self.assembly.problem, self.at(), &cameras);
+        let landmarks = self.system().landmark_covariances(&cameras);
         let landmarks = landmarks.map_err(|singular| self.explain(singular))?;
         let mut points = vec![None; self.points().len()];
         for (point, covariance) in self.assembly.landmarks.iter().zip(landmarks) {

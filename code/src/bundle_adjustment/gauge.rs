@@ -188,7 +188,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let change = &vectors * along.component_div(&values);
         let mut system = self.system();
         let problem = &self.assembly.problem;
-        system.schur_complement(problem, self.at(), 0.0).map_err(|s| self.explain(s))?;
+        system.schur_complement(0.0).map_err(|s| self.explain(s))?;
         let (step, predicted_decrease) = system.complete(problem, &change, change.dot(&rhs));
         Ok(self.trial(&step, predicted_decrease))
     }

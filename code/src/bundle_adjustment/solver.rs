@@ -70,7 +70,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         match system.step(&self.assembly.problem, self.at(), damping, &mut step) {
             Some(prediction) => Ok(self.trial(&step, prediction.predicted_decrease)),
             // Once more, to learn what has no inverse.
-            None => match system.schur_complement(&self.assembly.problem, self.at(), damping) {
+            None => match system.schur_complement(damping) {
                 Err(singular) => Err(self.explain(singular)),
                 Ok(_) => Err(self.explain(Singular::SchurComplement)),
             },
@@ -101,8 +101,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// [`BaError::Ray`] when a point is free, which needs a damping of zero.
     pub fn schur_complement(&self, damping: f64) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
-        let schur = self.system().schur_complement(&self.assembly.problem, self.at(), damping);
-        schur.map_err(|singular| self.explain(singular))
+        self.system().schur_complement(damping).map_err(|singular| self.explain(singular))
     }
 
     /// Where factors are evaluated.
@@ -122,12 +121,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
 
     /// The norm of the scaled gradient where the solver stands; see
     /// [`Prediction::gradient_norm`](crate::least_squares::Prediction::gradient_norm).
-    ///
-    /// # Errors
-    ///
-    /// [`BaError::Solve`] when a derivative is too large for a number.
-    pub fn gradient_norm(&self) -> Result<f64, BaError> {
-        Ok(self.system().gradient_norm(&self.assembly.problem, self.at())?)
+    pub fn gradient_norm(&self) -> f64 {
+        self.search.system().gradient_norm()
     }
 
     /// Where the solver stands.

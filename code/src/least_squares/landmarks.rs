@@ -1,6 +1,9 @@
 //! The normal equations with the landmarks eliminated, one after the other.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use std::array;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 
 use super::Manifold;
 use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
@@ -8,7 +11,7 @@ use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
-use super::structure::{HELD, Structure};
+use super::structure::{Landmark, Places, Slot, Structure};
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -24,8 +27,6 @@ pub enum Singular {
     Landmark(usize),
     /// The Schur complement.
     SchurComplement,
-    /// A factor has no value here.
-    Undefined,
 }
 
 // ANCHOR: landmark_elimination
@@ -35,6 +36,11 @@ pub enum Singular {
 #[derive(Debug, Clone)]
 pub struct LandmarkElimination<const D: usize> {
     structure: Structure,
+    /// The rows of the Jacobian that depend on landmarks.
+    rows: Rows<D>,
+    /// The factors that see no landmark, by group.
+    others: Vec<Linearized>,
+    landmarks: Vec<Eliminated>,
     /// The Schur complement S, and then its Cholesky factor.
     schur: SchurComplement<D>,
     /// The right-hand side, and then the step.
@@ -47,29 +53,36 @@ pub struct LandmarkElimination<const D: usize> {
     damping: Vec<[f64; D]>,
     /// Pivots must be above this.
     smallest: Vec<[f64; D]>,
-    eliminated: Vec<Eliminated>,
-    /// The squared norm of the landmarks' scaled gradient.
-    landmark_gradient: f64,
-    /// The factors of the landmark at hand, by run.
-    linear: Vec<Linearized>,
-    /// The D×3 matrices that couple landmarks to the variables that see them, in the order of the
-    /// structure's rows: {eq:coupling-factor}.
-    couplings: Vec<[[f64; D]; 3]>,
+    /// The factors at hand.
+    linear: Linearized,
+    /// The rows Q of the landmark at hand.
+    whitened: Vec<[f64; 3]>,
 }
 // ANCHOR_END: landmark_elimination
 
+/// Rows of the Jacobian that depend on landmarks, in the order of the structure.
+#[derive(Debug, Clone)]
+struct Rows<const D: usize> {
+    residual: Vec<f64>,
+    /// Derivatives by the landmark.
+    landmark: Vec<[f64; 3]>,
+    /// Derivatives by the other variable. They have no meaning where that is held.
+    variable: Vec<[f64; D]>,
+}
+
 // ANCHOR: eliminated
 /// What is kept of a landmark, enough to find its move once the others' are known.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Eliminated {
-    /// The lower triangular M with M H Mᵀ = I for the landmark's damped 3×3 block H.
-    inverse_factor: Matrix3<f64>,
-    /// M times the landmark's gradient.
-    forward: Vector3<f64>,
-    /// The diagonal of H before damping.
-    curvature: Vector3<f64>,
-    /// What damping added to it.
+    /// Its 3×3 block H before damping, of which the lower triangle counts.
+    hessian: Matrix3<f64>,
+    gradient: Vector3<f64>,
+    /// What damping added to the diagonal of H.
     damping: Vector3<f64>,
+    /// The lower triangular M with M H Mᵀ = I for the damped block.
+    inverse_factor: Matrix3<f64>,
+    /// M times the gradient.
+    forward: Vector3<f64>,
 }
 // ANCHOR_END: eliminated
 
@@ -87,175 +100,154 @@ impl<const D: usize> LandmarkElimination<D> {
             return Err(SolveError::NothingFree);
         }
         let zeros = vec![[0.0; D]; structure.row_count()];
-        let (zero, one) = (Vector3::zeros(), Matrix3::zeros());
-        let nothing =
-            Eliminated { inverse_factor: one, forward: zero, curvature: zero, damping: zero };
-        let linear = room_for_linearized(problem, &structure);
+        let most_rows = structure.landmarks.iter().map(|landmark| landmark.rows.len()).max();
         Ok(Self {
+            rows: Rows {
+                residual: vec![0.0; structure.rows],
+                landmark: vec![[0.0; 3]; structure.rows],
+                variable: vec![[0.0; D]; structure.rows],
+            },
+            others: vec![Linearized::default(); structure.others.len()],
+            landmarks: vec![Eliminated::default(); structure.landmarks.len()],
             schur: SchurComplement::new(structure.first_columns.clone()),
             rhs: zeros.clone(),
             curvature: zeros.clone(),
             gradient: zeros.clone(),
             damping: zeros.clone(),
             smallest: zeros,
-            eliminated: vec![nothing; structure.landmarks.len()],
-            landmark_gradient: 0.0,
-            linear,
-            couplings: vec![[[0.0; D]; 3]; structure.rows.len()],
+            linear: room_for_linearized(problem, &structure),
+            whitened: vec![[0.0; 3]; most_rows.unwrap_or(0)],
             structure,
         })
     }
 
-    // ANCHOR: eliminate_all
-    /// Linearizes and eliminates landmark by landmark, straight into the Schur complement.
-    ///
-    /// Implements {eq:damped-reduction}.
-    fn eliminate_all(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        damping: f64,
-    ) -> Result<(), Singular> {
-        self.clear();
-        for index in 0..self.structure.landmarks.len() {
-            self.linearize_landmark(problem, at, index)?;
-            self.add_variables(index);
-            self.eliminate(index, damping)?;
-            self.couple(index);
-            self.subtract_pairs(index);
-        }
-        self.add_others(problem, at)?;
-        self.damp(damping);
-        Ok(())
-    }
-    // ANCHOR_END: eliminate_all
-
-    /// Forgets the last step.
-    fn clear(&mut self) {
-        self.schur.clear();
-        self.rhs.fill([0.0; D]);
-        self.curvature.fill([0.0; D]);
-        self.gradient.fill([0.0; D]);
-        self.landmark_gradient = 0.0;
-    }
-
-    /// Linearizes the factors that see one landmark.
+    // ANCHOR: linearize_landmark
+    /// Linearizes the factors that see one landmark, and adds up what does not depend on damping.
     fn linearize_landmark(
         &mut self,
         problem: &Problem,
         at: Point,
         index: usize,
-    ) -> Result<(), Singular> {
-        let runs = self.structure.landmarks[index].runs.clone();
-        for (run, linear) in self.structure.runs[runs].iter().zip(&mut self.linear) {
-            let factors = &self.structure.factors[run.factors.clone()];
+    ) -> Result<(), SolveError> {
+        let Self { structure, rows, linear, .. } = self;
+        let landmark = &structure.landmarks[index];
+        for run in &structure.runs[landmark.runs.clone()] {
+            let factors = &structure.factors[run.factors.clone()];
             let outcome = problem.group(run.group).linearize(factors, at, linear);
-            outcome.map_err(|_| Singular::Undefined)?;
+            outcome.map_err(|at| problem.undefined(run.group, at))?;
+            rows.take(run.rows.clone(), linear, structure.places[run.group]);
+        }
+        let (slopes, residuals) =
+            (&rows.landmark[landmark.rows.clone()], &rows.residual[landmark.rows.clone()]);
+        let (hessian, gradient) = landmark_block(slopes, residuals);
+        self.landmarks[index] = Eliminated { hessian, gradient, ..Eliminated::default() };
+        for Slot { variable, rows: own } in &structure.slots[landmark.slots.clone()] {
+            let (gradient, curvature) =
+                (&mut self.gradient[*variable], &mut self.curvature[*variable]);
+            let (slopes, residuals) = (&rows.variable[own.clone()], &rows.residual[own.clone()]);
+            add_gradient(gradient, curvature, slopes, residuals);
         }
         Ok(())
     }
+    // ANCHOR_END: linearize_landmark
 
-    // ANCHOR: add_variables
-    /// Adds the factors of the landmark to the blocks of the other variables, as if it could not
-    /// move.
-    #[inline(never)]
-    fn add_variables(&mut self, index: usize) {
-        let Self { structure, linear, schur, gradient, curvature, .. } = self;
-        let rows = &structure.rows[structure.landmarks[index].rows.clone()];
-        each_factor::<D>(structure, linear, index, |seen| {
-            let Some(row) = seen.slot.map(|slot| rows[slot]) else { return };
-            add_outer(schur.block(row, row), seen.other, seen.other);
-            add_gradient(&mut gradient[row], &mut curvature[row], seen.other, seen.residual);
-        });
+    // ANCHOR: eliminate_all
+    /// Eliminates landmark by landmark, straight into the Schur complement.
+    ///
+    /// Implements {eq:damped-reduction}.
+    fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
+        self.schur.clear();
+        let gradient = self.gradient.as_flattened().iter();
+        self.rhs.as_flattened_mut().iter_mut().zip(gradient).for_each(|(rhs, g)| *rhs = -g);
+        for index in 0..self.landmarks.len() {
+            self.eliminate(index, damping)?;
+            self.add_pairs(index);
+        }
+        self.add_others();
+        self.damp(damping);
+        Ok(())
     }
-    // ANCHOR_END: add_variables
+    // ANCHOR_END: eliminate_all
 
     // ANCHOR: eliminate
-    /// Forms, damps and factors the 3×3 block of the landmark.
-    #[inline(never)]
+    /// Damps and factors the block of the landmark, and gives its rows the coordinates in which
+    /// that block is the identity.
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
-        let (mut block, gradient) = landmark_block::<D>(&self.structure, &self.linear, index);
-        let curvature = block.diagonal();
-        let damping = curvature.map(|h| damping * h.max(SMALLEST_CURVATURE));
-        for axis in 0..3 {
-            block[(axis, axis)] += damping[axis];
-            let scaled = gradient[axis] * gradient[axis] / curvature[axis];
-            self.landmark_gradient += if curvature[axis] > 0.0 { scaled } else { 0.0 };
+        let landmark = &mut self.landmarks[index];
+        let mut block = landmark.hessian;
+        landmark.damping = block.diagonal().map(|h| damping * h.max(SMALLEST_CURVATURE));
+        (0..3).for_each(|axis| block[(axis, axis)] += landmark.damping[axis]);
+        landmark.inverse_factor =
+            inverse_factor(&block, ROUNDING).ok_or(Singular::Landmark(index))?;
+        landmark.forward = landmark.inverse_factor * landmark.gradient;
+        let slopes = &self.rows.landmark[self.structure.landmarks[index].rows.clone()];
+        for (whitened, slope) in self.whitened.iter_mut().zip(slopes) {
+            *whitened = (landmark.inverse_factor * Vector3::from(*slope)).into();
         }
-        let inverse_factor = inverse_factor(&block, ROUNDING).ok_or(Singular::Landmark(index))?;
-        let forward = inverse_factor * gradient;
-        self.eliminated[index] = Eliminated { inverse_factor, forward, curvature, damping };
         Ok(())
     }
     // ANCHOR_END: eliminate
 
-    // ANCHOR: couple
-    /// The D×3 matrices U = Jᵀ L Mᵀ that couple the landmark to each of the variables that see it,
-    /// summed over factors. They are blocks of the Cholesky factor of the whole system.
+    // ANCHOR: add_pairs
+    /// Adds to the block of each pair of variables, and to each right-hand side, what no motion of
+    /// the landmark explains.
     ///
-    /// Implements {eq:coupling-factor}.
-    #[inline(never)]
-    fn couple(&mut self, index: usize) {
-        let Self { structure, linear, couplings, eliminated, .. } = self;
-        let couplings = &mut couplings[structure.landmarks[index].rows.clone()];
-        couplings.fill([[0.0; D]; 3]);
-        let inverse_factor = &eliminated[index].inverse_factor;
-        each_factor::<D>(structure, linear, index, |seen| {
-            let Some(slot) = seen.slot else { return };
-            for (other, landmark) in seen.other.iter().zip(seen.landmark) {
-                let scaled = inverse_factor * Vector3::from(*landmark);
-                for (column, scaled) in couplings[slot].iter_mut().zip(scaled.iter()) {
-                    add_multiple(column, *scaled, other);
-                }
+    /// Implements {eq:projected-pairs}.
+    fn add_pairs(&mut self, index: usize) {
+        let Self { structure, rows, whitened, schur, rhs, .. } = self;
+        let (landmark, forward) = (&structure.landmarks[index], self.landmarks[index].forward);
+        let slots = &structure.slots[landmark.slots.clone()];
+        let rows_of = |slot: &Slot| {
+            let local = slot.rows.start - landmark.rows.start..slot.rows.end - landmark.rows.start;
+            (&rows.variable[slot.rows.clone()], &whitened[local])
+        };
+        for (number, slot) in slots.iter().enumerate() {
+            let (left, (blocks, first)) = (rows_of(slot), schur.row(slot.variable));
+            for other in &slots[..number] {
+                add_pair(&mut blocks[other.variable - first], left, rows_of(other), 0.0);
             }
-        });
-    }
-    // ANCHOR_END: couple
-
-    // ANCHOR: subtract_pairs
-    /// Subtracts what the landmark's freedom takes from each pair of variables that see it, and
-    /// from their right-hand sides.
-    ///
-    /// Implements {eq:covisible-pairs}.
-    #[inline(never)]
-    fn subtract_pairs(&mut self, index: usize) {
-        let range = self.structure.landmarks[index].rows.clone();
-        let (rows, couplings) = (&self.structure.rows[range.clone()], &self.couplings[range]);
-        let forward = &self.eliminated[index].forward;
-        for (i, (row, left)) in rows.iter().zip(couplings).enumerate() {
-            let (blocks, first) = self.schur.row(*row);
-            for (column, right) in rows[..=i].iter().zip(couplings) {
-                add_product(&mut blocks[column - first], -1.0, left, right);
-            }
-            for (column, forward) in left.iter().zip(forward.iter()) {
-                add_multiple(&mut self.rhs[*row], *forward, column);
+            add_pair(&mut blocks[slot.variable - first], left, left, 1.0);
+            for (slope, whitened) in left.0.iter().zip(left.1) {
+                add_multiple(&mut rhs[slot.variable], dot(whitened, forward.as_ref()), slope);
             }
         }
     }
-    // ANCHOR_END: subtract_pairs
+    // ANCHOR_END: add_pairs
 
-    /// Adds the factors that see no landmark.
-    fn add_others(&mut self, problem: &Problem, at: Point) -> Result<(), Singular> {
-        let Self { structure, linear, schur, gradient, curvature, .. } = self;
-        for other in &structure.others {
-            let linear = &mut linear[0];
-            let outcome = problem.group(other.group).linearize(&[other.factor], at, linear);
-            outcome.map_err(|_| Singular::Undefined)?;
-            let moving = || {
-                let rows = other.rows.iter().enumerate();
-                rows.filter_map(|(slot, row)| Some(((*row)?, linear.rows_of::<D>(slot))))
-            };
-            for (row, left) in moving() {
-                add_gradient(&mut gradient[row], &mut curvature[row], left, linear.residuals());
-                for (column, right) in moving().filter(|(column, _)| *column <= row) {
-                    add_outer(schur.block(row, column), left, right);
+    /// Linearizes the factors that see no landmark.
+    fn linearize_others(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+        for (others, linear) in self.structure.others.iter().zip(&mut self.others) {
+            let outcome = problem.group(others.group).linearize(&others.factors, at, linear);
+            outcome.map_err(|at| problem.undefined(others.group, at))?;
+            for (factor, residual) in linear.residuals().chunks(linear.rows()).enumerate() {
+                for (row, slopes) in others.slopes(linear, factor) {
+                    add_gradient(
+                        &mut self.gradient[row],
+                        &mut self.curvature[row],
+                        slopes,
+                        residual,
+                    );
                 }
             }
         }
         Ok(())
     }
 
-    /// Damps the variables and completes their right-hand side, when all factors are in.
+    /// Adds the factors that see no landmark.
+    fn add_others(&mut self) {
+        for (others, linear) in self.structure.others.iter().zip(&self.others) {
+            for factor in 0..linear.len() {
+                for (row, left) in others.slopes::<D>(linear, factor) {
+                    let columns = others.slopes(linear, factor);
+                    for (column, right) in columns.filter(|(column, _)| *column <= row) {
+                        add_product(self.schur.block(row, column), 1.0, left, right);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Damps the variables, when all factors are in.
     fn damp(&mut self, damping: f64) {
         for row in 0..self.rhs.len() {
             for axis in 0..D {
@@ -264,7 +256,6 @@ impl<const D: usize> LandmarkElimination<D> {
                 self.damping[row][axis] = added;
                 self.smallest[row][axis] = ROUNDING * (curvature + added);
                 self.schur.block(row, row)[axis][axis] += added;
-                self.rhs[row][axis] -= self.gradient[row][axis];
             }
         }
         for &(row, axis) in &self.structure.held {
@@ -294,13 +285,13 @@ impl<const D: usize> LandmarkElimination<D> {
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
         self.write_variables(step);
-        for (index, landmark) in self.structure.landmarks.iter().enumerate() {
-            let change = self.landmark_step(index);
+        for (landmark, eliminated) in self.structure.landmarks.iter().zip(&self.landmarks) {
+            let change = self.landmark_step(landmark, eliminated);
             step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
-            let Eliminated { forward, curvature, damping, .. } = &self.eliminated[index];
+            let Eliminated { hessian, forward, damping, .. } = eliminated;
             let squares = change.component_mul(&change);
             twice_predicted += forward.norm_squared() + damping.dot(&squares);
-            square += curvature.dot(&squares);
+            square += hessian.diagonal().dot(&squares);
         }
         (twice_predicted, square)
     }
@@ -319,18 +310,17 @@ impl<const D: usize> LandmarkElimination<D> {
     /// The move of a landmark, when the others' are known.
     ///
     /// Implements {eq:point-follows}.
-    #[inline(always)]
-    fn landmark_step(&self, index: usize) -> Vector3<f64> {
-        let Eliminated { inverse_factor, forward, .. } = &self.eliminated[index];
-        let range = self.structure.landmarks[index].rows.clone();
-        let mut pull = *forward;
-        for (row, coupling) in self.structure.rows[range.clone()].iter().zip(&self.couplings[range])
-        {
-            for (pull, column) in pull.iter_mut().zip(coupling) {
-                *pull += dot(column, &self.rhs[*row]);
+    fn landmark_step(&self, landmark: &Landmark, eliminated: &Eliminated) -> Vector3<f64> {
+        let mut pull = eliminated.gradient;
+        for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
+            let by_landmark = &self.rows.landmark[rows.clone()];
+            for (slope, by_variable) in by_landmark.iter().zip(&self.rows.variable[rows.clone()]) {
+                let moved = dot(by_variable, &self.rhs[*variable]);
+                add_multiple(pull.as_mut(), moved, slope);
             }
         }
-        -inverse_factor.tr_mul(&pull)
+        let factor = &eliminated.inverse_factor;
+        -factor.tr_mul(&(factor * pull))
     }
     // ANCHOR_END: landmark_step
 
@@ -342,13 +332,6 @@ impl<const D: usize> LandmarkElimination<D> {
     /// The square of the variables' step, each direction weighted with its curvature.
     fn square(&self) -> f64 {
         weighted_square(&self.rhs, &self.curvature)
-    }
-
-    /// The norm of the scaled gradient.
-    fn scaled_gradient(&self) -> f64 {
-        let pairs = self.gradient.as_flattened().iter().zip(self.curvature.as_flattened());
-        let squares = pairs.map(|(g, h)| if *h > 0.0 { g * g / h } else { 0.0 });
-        (squares.sum::<f64>() + self.landmark_gradient).sqrt()
     }
 
     /// How many blocks of the Schur complement are kept.
@@ -380,14 +363,15 @@ impl<const D: usize> LandmarkElimination<D> {
         let rows = [&self.rhs, &self.curvature, &self.gradient, &self.damping, &self.smallest];
         rows.iter().map(|rows| size_of_val(rows.as_slice())).sum::<usize>()
             + D * D * size_of::<f64>() * self.schur.stored()
-            + size_of_val(self.eliminated.as_slice())
-            + self.linear.iter().map(Linearized::bytes).sum::<usize>()
-            + self.couplings.capacity() * size_of::<[[f64; D]; 3]>()
+            + size_of_val(self.landmarks.as_slice())
+            + size_of_val(self.whitened.as_slice())
+            + self.others.iter().chain([&self.linear]).map(Linearized::bytes).sum::<usize>()
+            + self.structure.rows * size_of::<f64>() * (1 + 3 + D)
             + self.structure.bytes()
     }
 }
 
-/// What is asked about a point where a search stands or might stand.
+/// What is asked about the point that was linearized last.
 impl<const D: usize> LandmarkElimination<D> {
     /// The Schur complement as a dense matrix, with its right-hand side: `D` rows for each of
     /// [`LandmarkElimination::rows`]. Implements {eq:reduced-camera-system}, and
@@ -398,11 +382,9 @@ impl<const D: usize> LandmarkElimination<D> {
     /// [`Singular`] when a landmark is free, which needs a damping of zero.
     pub fn schur_complement(
         &mut self,
-        problem: &Problem,
-        at: Point,
         damping: f64,
     ) -> Result<(DMatrix<f64>, DVector<f64>), Singular> {
-        self.eliminate_all(problem, at, damping)?;
+        self.eliminate_all(damping)?;
         let rhs = DVector::from_column_slice(self.rhs.as_flattened());
         Ok((self.schur.to_matrix(), rhs))
     }
@@ -427,8 +409,8 @@ impl<const D: usize> LandmarkElimination<D> {
     /// # Errors
     ///
     /// [`Singular`] when something is free.
-    pub fn covariance(&mut self, problem: &Problem, at: Point) -> Result<DMatrix<f64>, Singular> {
-        self.eliminate_all(problem, at, 0.0)?;
+    pub fn covariance(&mut self) -> Result<DMatrix<f64>, Singular> {
+        self.eliminate_all(0.0)?;
         self.schur.factorize(&self.smallest).map_err(|_| Singular::SchurComplement)?;
         let size = D * self.structure.row_count();
         let mut inverse = DMatrix::zeros(size, size);
@@ -454,18 +436,14 @@ impl<const D: usize> LandmarkElimination<D> {
     /// [`Singular`] when a landmark is free.
     pub fn landmark_covariances(
         &mut self,
-        problem: &Problem,
-        at: Point,
         others: &DMatrix<f64>,
     ) -> Result<Vec<Matrix3<f64>>, Singular> {
-        let mut covariances = Vec::with_capacity(self.structure.landmarks.len());
-        for index in 0..self.structure.landmarks.len() {
-            self.linearize_landmark(problem, at, index)?;
+        let count = self.landmarks.len();
+        let covariance = |index| {
             self.eliminate(index, 0.0)?;
-            self.couple(index);
-            covariances.push(self.landmark_covariance(index, others));
-        }
-        Ok(covariances)
+            Ok(self.landmark_covariance(index, others))
+        };
+        (0..count).map(covariance).collect()
     }
 
     // ANCHOR: landmark_covariance
@@ -473,130 +451,138 @@ impl<const D: usize> LandmarkElimination<D> {
     /// open, and what the variables that see it hand on. Implements {eq:ba-point-covariance}.
     fn landmark_covariance(&self, index: usize, others: &DMatrix<f64>) -> Matrix3<f64> {
         let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
-        let matrix = |columns: &[[f64; D]; 3]| {
-            SMatrix::<f64, D, 3>::from_fn(|row, column| columns[column][row])
+        let factor = &self.landmarks[index].inverse_factor;
+        let slots = &self.structure.slots[self.structure.landmarks[index].slots.clone()];
+        let coupling = |slot: &Slot| {
+            let rows = self.rows.variable[slot.rows.clone()].iter();
+            rows.zip(&self.rows.landmark[slot.rows.clone()])
+                .map(|(j, l)| SVector::from(*j) * (factor * Vector3::from(*l)).transpose())
+                .sum::<SMatrix<f64, D, 3>>()
         };
-        let range = self.structure.landmarks[index].rows.clone();
-        let rows = &self.structure.rows[range.clone()];
-        let couplings: Vec<_> = self.couplings[range].iter().map(matrix).collect();
+        let couplings: Vec<_> = slots.iter().map(|slot| (slot.variable, coupling(slot))).collect();
         let mut sum = Matrix3::identity();
-        for (row, left) in rows.iter().zip(&couplings) {
-            for (column, right) in rows.iter().zip(&couplings) {
+        for (row, left) in &couplings {
+            for (column, right) in &couplings {
                 sum += left.transpose() * block(*row, *column) * right;
             }
         }
-        let factor = &self.eliminated[index].inverse_factor;
         factor.tr_mul(&sum) * factor
     }
     // ANCHOR_END: landmark_covariance
 }
 
 impl<const D: usize> LinearSystem for LandmarkElimination<D> {
-    /// Nothing is computed here: a step linearizes landmark by landmark what it needs.
-    fn linearize(&mut self, _problem: &Problem, _at: Point) -> Result<(), SolveError> {
-        Ok(())
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+        self.gradient.fill([0.0; D]);
+        self.curvature.fill([0.0; D]);
+        for index in 0..self.landmarks.len() {
+            self.linearize_landmark(problem, at, index)?;
+        }
+        self.linearize_others(problem, at)?;
+        if self.gradient_norm().is_finite() { Ok(()) } else { Err(problem.not_finite(at)) }
     }
 
     // ANCHOR: attempt
     fn step(
         &mut self,
-        problem: &Problem,
-        at: Point,
+        _problem: &Problem,
+        _at: Point,
         damping: f64,
         into: &mut [f64],
     ) -> Option<Prediction> {
-        self.eliminate_all(problem, at, damping).ok()?;
-        let gradient_norm = self.scaled_gradient();
+        self.eliminate_all(damping).ok()?;
         let forward = self.solve().ok()?;
         let (twice, square) = self.back_substitute(forward, into);
         Some(Prediction {
             step_norm: square.sqrt(),
             predicted_decrease: 0.5 * twice,
-            gradient_norm,
+            gradient_norm: self.gradient_norm(),
         })
     }
     // ANCHOR_END: attempt
 
-    fn gradient_norm(&mut self, problem: &Problem, at: Point) -> Result<f64, SolveError> {
-        self.clear();
-        for index in 0..self.structure.landmarks.len() {
-            let outcome = self.linearize_landmark(problem, at, index);
-            outcome.map_err(|_| SolveError::OutOfRange)?;
-            self.add_variables(index);
-            // A landmark without curvature adds its gradient before it is found singular.
-            let _ = self.eliminate(index, 1.0);
-        }
-        self.add_others(problem, at).map_err(|_| SolveError::OutOfRange)?;
-        let norm = self.scaled_gradient();
-        if norm.is_finite() { Ok(norm) } else { Err(SolveError::OutOfRange) }
+    fn gradient_norm(&self) -> f64 {
+        let scaled = |g: f64, h: f64| if h > 0.0 { g * g / h } else { 0.0 };
+        let pairs = self.gradient.as_flattened().iter().zip(self.curvature.as_flattened());
+        let variables: f64 = pairs.map(|(g, h)| scaled(*g, *h)).sum();
+        let of_landmark = |landmark: &Eliminated| {
+            landmark.gradient.zip_map(&landmark.hessian.diagonal(), scaled).sum()
+        };
+        (variables + self.landmarks.iter().map(of_landmark).sum::<f64>()).sqrt()
     }
 }
 
-/// Room for the factors of any one landmark, run by run, and for any one factor without landmark.
-fn room_for_linearized(problem: &Problem, structure: &Structure) -> Vec<Linearized> {
-    let runs = structure.landmarks.iter().map(|landmark| landmark.runs.len()).max();
-    let mut linear = vec![Linearized::default(); runs.unwrap_or(0).max(1)];
-    let mut reserve = |place: usize, group: usize, factors: usize| {
-        let group = problem.group(group);
-        linear[place].begin(factors, group.rows(), group.columns());
-    };
-    for landmark in &structure.landmarks {
-        for (place, run) in structure.runs[landmark.runs.clone()].iter().enumerate() {
-            reserve(place, run.group, run.factors.len());
+impl<const D: usize> Rows<D> {
+    /// Takes linearized factors as the rows in a range.
+    fn take(&mut self, range: Range<usize>, linear: &Linearized, places: Places) {
+        self.residual[range.clone()].copy_from_slice(linear.residuals());
+        self.landmark[range.clone()].copy_from_slice(linear.rows_of(places.landmark));
+        let other = places.other.map_or(&[][..], |slot| linear.rows_of(slot));
+        // What is held may have another dimension.
+        if other.len() == range.len() {
+            self.variable[range].copy_from_slice(other);
         }
     }
-    structure.others.iter().for_each(|other| reserve(0, other.group, 1));
+}
+
+/// Room for the factors of any one landmark.
+fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
+    let mut linear = Linearized::default();
+    for run in &structure.runs {
+        let group = problem.group(run.group);
+        linear.begin(run.factors.len(), group.rows(), group.columns());
+    }
     linear
 }
 
-/// A factor as the elimination sees it.
-#[derive(Clone, Copy)]
-struct Seen<'a, const D: usize> {
-    /// The place of its other variable among the landmark's rows, `None` when that is held.
-    slot: Option<usize>,
-    /// Derivatives by the other variable, row by row; empty when it is held.
-    other: &'a [[f64; D]],
-    /// Derivatives by the landmark.
-    landmark: &'a [[f64; 3]],
-    residual: &'a [f64],
-}
-
-/// Goes through the linearized factors of a landmark.
+/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables, from the rows of J and Q of each.
+/// Here δ is one for a variable with itself, and zero otherwise.
 #[inline(always)]
-fn each_factor<'a, const D: usize>(
-    structure: &'a Structure,
-    linear: &'a [Linearized],
-    index: usize,
-    mut visit: impl FnMut(Seen<'a, D>),
+fn add_pair<const D: usize>(
+    block: &mut [[f64; D]; D],
+    left: (&[[f64; D]], &[[f64; 3]]),
+    right: (&[[f64; D]], &[[f64; 3]]),
+    delta: f64,
 ) {
-    let runs = &structure.runs[structure.landmarks[index].runs.clone()];
-    for (run, linear) in runs.iter().zip(linear) {
-        let (each, slots) = (linear.rows(), structure.groups[run.group]);
-        let others = slots.other.map_or(&[][..], |slot| linear.rows_of::<D>(slot));
-        let (landmarks, residuals) = (linear.rows_of::<3>(slots.landmark), linear.residuals());
-        for (factor, slot) in structure.slots[run.factors.clone()].iter().enumerate() {
-            let rows = factor * each..(factor + 1) * each;
-            let slot = (*slot != HELD).then_some(*slot as usize);
-            let other = if slot.is_some() { &others[rows.clone()] } else { &[] };
-            visit(Seen {
-                slot,
-                other,
-                landmark: &landmarks[rows.clone()],
-                residual: &residuals[rows],
-            });
+    // Pixels have two rows; a number that is known when compiling keeps the sums in registers.
+    if let (Some(left), Some(right)) = (by_two(left), by_two(right)) {
+        return add_rows(block, left, right, delta);
+    }
+    for (k, (slope, whitened)) in left.0.iter().zip(left.1).enumerate() {
+        for (l, (other, other_whitened)) in right.0.iter().zip(right.1).enumerate() {
+            let left = (array::from_ref(slope), array::from_ref(whitened));
+            let right = (array::from_ref(other), array::from_ref(other_whitened));
+            add_rows(block, left, right, if k == l { delta } else { 0.0 });
         }
     }
 }
 
-/// Adds the product of the transposed rows of one variable with those of another to their block.
+/// The rows of a variable, if there are two.
 #[inline(always)]
-fn add_outer<const D: usize>(block: &mut [[f64; D]; D], left: &[[f64; D]], right: &[[f64; D]]) {
-    // Pixels have two rows; a length that is known when compiling keeps the sums in registers.
-    match (left.as_array::<2>(), right.as_array::<2>()) {
-        (Some(left), Some(right)) => add_product(block, 1.0, left, right),
-        _ => add_product(block, 1.0, left, right),
-    }
+fn by_two<'a, const D: usize>(
+    rows: (&'a [[f64; D]], &'a [[f64; 3]]),
+) -> Option<(&'a [[f64; D]; 2], &'a [[f64; 3]; 2])> {
+    rows.0.as_array().zip(rows.1.as_array())
 }
+
+// ANCHOR: add_pair
+#[inline(always)]
+fn add_rows<const D: usize, const N: usize>(
+    block: &mut [[f64; D]; D],
+    (slopes, whitened): (&[[f64; D]; N], &[[f64; 3]; N]),
+    (other, other_whitened): (&[[f64; D]; N], &[[f64; 3]; N]),
+    delta: f64,
+) {
+    let mut unexplained = [[0.0; D]; N];
+    for (l, row) in unexplained.iter_mut().enumerate() {
+        for (k, slope) in slopes.iter().enumerate() {
+            let delta = if k == l { delta } else { 0.0 };
+            add_multiple(row, delta - dot(&whitened[k], &other_whitened[l]), slope);
+        }
+    }
+    add_product(block, 1.0, &unexplained, other);
+}
+// ANCHOR_END: add_pair
 
 #[inline(always)]
 fn add_gradient<const D: usize>(
@@ -614,27 +600,21 @@ fn add_gradient<const D: usize>(
 }
 
 // ANCHOR: landmark_block
-/// The lower triangle of a landmark's 3×3 block, and its gradient, from the factors that see it.
+/// The lower triangle of a landmark's 3×3 block, and its gradient, from the rows that depend on it.
 ///
 /// Implements the middle line of {eq:ba-blocks}.
 #[inline(always)]
-fn landmark_block<const D: usize>(
-    structure: &Structure,
-    linear: &[Linearized],
-    index: usize,
-) -> (Matrix3<f64>, Vector3<f64>) {
+fn landmark_block(slopes: &[[f64; 3]], residuals: &[f64]) -> (Matrix3<f64>, Vector3<f64>) {
     let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-    each_factor::<D>(structure, linear, index, |seen| {
-        for (row, residual) in seen.landmark.iter().zip(seen.residual) {
-            for column in 0..3 {
-                gradient[column] = multiply_add(row[column], *residual, gradient[column]);
-                for below in column..3 {
-                    let sum = multiply_add(row[column], row[below], block[(below, column)]);
-                    block[(below, column)] = sum;
-                }
+    for (slope, residual) in slopes.iter().zip(residuals) {
+        for column in 0..3 {
+            gradient[column] = multiply_add(slope[column], *residual, gradient[column]);
+            for below in column..3 {
+                let sum = multiply_add(slope[column], slope[below], block[(below, column)]);
+                block[(below, column)] = sum;
             }
         }
-    });
+    }
     (block, gradient)
 }
 // ANCHOR_END: landmark_block

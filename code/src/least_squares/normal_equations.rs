@@ -201,8 +201,8 @@ impl LinearSystem for Dense {
         Some(Prediction { step_norm: norm, predicted_decrease, gradient_norm })
     }
 
-    fn gradient_norm(&mut self, _problem: &Problem, _at: Point) -> Result<f64, SolveError> {
-        Ok(self.equations.gradient_norm())
+    fn gradient_norm(&self) -> f64 {
+        self.equations.gradient_norm()
     }
 }
 

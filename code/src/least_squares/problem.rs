@@ -238,10 +238,9 @@ impl Problem {
         mut visit: impl FnMut(Row),
     ) -> Result<f64, SolveError> {
         let mut cost = 0.0;
-        for group in &self.groups {
-            let undefined =
-                |at: Undefined| SolveError::Undefined { factor: group.numbers[at.factor] };
-            group.factors.linearize(&group.all, at, &mut buffer.linear).map_err(undefined)?;
+        for (number, group) in self.groups.iter().enumerate() {
+            let outcome = group.factors.linearize(&group.all, at, &mut buffer.linear);
+            outcome.map_err(|at| self.undefined(number, at))?;
             if let Some(place) = buffer.linear.not_finite() {
                 return Err(SolveError::NotFinite { factor: group.numbers[place] });
             }
@@ -277,6 +276,17 @@ impl Problem {
     /// The number of a factor in a group.
     pub(super) fn number(&self, group: usize, factor: u32) -> usize {
         self.groups[group].numbers[factor as usize]
+    }
+
+    /// The error that names a factor without a value.
+    pub(super) fn undefined(&self, group: usize, at: Undefined) -> SolveError {
+        SolveError::Undefined { factor: self.number(group, at.factor as u32) }
+    }
+
+    /// The error that names the first factor with a number that is not finite.
+    pub(super) fn not_finite(&self, at: Point) -> SolveError {
+        let rows = self.each_row(at, &self.columns(), &mut Buffer::default(), |_| ());
+        rows.err().unwrap_or(SolveError::OutOfRange)
     }
 
     /// Whether anything is frozen; if so, where derivatives are taken at first.

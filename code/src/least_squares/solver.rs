@@ -32,11 +32,7 @@ pub trait LinearSystem {
     ) -> Option<Prediction>;
 
     /// The norm of the scaled gradient at that point.
-    ///
-    /// # Errors
-    ///
-    /// As those of [`LinearSystem::linearize`].
-    fn gradient_norm(&mut self, problem: &Problem, at: Point) -> Result<f64, SolveError>;
+    fn gradient_norm(&self) -> f64;
 }
 
 /// What a linear system says of a step.
@@ -269,7 +265,7 @@ impl Problem {
                 break stop;
             }
         };
-        search.finish(self, stop)
+        Ok(search.finish(stop))
     }
 }
 
@@ -501,15 +497,10 @@ impl<S: LinearSystem> Search<S> {
     }
 
     /// What has come of the search.
-    ///
-    /// # Errors
-    ///
-    /// As those of [`LinearSystem::gradient_norm`].
-    pub fn finish(mut self, problem: &Problem, stop: Stop) -> Result<Solution, SolveError> {
-        let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
-        let gradient_norm = self.system.gradient_norm(problem, at)?;
+    pub fn finish(self, stop: Stop) -> Solution {
+        let gradient_norm = self.system.gradient_norm();
         let Self { values, iterations, cost, .. } = self;
-        Ok(Solution { values, report: Report { iterations, cost, gradient_norm, stop } })
+        Solution { values, report: Report { iterations, cost, gradient_norm, stop } }
     }
 }
 

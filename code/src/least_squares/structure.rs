@@ -5,48 +5,76 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Manifold;
+use super::linearized::Linearized;
 use super::ordering::{envelope, reverse_cuthill_mckee};
 use super::problem::{Columns, Problem};
 use super::solver::SolveError;
 
-/// The slot of a variable that does not move.
-pub const HELD: u32 = u32::MAX;
-
 // ANCHOR: landmark
-/// A landmark: where its coordinates are, and where the lists of its runs and rows begin and end.
+/// A landmark: where its coordinates are, and where its lists begin and end.
 #[derive(Debug, Clone)]
 pub struct Landmark {
     /// Its first coordinate in a step.
     pub coordinate: usize,
     /// Its part of [`Structure::runs`].
     pub runs: Range<usize>,
-    /// Its part of [`Structure::rows`].
+    /// Its part of [`Structure::slots`].
+    pub slots: Range<usize>,
+    /// The rows of the Jacobian that depend on it.
     pub rows: Range<usize>,
 }
 
-/// Factors of one group that see the same landmark.
+/// The rows of the Jacobian that depend on a landmark and on one other variable.
+#[derive(Debug, Clone)]
+pub struct Slot {
+    /// The variable's row of blocks in the Schur complement.
+    pub variable: usize,
+    /// A part of the landmark's rows.
+    pub rows: Range<usize>,
+}
+
+/// Factors of one group that see the same landmark and stand one after the other.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Index of the group.
     pub group: usize,
     /// Their part of [`Structure::factors`].
     pub factors: Range<usize>,
+    /// Their rows of the Jacobian.
+    pub rows: Range<usize>,
 }
 // ANCHOR_END: landmark
 
-/// Which of the variables of a group's factors is the landmark, and which has a row.
+/// Which of the variables of a group's factors is the landmark, and which has a row of blocks.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Slots {
+pub struct Places {
     pub landmark: usize,
     pub other: Option<usize>,
 }
 
-/// A factor that sees no landmark, and the rows of its variables.
+/// The factors of one group that see no landmark.
 #[derive(Debug, Clone)]
-pub struct Other {
+pub struct Others {
     pub group: usize,
-    pub factor: u32,
-    pub rows: Vec<Option<usize>>,
+    /// Places in the group.
+    pub factors: Vec<u32>,
+    /// The rows of blocks of their variables, factor by factor.
+    pub variables: Vec<Option<usize>>,
+}
+
+impl Others {
+    /// The rows of blocks of a factor's variables that move, each with the derivatives by it.
+    pub fn slopes<'a, const D: usize>(
+        &'a self,
+        linear: &'a Linearized,
+        factor: usize,
+    ) -> impl Iterator<Item = (usize, &'a [[f64; D]])> {
+        let (each, count) = (linear.rows(), self.variables.len() / self.factors.len());
+        let variables = &self.variables[factor * count..(factor + 1) * count];
+        variables.iter().enumerate().filter_map(move |(slot, row)| {
+            Some(((*row)?, &linear.rows_of(slot)[factor * each..(factor + 1) * each]))
+        })
+    }
 }
 
 // ANCHOR: structure
@@ -58,14 +86,14 @@ pub struct Structure {
     pub runs: Vec<Run>,
     /// Places of factors in their groups.
     pub factors: Vec<u32>,
-    /// For each of `factors`, which of its landmark's rows its other variable has, or [`HELD`].
-    pub slots: Vec<u32>,
-    /// For each landmark the rows of the variables that see it, ascending.
-    pub rows: Vec<usize>,
+    /// How many rows of the Jacobian depend on landmarks.
+    pub rows: usize,
+    /// By landmark, the variables that see it, ascending.
+    pub slots: Vec<Slot>,
     /// By group.
-    pub groups: Vec<Slots>,
+    pub places: Vec<Places>,
     /// What sees no landmark.
-    pub others: Vec<Other>,
+    pub others: Vec<Others>,
     /// For each row of blocks in the Schur complement the first coordinates of its variables.
     pub variables: Vec<Vec<usize>>,
     /// By row, the first column in which something stands.
@@ -83,12 +111,14 @@ enum Role {
     Row(usize),
 }
 
-/// A factor that sees a landmark, and the row of its other variable.
+/// A factor that sees a landmark, and the row of blocks of its other variable.
 #[derive(Clone, Copy)]
-struct Sighting {
+struct Seen {
     row: Option<usize>,
     group: usize,
     factor: u32,
+    /// How many numbers its residual has.
+    len: usize,
 }
 
 impl Structure {
@@ -104,11 +134,11 @@ impl Structure {
         let order = structure.order(&seen_by, roles.variables.len());
         roles.reorder(&order);
         let new_row = |row: &mut Option<usize>| *row = row.map(|row| order[row]);
-        seen_by.iter_mut().flatten().for_each(|sighting| new_row(&mut sighting.row));
-        structure.others.iter_mut().flat_map(|other| &mut other.rows).for_each(new_row);
+        seen_by.iter_mut().flatten().for_each(|seen| new_row(&mut seen.row));
+        structure.others.iter_mut().flat_map(|other| &mut other.variables).for_each(new_row);
         structure.first_columns = envelope(roles.variables.len(), structure.couplings(&seen_by));
-        for (coordinate, sightings) in roles.landmarks.into_iter().zip(seen_by) {
-            structure.add_landmark(coordinate, sightings);
+        for (coordinate, seen_by) in roles.landmarks.into_iter().zip(seen_by) {
+            structure.add_landmark(coordinate, seen_by);
         }
         (structure.variables, structure.held) = (roles.variables, roles.held);
         Ok(structure)
@@ -120,10 +150,11 @@ impl Structure {
         problem: &Problem,
         group: usize,
         roles: &Roles,
-        seen_by: &mut [Vec<Sighting>],
+        seen_by: &mut [Vec<Seen>],
     ) -> Result<(), SolveError> {
         let factors = problem.group(group);
-        let mut slots = Slots::default();
+        let mut places = Places::default();
+        let mut others = Others { group, factors: Vec::new(), variables: Vec::new() };
         for factor in 0..factors.count() as u32 {
             let mut named = Vec::new();
             factors.variables(factor as usize, &mut |index| named.push(roles.of[index]));
@@ -135,36 +166,42 @@ impl Structure {
             let moving = rows.iter().flatten().count();
             let Some(Role::Landmark(index)) = landmark.map(|slot| named[slot]) else {
                 if moving > 0 {
-                    self.others.push(Other { group, factor, rows });
+                    others.factors.push(factor);
+                    others.variables.extend(rows);
                 }
                 continue;
             };
-            slots.landmark = landmark.unwrap_or_default();
+            places.landmark = landmark.unwrap_or_default();
             if moving + 1 < named.iter().filter(|role| **role != Role::Held).count() {
                 return Err(wrong("sees two landmarks; only factors of one can be eliminated"));
             }
             let other = rows.iter().position(Option::is_some);
-            if moving > 1 || (slots.other.is_some() && other.is_some() && slots.other != other) {
+            if moving > 1 || (places.other.is_some() && other.is_some() && places.other != other) {
                 return Err(wrong("has a landmark and more than one variable that moves besides"));
             }
-            slots.other = slots.other.or(other);
+            places.other = places.other.or(other);
             let row = other.and_then(|slot| rows[slot]);
-            seen_by[index].push(Sighting { row, group, factor });
+            seen_by[index].push(Seen { row, group, factor, len: factors.rows() });
         }
-        self.groups.push(slots);
+        self.places.push(places);
+        if !others.factors.is_empty() {
+            self.others.push(others);
+        }
         Ok(())
     }
 
     /// All pairs of rows in which something stands, as lists of rows of which every pair counts.
-    fn couplings<'a>(&'a self, seen_by: &'a [Vec<Sighting>]) -> impl Iterator<Item = Vec<usize>> {
+    fn couplings<'a>(&'a self, seen_by: &'a [Vec<Seen>]) -> impl Iterator<Item = Vec<usize>> {
         let of_landmarks = seen_by.iter().map(|seen| seen.iter().filter_map(|s| s.row).collect());
-        let of_others =
-            self.others.iter().map(|other| other.rows.iter().flatten().copied().collect());
+        let of_others = self.others.iter().flat_map(|others| {
+            let each = others.variables.len() / others.factors.len();
+            others.variables.chunks(each).map(|rows| rows.iter().flatten().copied().collect())
+        });
         of_landmarks.chain(of_others)
     }
 
     /// The new place of each row: that which keeps the envelope small.
-    fn order(&self, seen_by: &[Vec<Sighting>], rows: usize) -> Vec<usize> {
+    fn order(&self, seen_by: &[Vec<Seen>], rows: usize) -> Vec<usize> {
         let as_they_are: Vec<usize> = (0..rows).collect();
         let reordered = reverse_cuthill_mckee(rows, self.couplings(seen_by));
         let stored = |order: &[usize]| -> usize {
@@ -176,25 +213,27 @@ impl Structure {
         if stored(&reordered) < stored(&as_they_are) { reordered } else { as_they_are }
     }
 
-    /// Adds a landmark with the factors that see it.
-    fn add_landmark(&mut self, coordinate: usize, mut seen_by: Vec<Sighting>) {
-        seen_by.sort_by_key(|sighting| (sighting.group, sighting.row));
-        let mut place: BTreeMap<usize, u32> =
-            seen_by.iter().filter_map(|s| s.row).map(|r| (r, 0)).collect();
-        place.values_mut().enumerate().for_each(|(slot, place)| *place = slot as u32);
-        let (runs, rows) = (self.runs.len(), self.rows.len());
-        for sighting in seen_by {
-            let at = self.factors.len();
-            self.factors.push(sighting.factor);
-            self.slots.push(sighting.row.map_or(HELD, |row| place[&row]));
-            match self.runs[runs..].last_mut().filter(|run| run.group == sighting.group) {
-                Some(run) => run.factors.end = at + 1,
-                None => self.runs.push(Run { group: sighting.group, factors: at..at + 1 }),
+    /// Adds a landmark with the factors that see it. The rows of one variable stand together, in
+    /// ascending order of variables, and behind them those of variables that are held.
+    fn add_landmark(&mut self, coordinate: usize, mut seen_by: Vec<Seen>) {
+        let (runs, slots, rows) = (self.runs.len(), self.slots.len(), self.rows);
+        seen_by.sort_by_key(|seen| (seen.row.is_none(), seen.row, seen.group));
+        for Seen { row, group, factor, len } in seen_by {
+            let (at, end) = (self.factors.len(), self.rows + len);
+            self.factors.push(factor);
+            match self.runs[runs..].last_mut().filter(|run| run.group == group) {
+                Some(run) => (run.factors.end, run.rows.end) = (at + 1, end),
+                None => self.runs.push(Run { group, factors: at..at + 1, rows: self.rows..end }),
             }
+            match (row, self.slots[slots..].last_mut()) {
+                (Some(row), Some(slot)) if slot.variable == row => slot.rows.end = end,
+                (Some(row), _) => self.slots.push(Slot { variable: row, rows: self.rows..end }),
+                (None, _) => {}
+            }
+            self.rows = end;
         }
-        self.rows.extend(place.keys());
-        let (runs, rows) = (runs..self.runs.len(), rows..self.rows.len());
-        self.landmarks.push(Landmark { coordinate, runs, rows });
+        let (runs, slots) = (runs..self.runs.len(), slots..self.slots.len());
+        self.landmarks.push(Landmark { coordinate, runs, slots, rows: rows..self.rows });
     }
 
     /// How many rows of blocks the Schur complement has.
@@ -208,7 +247,7 @@ impl Structure {
     ///
     /// Implements {eq:block-products}.
     pub fn block_products(&self) -> usize {
-        let pairs = |landmark: &Landmark| landmark.rows.len() * (landmark.rows.len() + 1) / 2;
+        let pairs = |landmark: &Landmark| landmark.slots.len() * (landmark.slots.len() + 1) / 2;
         self.landmarks.iter().map(pairs).sum()
     }
     // ANCHOR_END: block_products
@@ -217,8 +256,9 @@ impl Structure {
     pub fn bytes(&self) -> usize {
         size_of::<Landmark>() * self.landmarks.capacity()
             + size_of::<Run>() * self.runs.capacity()
-            + size_of::<u32>() * (self.factors.capacity() + self.slots.capacity())
-            + size_of::<usize>() * (self.rows.capacity() + 4 * self.variables.len())
+            + size_of::<u32>() * self.factors.capacity()
+            + size_of::<Slot>() * self.slots.capacity()
+            + size_of::<usize>() * 4 * self.variables.len()
     }
 }
 
