@@ -511,8 +511,8 @@ fn dense_and_eliminated_equations_have_one_solution_and_one_covariance() {
         assert!(tolerance < 1e-4);
         let at = Point { values: &dense, frozen: None };
         let mut system = elimination(&problem);
-        let of_cameras = system.covariance(&problem, at).unwrap();
-        let of_points = system.landmark_covariances(&problem, at, &of_cameras).unwrap();
+        let of_cameras = system.covariance().unwrap();
+        let of_points = system.landmark_covariances(&of_cameras).unwrap();
         let rows = system.rows(&problem);
         for camera in &cameras[1..] {
             let row = 6 * rows[camera.index()].unwrap();

@@ -149,6 +149,7 @@ impl<const D: usize> SchurComplement<D> {
     /// # Errors
     ///
     /// The first coordinate whose pivot is not above its entry of `smallest`.
+    #[inline(always)]
     pub fn factorize(&mut self, smallest: &[[f64; D]]) -> Result<(), usize> {
         for (row, smallest) in smallest.iter().enumerate() {
             let (done, rest) = self.blocks.split_at_mut(self.start[row]);
@@ -217,6 +218,7 @@ impl<const D: usize> SchurComplement<D> {
 
 // ANCHOR: divide_by_factor
 /// Block times the transposed inverse of a factored diagonal block.
+#[inline(always)]
 fn divide_by_factor<const D: usize>(block: &mut Block<D>, factor: &Block<D>) {
     for column in 0..D {
         let (done, rest) = block.split_at_mut(column);
@@ -232,6 +234,7 @@ fn divide_by_factor<const D: usize>(block: &mut Block<D>, factor: &Block<D>) {
 
 // ANCHOR: factorize_block
 /// The Cholesky factor of one block, of which the lower triangle is read and written.
+#[inline(always)]
 fn factorize_block<const D: usize>(block: &mut Block<D>, smallest: &[f64; D]) -> Result<(), usize> {
     for column in 0..D {
         let (done, rest) = block.split_at_mut(column);

@@ -4,6 +4,7 @@ use std::array;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
+use pulp::Arch;
 
 use super::Manifold;
 use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
@@ -123,6 +124,7 @@ impl<const D: usize> LandmarkElimination<D> {
 
     // ANCHOR: linearize_landmark
     /// Linearizes the factors that see one landmark, and adds up what does not depend on damping.
+    #[inline(always)]
     fn linearize_landmark(
         &mut self,
         problem: &Problem,
@@ -137,6 +139,15 @@ impl<const D: usize> LandmarkElimination<D> {
             outcome.map_err(|at| problem.undefined(run.group, at))?;
             rows.take(run.rows.clone(), linear, structure.places[run.group]);
         }
+        self.sum_up(index);
+        Ok(())
+    }
+
+    /// Adds up what does not depend on damping.
+    #[inline(always)]
+    fn sum_up(&mut self, index: usize) {
+        let Self { structure, rows, .. } = self;
+        let landmark = &structure.landmarks[index];
         let (slopes, residuals) =
             (&rows.landmark[landmark.rows.clone()], &rows.residual[landmark.rows.clone()]);
         let (hessian, gradient) = landmark_block(slopes, residuals);
@@ -147,7 +158,6 @@ impl<const D: usize> LandmarkElimination<D> {
             let (slopes, residuals) = (&rows.variable[own.clone()], &rows.residual[own.clone()]);
             add_gradient(gradient, curvature, slopes, residuals);
         }
-        Ok(())
     }
     // ANCHOR_END: linearize_landmark
 
@@ -156,6 +166,14 @@ impl<const D: usize> LandmarkElimination<D> {
     ///
     /// Implements {eq:damped-reduction}.
     fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
+        wide(
+            #[inline(always)]
+            || self.eliminate_each(damping),
+        )
+    }
+
+    #[inline(always)]
+    fn eliminate_each(&mut self, damping: f64) -> Result<(), Singular> {
         self.schur.clear();
         let gradient = self.gradient.as_flattened().iter();
         self.rhs.as_flattened_mut().iter_mut().zip(gradient).for_each(|(rhs, g)| *rhs = -g);
@@ -172,6 +190,7 @@ impl<const D: usize> LandmarkElimination<D> {
     // ANCHOR: eliminate
     /// Damps and factors the block of the landmark, and gives its rows the coordinates in which
     /// that block is the identity.
+    #[inline(always)]
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
         let landmark = &mut self.landmarks[index];
         let mut block = landmark.hessian;
@@ -193,6 +212,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// the landmark explains.
     ///
     /// Implements {eq:projected-pairs}.
+    #[inline(always)]
     fn add_pairs(&mut self, index: usize) {
         let Self { structure, rows, whitened, schur, rhs, .. } = self;
         let (landmark, forward) = (&structure.landmarks[index], self.landmarks[index].forward);
@@ -269,7 +289,11 @@ impl<const D: usize> LandmarkElimination<D> {
     /// squared length in the coordinates of the factor: twice the decrease that the damped,
     /// linearized problem expects of these variables.
     fn solve(&mut self) -> Result<f64, Singular> {
-        self.schur.factorize(&self.smallest).map_err(|_| Singular::SchurComplement)?;
+        wide(
+            #[inline(always)]
+            || self.schur.factorize(&self.smallest),
+        )
+        .map_err(|_| Singular::SchurComplement)?;
         self.schur.solve_lower(&mut self.rhs);
         let forward = self.rhs.iter().map(|z| dot(z, z)).sum();
         self.schur.solve_upper(&mut self.rhs);
@@ -282,6 +306,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// scaled length of the step; `forward` is what `solve` returned.
     ///
     /// Implements {eq:promise-in-parts}.
+    #[inline(always)]
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
         self.write_variables(step);
@@ -310,6 +335,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// The move of a landmark, when the others' are known.
     ///
     /// Implements {eq:point-follows}.
+    #[inline(always)]
     fn landmark_step(&self, landmark: &Landmark, eliminated: &Eliminated) -> Vector3<f64> {
         let mut pull = eliminated.gradient;
         for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
@@ -475,9 +501,13 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
         self.gradient.fill([0.0; D]);
         self.curvature.fill([0.0; D]);
-        for index in 0..self.landmarks.len() {
-            self.linearize_landmark(problem, at, index)?;
-        }
+        wide(
+            #[inline(always)]
+            || {
+                let mut landmarks = 0..self.landmarks.len();
+                landmarks.try_for_each(|index| self.linearize_landmark(problem, at, index))
+            },
+        )?;
         self.linearize_others(problem, at)?;
         if self.gradient_norm().is_finite() { Ok(()) } else { Err(problem.not_finite(at)) }
     }
@@ -492,7 +522,10 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     ) -> Option<Prediction> {
         self.eliminate_all(damping).ok()?;
         let forward = self.solve().ok()?;
-        let (twice, square) = self.back_substitute(forward, into);
+        let (twice, square) = wide(
+            #[inline(always)]
+            || self.back_substitute(forward, into),
+        );
         Some(Prediction {
             step_norm: square.sqrt(),
             predicted_decrease: 0.5 * twice,
@@ -523,6 +556,13 @@ impl<const D: usize> Rows<D> {
             self.variable[range].copy_from_slice(other);
         }
     }
+}
+
+/// Calls a function with the widest registers that the processor has. Every sum is rounded as
+/// elsewhere, so results do not depend on the processor.
+#[inline(always)]
+fn wide<T>(compute: impl FnOnce() -> T) -> T {
+    Arch::new().dispatch(compute)
 }
 
 /// Room for the factors of any one landmark.
@@ -584,19 +624,20 @@ fn add_rows<const D: usize, const N: usize>(
 }
 // ANCHOR_END: add_pair
 
+/// Adds rows to the gradient and to the diagonal of the Hessian.
 #[inline(always)]
 fn add_gradient<const D: usize>(
     gradient: &mut [f64; D],
     curvature: &mut [f64; D],
     rows: &[[f64; D]],
-    residual: &[f64],
+    residuals: &[f64],
 ) {
-    for (row, residual) in rows.iter().zip(residual) {
-        add_multiple(gradient, *residual, row);
-        for (sum, slope) in curvature.iter_mut().zip(row) {
-            *sum += slope * slope;
-        }
+    let mut sums = (*gradient, *curvature);
+    for (row, residual) in rows.iter().zip(residuals) {
+        add_multiple(&mut sums.0, *residual, row);
+        (0..D).for_each(|axis| sums.1[axis] = multiply_add(row[axis], row[axis], sums.1[axis]));
     }
+    (*gradient, *curvature) = sums;
 }
 
 // ANCHOR: landmark_block
