@@ -17,6 +17,9 @@ use super::structure::{Landmark, Places, Slot, Structure};
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
+/// Pivots below this many of those ask whether the Jacobian has full rank.
+const SUSPICIOUS: f64 = 1e4;
+
 /// No curvature counts as smaller than this when it is damped, so that an unknown that no
 /// factor depends on stays where it is.
 const SMALLEST_CURVATURE: f64 = 1e-6;
@@ -281,6 +284,7 @@ impl<const D: usize> LandmarkElimination<D> {
         for &(row, axis) in &self.structure.held {
             self.schur.isolate(row, axis);
             self.rhs[row][axis] = 0.0;
+            self.smallest[row][axis] = 0.0;
         }
     }
 
@@ -300,6 +304,15 @@ impl<const D: usize> LandmarkElimination<D> {
         Ok(forward)
     }
     // ANCHOR_END: solve
+
+    /// Whether a pivot of the Schur complement is so small that the Jacobian has to decide.
+    fn is_suspicious(&mut self) -> bool {
+        let small = |(row, smallest): (usize, &[f64; D])| {
+            let diagonal = self.schur.block(row, row);
+            (0..D).any(|axis| SUSPICIOUS * smallest[axis] * diagonal[axis][axis].powi(2) > 1.0)
+        };
+        self.smallest.iter().enumerate().any(small)
+    }
 
     // ANCHOR: back_substitute
     /// Writes the step of all coordinates. Returns twice the predicted decrease and the squared
@@ -515,13 +528,16 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     // ANCHOR: attempt
     fn step(
         &mut self,
-        _problem: &Problem,
-        _at: Point,
+        problem: &Problem,
+        at: Point,
         damping: f64,
         into: &mut [f64],
     ) -> Option<Prediction> {
         self.eliminate_all(damping).ok()?;
         let forward = self.solve().ok()?;
+        if damping == 0.0 && self.is_suspicious() {
+            problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
+        }
         let (twice, square) = wide(
             #[inline(always)]
             || self.back_substitute(forward, into),

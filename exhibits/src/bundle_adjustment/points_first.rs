@@ -3,10 +3,13 @@
 //! Each part registers its equations, then checks them. In formulas `a`, `b` and `w` are the blocks
 //! of the normal equations: of the cameras, of the points, and between them.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3,
+};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BalCamera, Camera, Solver};
 use vislam::least_squares::{Options, Stop};
+use vislam::reprojection::ReprojFactor;
 
 use super::dense::{Case, best_step, damped, inverse};
 use super::whole::Ba;
@@ -22,7 +25,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     blocks(chapter);
     elimination(chapter);
     pairs(chapter);
-    factor(chapter);
+    projected(chapter);
     damping(chapter);
     counting(chapter);
     cameras(chapter);
@@ -262,50 +265,56 @@ fn covisible_pairs(formula: Formula) -> Comparison {
     })
 }
 
-fn factor(chapter: &mut Chapter) {
-    let formula: Formula = |case| couplings(case, |w, m| w * m.transpose());
-    let mutants: [(_, Formula); 4] = [
-        ("factor not transposed", |case| couplings(case, |w, m| w * m)),
-        ("factor for its inverse", |case| {
-            couplings(case, |w, m| w * m.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN)))
-        }),
-        ("whole inverse", |case| couplings(case, |w, m| w * m.transpose() * m)),
-        ("factor dropped", |case| couplings(case, |w, _| w)),
+fn projected(chapter: &mut Chapter) {
+    let formula: Formula = |case| pairs_of_rows(case, |l, m| l * m.transpose(), |i, qq| i - qq);
+    let mutants: [(_, Formula); 5] = [
+        ("factor not transposed", |case| pairs_of_rows(case, |l, m| l * m, |i, qq| i - qq)),
+        ("point's own coordinates", |case| pairs_of_rows(case, |l, _| l, |i, qq| i - qq)),
+        ("sign", |case| pairs_of_rows(case, |l, m| l * m.transpose(), |i, qq| i + qq)),
+        ("what is explained", |case| pairs_of_rows(case, |l, m| l * m.transpose(), |_, qq| qq)),
+        ("nothing explained", |case| pairs_of_rows(case, |l, m| l * m.transpose(), |i, _| i)),
     ];
-    chapter.equation("coupling-factor", coupling_factor, formula, &mutants);
+    chapter.equation("projected-pairs", projected_pairs, formula, &mutants);
 }
 
-/// For each camera and point what its coupling becomes.
-fn couplings(
+/// The Schur complement of the two moving cameras as a sum over points and pairs of observations.
+fn pairs_of_rows(
     case: &Case,
-    formula: fn(Matrix6x3<f64>, Matrix3<f64>) -> Matrix6x3<f64>,
+    whiten: fn(Matrix2x3<f64>, Matrix3<f64>) -> Matrix2x3<f64>,
+    middle: fn(Matrix2<f64>, Matrix2<f64>) -> Matrix2<f64>,
 ) -> DMatrix<f64> {
-    let (b, mut u) = (case.b(), case.w());
-    for point in 0..case.problem.points.len() {
-        let block = b.fixed_view::<3, 3>(3 * point, 3 * point).into_owned();
+    let (problem, b) = (&case.problem, case.b());
+    let moving: Vec<usize> = (0..problem.cameras.len()).filter(|k| !problem.fixed[*k]).collect();
+    let mut s = DMatrix::zeros(6 * moving.len(), 6 * moving.len());
+    for (index, point) in problem.points.iter().enumerate() {
+        let block = b.fixed_view::<3, 3>(3 * index, 3 * index).into_owned();
         let inverse_factor = block.cholesky().and_then(|factor| factor.l().try_inverse());
         let inverse_factor = inverse_factor.unwrap_or(Matrix3::repeat(f64::NAN));
-        for row in [0, 6] {
-            let mut coupling = u.fixed_view_mut::<6, 3>(row, 3 * point);
-            let w = coupling.clone_owned();
-            coupling.copy_from(&formula(w, inverse_factor));
+        let row = |factor: &ReprojFactor| {
+            let camera = moving.iter().position(|k| *k == factor.keyframe)?;
+            let view = problem.cameras[factor.keyframe].differentiate(point)?;
+            let whitened = whiten(factor.inverse_sigma * view.by_point, inverse_factor);
+            Some((camera, factor.inverse_sigma * view.by_camera, whitened))
+        };
+        let seen = problem.factors.iter().filter(|factor| factor.point == index);
+        let rows: Vec<_> = seen.filter_map(row).collect();
+        for ((k, left, q), (l, right, p)) in
+            rows.iter().flat_map(|left| rows.iter().map(move |right| (left, right)))
+        {
+            let own = if k == l { Matrix2::identity() } else { Matrix2::zeros() };
+            let mut pair = s.fixed_view_mut::<6, 6>(6 * k, 6 * l);
+            pair += left.transpose() * middle(own, q * p.transpose()) * right;
         }
     }
-    u
+    s
 }
 
-fn coupling_factor(formula: Formula) -> Comparison {
-    let against = "the Cholesky factor of the whole matrix with the points first";
-    compared((against, 1e-8, 6), formula, |case| {
-        let (points, cameras) = (case.b().nrows(), case.a().nrows());
-        let mut whole = DMatrix::zeros(points + cameras, points + cameras);
-        whole.view_mut((0, 0), (points, points)).copy_from(&case.b());
-        whole.view_mut((points, points), (cameras, cameras)).copy_from(&case.a());
-        whole.view_mut((points, 0), (cameras, points)).copy_from(&case.w());
-        let factor = whole.cholesky().map(|factor| factor.l());
-        let factor =
-            factor.unwrap_or(DMatrix::from_element(points + cameras, points + cameras, f64::NAN));
-        factor.view((points, 0), (cameras, points)).into_owned()
+fn projected_pairs(formula: Formula) -> Comparison {
+    let against = "the inverse of the cameras' part of the inverse of the whole matrix";
+    compared((against, 1e-6, 6), formula, |case| {
+        let jacobian = case.jacobian();
+        let covariance = inverse(jacobian.tr_mul(&jacobian));
+        inverse(covariance.view((0, 0), (12, 12)).into_owned())
     })
 }
 
