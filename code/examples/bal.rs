@@ -14,7 +14,7 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use vislam::bundle_adjustment::{Camera, Solver, TinyBa, read_bal};
-use vislam::least_squares::{Options, Stop};
+use vislam::least_squares::Options;
 
 const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
 
@@ -49,16 +49,19 @@ fn solve<C: Camera<D>, const D: usize>(
     let began = Instant::now();
     let report = loop {
         let mut solver = Solver::new(&problem, options)?;
-        let start = Instant::now();
+        let mut spent = Duration::ZERO;
         let stop = loop {
-            if let Some(stop) = solver.iterate()? {
+            let (start, before) = (Instant::now(), solver.iterations().len());
+            let stop = solver.iterate()?;
+            // A step that was not worth trying is no iteration.
+            if stop.is_none() || solver.iterations().len() > before {
+                spent += start.elapsed();
+            }
+            if let Some(stop) = stop {
                 break stop;
             }
         };
-        // The step that was computed last may not have been worth trying.
-        let untried = matches!(stop, Stop::PredictedDecreaseSmall | Stop::StepSmall);
-        let steps = (solver.iterations().len() + usize::from(untried)).max(1);
-        times.push(1e3 * start.elapsed().as_secs_f64() / steps as f64);
+        times.push(1e3 * spent.as_secs_f64() / solver.iterations().len().max(1) as f64);
         if began.elapsed() > Duration::from_secs(1) && times.len() > 2 {
             break solver.report(stop);
         }
