@@ -18,7 +18,7 @@ pub struct TrialStep<const D: usize> {
     pub cameras: Vec<SVector<f64, D>>,
     /// For each point its move in metres, zero when the point was dropped.
     pub points: Vec<Vector3<f64>>,
-    /// The decrease of the cost that the linearized problem predicts, {eq:promise-in-parts}.
+    /// The decrease of the cost that the linearized problem predicts, {eq:predicted-decrease-in-parts}.
     pub predicted_decrease: f64,
     /// The cost at the end of the step, infinite when a point loses its pixel there.
     pub cost: f64,

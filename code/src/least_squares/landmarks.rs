@@ -290,7 +290,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Writes the step of all coordinates. Returns twice the predicted decrease and the squared
     /// scaled length of the step; `forward` is what `solve` returned.
     ///
-    /// Implements {eq:promise-in-parts}.
+    /// Implements {eq:predicted-decrease-in-parts}.
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
         self.write_variables(step);
