@@ -2,13 +2,13 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
-use super::Manifold;
 use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
 use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
 use super::structure::{HELD, Structure};
+use super::{Covariance, Manifold};
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -110,7 +110,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Linearizes and eliminates landmark by landmark, straight into the Schur complement.
     ///
     /// Implements {eq:damped-reduction}.
-    fn eliminate_all(
+    pub(crate) fn eliminate_all(
         &mut self,
         problem: &Problem,
         at: Point,
@@ -423,11 +423,11 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     /// The inverse of the Schur complement: the covariance of the variables that have rows.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular`] when something is free.
-    pub fn covariance(&mut self, problem: &Problem, at: Point) -> Result<DMatrix<f64>, Singular> {
+    fn inverse_schur_complement(
+        &mut self,
+        problem: &Problem,
+        at: Point,
+    ) -> Result<DMatrix<f64>, Singular> {
         self.eliminate_all(problem, at, 0.0)?;
         self.schur.factorize(&self.smallest).map_err(|_| Singular::SchurComplement)?;
         let size = D * self.structure.row_count();
@@ -448,11 +448,7 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     /// The covariance of each landmark, from that of the other variables.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular`] when a landmark is free.
-    pub fn landmark_covariances(
+    pub(super) fn landmark_covariances(
         &mut self,
         problem: &Problem,
         at: Point,
@@ -529,6 +525,16 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
         self.add_others(problem, at).map_err(|_| SolveError::OutOfRange)?;
         let norm = self.scaled_gradient();
         if norm.is_finite() { Ok(norm) } else { Err(SolveError::OutOfRange) }
+    }
+
+    fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
+        let null_space = problem.null_space_at(at)?;
+        if null_space.nullity() > 0 {
+            return Err(null_space.undetermined());
+        }
+        let inverse = self.inverse_schur_complement(problem, at);
+        let whole = inverse.and_then(|inverse| self.with_landmarks(problem, at, inverse));
+        whole.map_err(|_| null_space.undetermined())
     }
 }
 
