@@ -41,7 +41,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// [`BaError::RankDeficient`] when what is fixed leaves directions free, and
-    /// [`BaError::Ray`] when a point is free.
+    /// [`BaError::Ray`] when a point is free. [`BaError::Solve`] when that cannot be said, or when
+    /// the Schur complement has lost it to rounding.
     pub fn covariance(&self) -> Result<BaCovariance<D>, BaError> {
         let covariance = LinearSystem::covariance(&mut self.system(), self.problem(), self.at());
         Ok(self.sorted(&covariance.map_err(|error| match error {
@@ -56,7 +57,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
+    /// [`BaError::Ray`] when a point is free, and [`BaError::Solve`] as for [`Solver::covariance`].
     pub fn minimal_norm_covariance(&self) -> Result<BaCovariance<D>, BaError> {
         let (inverse, _) = self.pseudo_inverse()?;
         let covariance = self.system().with_landmarks(self.problem(), self.at(), inverse);

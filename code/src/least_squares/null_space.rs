@@ -111,17 +111,18 @@ impl NullSpace {
 
     // ANCHOR: combinations
     /// The sums of these directions that are free, by the factor of each direction, one sum a
-    /// column. Factors are those of directions of length one in scaled coordinates.
+    /// column.
     pub fn combinations(&self, directions: &[DVector<f64>]) -> DMatrix<f64> {
         if directions.is_empty() {
             return DMatrix::zeros(0, 0);
         }
-        let units: Vec<_> = directions.iter().map(|direction| self.scaled(direction).1).collect();
+        let (lengths, units): (Vec<f64>, Vec<_>) =
+            directions.iter().map(|direction| self.scaled(direction)).unzip();
         let units = DMatrix::from_columns(&units);
         let outside = &units - &self.basis * self.basis.tr_mul(&units);
         let sums = Self::sums_that_vanish(&outside, &units);
         let free = sums.ncols().min(self.nullity());
-        sums.columns(0, free).into_owned()
+        DMatrix::from_fn(sums.nrows(), free, |row, column| sums[(row, column)] / lengths[row])
     }
 
     /// The factors of all sums of columns that vanish, beside the size of the columns that they

@@ -122,7 +122,7 @@ impl Structure {
         seen_by: &mut [Vec<Sighting>],
     ) -> Result<(), SolveError> {
         let factors = problem.group(group);
-        let mut slots = Slots::default();
+        let (mut slots, mut before) = (Slots::default(), None);
         for factor in 0..factors.count() as u32 {
             let mut named = Vec::new();
             factors.variables(factor as usize, &mut |index| named.push(roles.of[index]));
@@ -139,6 +139,9 @@ impl Structure {
                 continue;
             };
             slots.landmark = landmark.unwrap_or_default();
+            if before.replace(slots.landmark).is_some_and(|slot| slot != slots.landmark) {
+                return Err(wrong("has its landmark in another place than others of its type"));
+            }
             if moving + 1 < named.iter().filter(|role| **role != Role::Held).count() {
                 return Err(wrong("sees two landmarks; only factors of one can be eliminated"));
             }

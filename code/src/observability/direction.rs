@@ -42,13 +42,6 @@ impl fmt::Display for Direction {
     }
 }
 
-/// How fast the world moves: a shift in m, a turn in rad and growth, each per unit of the step.
-struct Rates {
-    shift: Vector3<f64>,
-    turn: Vector3<f64>,
-    growth: f64,
-}
-
 impl Window {
     /// The vertical, upward, and two horizontal axes. Without gravity they are z, x and y.
     pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
@@ -80,24 +73,30 @@ impl Window {
             Direction::Depth(landmark) => return self.depth_direction(landmark, columns),
             Direction::LeverArm(axis) => return self.lever_direction(axis.min(2), columns),
         }
-        self.whole_motion(&Rates { shift, turn, growth }, columns)
+        self.whole_motion(&shift, &turn, growth, columns)
     }
 
     // ANCHOR: null_vector
-    /// How every coordinate changes when the world moves, as far as it is unknown.
-    fn whole_motion(&self, rates: &Rates, columns: &Columns) -> DVector<f64> {
-        let Rates { shift, turn, growth } = rates;
+    /// How every coordinate that is unknown changes when the world is shifted in m, turned in rad
+    /// and grows, each per unit of the step.
+    fn whole_motion(
+        &self,
+        shift: &Vector3<f64>,
+        turn: &Vector3<f64>,
+        growth: f64,
+        columns: &Columns,
+    ) -> DVector<f64> {
         let mut whole = Vec::new();
         for (k, state) in self.states.iter().enumerate() {
             let phi = state.world_from_body.inverse() * turn;
-            let v = turn.cross(&state.velocity) + *growth * self.camera_velocity(k);
+            let v = turn.cross(&state.velocity) + growth * self.camera_velocity(k);
             let centre = self.rig.world_from_camera(state).translation.vector;
-            let p = shift + turn.cross(&state.position) + *growth * centre;
+            let p = shift + turn.cross(&state.position) + growth * centre;
             whole.extend([phi, v, p]);
         }
-        let hiding = self.hiding_bias(*growth, &turn.cross(&self.gravity));
+        let hiding = self.hiding_bias(growth, &turn.cross(&self.gravity));
         whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
-        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + *growth * f));
+        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + growth * f));
         unknown(columns, &whole, &Vector3::zeros())
     }
     // ANCHOR_END: null_vector

@@ -92,22 +92,17 @@ impl Window {
         }
         let directions: Vec<_> =
             parts.iter().map(|part| self.direction_in(*part, columns)).collect();
-        let lengths: Vec<_> = directions.iter().map(|d| null_space.scaled(d).0).collect();
         let sums = null_space.combinations(&directions);
-        let mixture = |column| Mixture::new(&parts, &lengths, &sums.column(column).into_owned());
+        let mixture = |column| Mixture::new(&parts, &sums.column(column).into_owned());
         (0..sums.ncols().min(left)).map(mixture).collect()
     }
     // ANCHOR_END: mixtures
 }
 
 impl Mixture {
-    /// From factors of directions of length one, and the lengths that they have.
-    fn new(parts: &[Direction], lengths: &[f64], factors: &DVector<f64>) -> Self {
-        let factor = |at: usize| factors[at] / lengths[at];
-        let largest = (0..parts.len())
-            .map(factor)
-            .fold(0.0_f64, |largest, f| if f.abs() > largest.abs() { f } else { largest });
-        let parts = parts.iter().enumerate().map(|(at, part)| (*part, factor(at) / largest));
+    fn new(parts: &[Direction], factors: &DVector<f64>) -> Self {
+        let largest = factors[factors.icamax()];
+        let parts = parts.iter().zip(factors).map(|(part, factor)| (*part, factor / largest));
         Self { parts: parts.filter(|(_, factor)| factor.abs() > NullSpace::TOLERANCE).collect() }
     }
 }

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
 use vislam::factors::Prior;
-use vislam::least_squares::{Kernel, Key, NullSpaceError, Options, Problem, SolveError, Spectrum};
+use vislam::least_squares::{
+    Kernel, Key, LandmarkElimination, NullSpaceError, Options, Problem, SolveError, Spectrum,
+};
 use vislam::manifold::se3;
 
 use super::{Between, Draws, Linear, Sighting, loop_of_poses};
@@ -299,4 +301,20 @@ fn what_no_factor_depends_on_is_all_free() {
     let jacobian = DMatrix::<f64>::zeros(4, 3);
     let null_space = Spectrum::of(&jacobian).unwrap().null_space();
     assert_eq!((null_space.nullity(), null_space.least_seen), (3, None));
+}
+
+#[test]
+fn landmarks_in_different_places_of_one_type_of_factor_are_refused() {
+    let mut problem = Problem::new();
+    let points = [(); 4].map(|()| problem.add_variable(Vector3::<f64>::zeros()));
+    let [first, second, held, also_held] = points;
+    problem.hold(held).unwrap();
+    problem.hold(also_held).unwrap();
+    for vectors in [[first, held, also_held], [held, second, also_held]] {
+        let linear = Linear { vectors, blocks: [Matrix3::identity(); 3], measured: Vector3::x() };
+        problem.add_factor(linear, Kernel::Squared).unwrap();
+    }
+    let error = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap_err();
+    let said = "factor 1 has its landmark in another place than others of its type";
+    assert_eq!(error.to_string(), said);
 }
