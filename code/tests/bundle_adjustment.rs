@@ -407,6 +407,19 @@ fn scale_is_free_on_streets_of_50_and_400_cameras_and_nothing_else() {
 }
 
 #[test]
+fn a_street_that_nothing_holds_is_free_in_the_seven_ways_and_a_camera_that_sees_little_in_others() {
+    let mut street = street_at_truth(100, false);
+    street.fixed.fill(false);
+    let free = GaugeFreedom { position: 3, orientation: 3, scale: 1, other: 0 };
+    assert_eq!(solver(&street).gauge_freedom().unwrap(), free);
+    // Two pixels for six coordinates.
+    let mut seen = 0;
+    street.factors.retain(|factor| factor.keyframe != 50 || std::mem::replace(&mut seen, 1) == 0);
+    let free = GaugeFreedom { other: 4, ..free };
+    assert_eq!(solver(&street).gauge_freedom().unwrap(), free);
+}
+
+#[test]
 #[ignore = "takes a while: 2,000 cameras and 20,000 points, twice"]
 fn scale_is_free_on_a_street_of_2000_cameras_and_nothing_else() {
     assert_that_only_scale_is_free(2000);
@@ -1176,6 +1189,20 @@ fn with_all_cameras_fixed_the_points_are_triangulated() {
     let solver = solver(&problem);
     assert_eq!(solver.gauge_freedom().unwrap().count(), 0);
     assert!(solver.covariance().unwrap().point(0).is_some());
+    assert_eq!(solver.minimal_norm_covariance().unwrap(), solver.covariance().unwrap());
+    assert!(solver.minimal_norm_step().is_ok());
+}
+
+#[test]
+fn where_nothing_is_free_the_shortest_step_is_the_only_one() {
+    let solver = solver(&Scene::stereo_ring(8, 40, 0.1, 1.0, 9).problem);
+    let (shortest, only) = (solver.minimal_norm_step().unwrap(), solver.step(0.0).unwrap());
+    for (shortest, only) in shortest.cameras.iter().zip(&only.cameras) {
+        assert!((shortest - only).norm() <= 1e-8 * only.norm());
+    }
+    let [shortest, only] = [solver.minimal_norm_covariance(), solver.covariance()]
+        .map(|covariance| covariance.unwrap().cameras);
+    assert!((&shortest - &only).norm() < 1e-8 * only.norm());
 }
 
 #[test]

@@ -113,25 +113,22 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         };
         let [nothing, shifts, turns, all] = [0, 3, 6, 7].map(within);
         GaugeFreedom {
-            position: shifts - nothing,
-            orientation: turns - shifts,
-            scale: all - turns,
-            other: free.nullity() - (all - nothing),
+            position: shifts.saturating_sub(nothing),
+            orientation: turns.saturating_sub(shifts),
+            scale: all.saturating_sub(turns),
+            other: free.nullity() - all.saturating_sub(nothing),
         }
     }
     // ANCHOR_END: name_free
 
-    /// The moves of all landmarks, stacked, in the seven ways: three shifts, three
-    /// turns about the centre, growth.
+    /// The moves of all landmarks, stacked, in the seven ways: three shifts, three turns about the
+    /// centre, growth.
     fn whole_motions(&self) -> DMatrix<f64> {
         let points: Vec<Vector3<f64>> =
             self.assembly.landmarks.iter().map(|point| self.points()[*point]).collect();
-        let count = points.len() as f64;
-        let centre = points.iter().sum::<Vector3<f64>>() / count;
-        let spread = points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>();
-        let radius = (spread / count).sqrt().max(f64::MIN_POSITIVE);
+        let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
         DMatrix::from_fn(3 * points.len(), 7, |row, way| {
-            let arm = (points[row / 3] - centre) / radius;
+            let arm = points[row / 3] - centre;
             let motion = match way {
                 0..3 => Vector3::ith(way, 1.0),
                 3..6 => Vector3::ith(way - 3, 1.0).cross(&arm),
@@ -162,7 +159,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
+    /// As those of [`Solver::minimal_norm_covariance`].
     pub fn minimal_norm_step(&self) -> Result<TrialStep<D>, BaError> {
         let (inverse, rhs) = self.pseudo_inverse()?;
         let change = inverse * &rhs;

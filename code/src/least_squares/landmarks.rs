@@ -79,8 +79,8 @@ impl<const D: usize> LandmarkElimination<D> {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Block`] and [`SolveError::Structure`] when the problem is not of this form,
-    /// [`SolveError::NothingFree`] when nothing moves.
+    /// [`SolveError::Block`], [`SolveError::TiedLandmark`] and [`SolveError::Structure`] when the
+    /// problem is not of this form, [`SolveError::NothingFree`] when nothing moves.
     pub fn new<L: Manifold>(problem: &Problem) -> Result<Self, SolveError> {
         let structure = Structure::new::<L>(problem, D)?;
         if structure.landmarks.is_empty() && structure.row_count() == 0 {

@@ -25,14 +25,14 @@ pub fn right_singular(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let filled = matrix.insert_rows(rows, columns.saturating_sub(rows), 0.0);
     let (_, triangular, permutation) = filled.col_piv_qr().unpack();
     let mut turned: Vec<DVector<f64>> = triangular.row_iter().map(|row| row.transpose()).collect();
+    let pairs = || (1..columns).flat_map(|second| (0..second).map(move |first| (first, second)));
     for _ in 0..SWEEPS {
-        let longest = turned.iter().map(|column| column.norm()).fold(0.0, f64::max);
+        let mut squares: Vec<f64> = turned.iter().map(|column| column.norm_squared()).collect();
+        let lost = LOST * LOST * squares.iter().fold(0.0, |a: f64, b| a.max(*b));
         let mut turned_any = false;
-        for second in 1..columns {
-            let (before, rest) = turned.split_at_mut(second);
-            for first in before {
-                turned_any |= turn(first, &mut rest[0], LOST * longest);
-            }
+        for (first, second) in pairs() {
+            let is_lost = squares[first].min(squares[second]) <= lost;
+            turned_any |= !is_lost && turn(&mut turned, &mut squares, first, second);
         }
         if !turned_any {
             break;
@@ -54,20 +54,23 @@ pub fn right_singular(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     (values, vectors.select_columns(&ascending))
 }
 
-/// Turns two columns in their plane until they are orthogonal. False when they were, or when one
-/// of them is not longer than `lost`.
-fn turn(first: &mut DVector<f64>, second: &mut DVector<f64>, lost: f64) -> bool {
-    let (a, b, c) = (first.norm(), second.norm(), first.dot(second));
-    if a.min(b) <= lost || c.abs() <= ORTHOGONAL * a * b {
+/// Turns two columns in their plane until they are orthogonal, and knows their squared lengths
+/// then. False when they were.
+fn turn(columns: &mut [DVector<f64>], squares: &mut [f64], first: usize, second: usize) -> bool {
+    let (before, rest) = columns.split_at_mut(second);
+    let (one, other) = (&mut before[first], &mut rest[0]);
+    let (a, b, c) = (squares[first], squares[second], one.dot(other));
+    if c.abs() <= ORTHOGONAL * a.sqrt() * b.sqrt() {
         return false;
     }
-    let zeta = (b - a) * (b + a) / (2.0 * c);
+    let zeta = (b - a) / (2.0 * c);
     // The smaller of the two angles.
     let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
     let cosine = tangent.hypot(1.0).recip();
     let sine = cosine * tangent;
-    for (x, y) in first.iter_mut().zip(second.iter_mut()) {
+    for (x, y) in one.iter_mut().zip(other.iter_mut()) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
     }
+    (squares[first], squares[second]) = ((a - tangent * c).max(0.0), b + tangent * c);
     true
 }
