@@ -13,8 +13,8 @@ use vislam::bundle_adjustment::{
 };
 use vislam::factors::{MovingCamera, PixelByCamera, Prior};
 use vislam::least_squares::{
-    Factor, Kernel, Key, LandmarkElimination, LinearSystem, Method, Options, Point, Problem,
-    SolveError, Stop, Values,
+    Covariance, Dense, Factor, Kernel, Key, LandmarkElimination, LinearSystem, Method, Options,
+    Point, Problem, SolveError, Stop, Values,
 };
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential, ReprojFactor};
@@ -407,6 +407,19 @@ fn scale_is_free_on_streets_of_50_and_400_cameras_and_nothing_else() {
 }
 
 #[test]
+fn a_street_that_nothing_holds_is_free_in_the_seven_ways_and_a_camera_that_sees_little_in_others() {
+    let mut street = street_at_truth(100, false);
+    street.fixed.fill(false);
+    let free = GaugeFreedom { position: 3, orientation: 3, scale: 1, other: 0 };
+    assert_eq!(solver(&street).gauge_freedom().unwrap(), free);
+    // Two pixels for six coordinates.
+    let mut seen = 0;
+    street.factors.retain(|factor| factor.keyframe != 50 || std::mem::replace(&mut seen, 1) == 0);
+    let free = GaugeFreedom { other: 4, ..free };
+    assert_eq!(solver(&street).gauge_freedom().unwrap(), free);
+}
+
+#[test]
 #[ignore = "takes a while: 2,000 cameras and 20,000 points, twice"]
 fn scale_is_free_on_a_street_of_2000_cameras_and_nothing_else() {
     assert_that_only_scale_is_free(2000);
@@ -510,20 +523,23 @@ fn dense_and_eliminated_equations_have_one_solution_and_one_covariance() {
         let tolerance = 10.0 * f64::EPSILON / (least_seen * least_seen);
         assert!(tolerance < 1e-4);
         let at = Point { values: &dense, frozen: None };
-        let mut system = elimination(&problem);
-        system.linearize(&problem, at).unwrap();
-        let of_cameras = system.covariance().unwrap();
-        let of_points = system.landmark_covariances(&of_cameras).unwrap();
-        let rows = system.rows(&problem);
+        let systems: [Box<dyn LinearSystem>; 2] =
+            [Box::new(Dense::new(&problem).unwrap()), Box::new(elimination(&problem))];
+        let [one, other] = systems.map(|mut system| system.covariance(&problem, at).unwrap());
+        assert_eq!(one, covariance);
         for camera in &cameras[1..] {
-            let row = 6 * rows[camera.index()].unwrap();
-            let block = of_cameras.view((row, row), (6, 6)).into_owned();
-            assert_same_covariance(&block, &covariance.of(*camera).unwrap(), tolerance);
+            let (one, other) = (one.of(*camera).unwrap(), other.of(*camera).unwrap());
+            assert_same_covariance(&other, &one, tolerance);
         }
-        let moving = points.iter().filter_map(|point| covariance.of(*point));
-        for (eliminated, dense) in of_points.iter().zip(moving) {
-            let eliminated = DMatrix::from_column_slice(3, 3, eliminated.as_slice());
-            assert_same_covariance(&eliminated, &dense, tolerance);
+        let pair = (cameras[2], cameras[5]);
+        let across = |covariance: &Covariance| covariance.between(pair.0, pair.1).unwrap();
+        let size = one.of(pair.0).unwrap().norm() + one.of(pair.1).unwrap().norm();
+        assert!((across(&one) - across(&other)).norm() < tolerance * size);
+        for point in points {
+            assert_eq!(one.of(point).is_some(), other.of(point).is_some());
+            if let (Some(one), Some(other)) = (one.of(point), other.of(point)) {
+                assert_same_covariance(&other, &one, tolerance);
+            }
         }
     }
 }
@@ -610,6 +626,31 @@ fn the_minimal_norm_covariance_of_a_street_keeps_the_weakest_direction_that_pixe
     assert!((&found - &expected).norm() < 1e-6 * expected.norm());
     let weakest = |matrix: &DMatrix<f64>| matrix.symmetric_eigenvalues().max();
     assert_relative_eq!(weakest(&found), weakest(&expected), max_relative = 1e-6);
+}
+
+#[test]
+fn a_street_of_200_cameras_keeps_all_directions_but_the_free_one() {
+    let solver = solver(&street_at_truth(200, false));
+    let covariance = solver.minimal_norm_covariance().unwrap().cameras;
+    let (schur, _) = solver.schur_complement(0.0).unwrap();
+    let free = solver.null_space().unwrap().column(0).normalize();
+    // With its inverse the Schur complement makes a one of each direction that is seen.
+    let traced = schur.component_mul(&covariance).sum();
+    assert_abs_diff_eq!(traced, (schur.nrows() - 1) as f64, epsilon = 1e-3);
+    assert!((&covariance * free).norm() < 1e-8 * covariance.norm());
+}
+
+#[test]
+fn landmarks_that_are_tied_are_refused_and_the_dense_system_takes_them() {
+    let (mut problem, _, points) = of_factors(&Scene::stereo_ring(5, 20, 0.2, 1.0, 37).problem);
+    problem.tie(points[3], points[7]).unwrap();
+    let refused = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap_err();
+    let variable = points[7].index();
+    assert_eq!(refused, SolveError::TiedLandmark { variable });
+    assert!(refused.to_string().starts_with(&format!("landmark {variable} is tied")));
+    assert!(Dense::new(&problem).is_ok());
+    problem.hold(points[3]).unwrap();
+    assert!(LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).is_ok(), "they do not move");
 }
 
 /// About the largest length of a column of a street's Jacobian.
@@ -1117,8 +1158,11 @@ fn a_point_on_one_ray_only_is_named_when_nothing_damps_it() {
     let error = solver(&problem).step(0.0).unwrap_err();
     assert_eq!(error, BaError::Ray { point: 40 });
     assert_eq!(solver(&problem).covariance().unwrap_err(), error);
-    let free = GaugeFreedom { other: 1, ..GaugeFreedom::default() };
-    assert_eq!(solver(&problem).gauge_freedom().unwrap(), free);
+    assert_eq!(solver(&problem).gauge_freedom().unwrap_err(), error);
+    assert_eq!(solver(&problem).null_space().unwrap_err(), error);
+    assert_eq!(solver(&problem).minimal_norm_covariance().unwrap_err(), error);
+    problem.fixed.fill(false);
+    assert_eq!(solver(&problem).gauge_freedom().unwrap_err(), error, "beside six others");
     assert!(problem.solve(&Options::large_problem()).is_ok());
 }
 
@@ -1145,6 +1189,20 @@ fn with_all_cameras_fixed_the_points_are_triangulated() {
     let solver = solver(&problem);
     assert_eq!(solver.gauge_freedom().unwrap().count(), 0);
     assert!(solver.covariance().unwrap().point(0).is_some());
+    assert_eq!(solver.minimal_norm_covariance().unwrap(), solver.covariance().unwrap());
+    assert!(solver.minimal_norm_step().is_ok());
+}
+
+#[test]
+fn where_nothing_is_free_the_shortest_step_is_the_only_one() {
+    let solver = solver(&Scene::stereo_ring(8, 40, 0.1, 1.0, 9).problem);
+    let (shortest, only) = (solver.minimal_norm_step().unwrap(), solver.step(0.0).unwrap());
+    for (shortest, only) in shortest.cameras.iter().zip(&only.cameras) {
+        assert!((shortest - only).norm() <= 1e-8 * only.norm());
+    }
+    let [shortest, only] = [solver.minimal_norm_covariance(), solver.covariance()]
+        .map(|covariance| covariance.unwrap().cameras);
+    assert!((&shortest - &only).norm() < 1e-8 * only.norm());
 }
 
 #[test]

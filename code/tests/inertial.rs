@@ -4,7 +4,7 @@ use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
 use vislam::inertial::euroc::{EurocError, EurocFault, read_ground_truth, read_imu};
 use vislam::inertial::{
-    Angles, CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError,
+    CameraImu, EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError,
     ScalarTrajectory, StampedSample, Trajectory, WindowError, between,
 };
 use vislam::least_squares::Manifold;
@@ -21,7 +21,7 @@ fn a_sensor_on_a_table_reads_gravity_upward() {
 
 #[test]
 fn a_sensor_in_free_fall_reads_nothing() {
-    let falling = Trajectory::constant_acceleration(&GRAVITY, Angles::default());
+    let falling = Trajectory::constant_acceleration(&GRAVITY, EulerAngles::default());
     let sample = falling.at(3.0).sample(&GRAVITY);
     assert_abs_diff_eq!(sample.accelerometer, Vector3::zeros(), epsilon = 1e-12);
 }
@@ -30,7 +30,7 @@ fn a_sensor_in_free_fall_reads_nothing() {
 #[test]
 fn a_sensor_on_its_nose_reads_gravity_along_its_own_axis() {
     let pitch = ScalarTrajectory::constant(std::f64::consts::FRAC_PI_2);
-    let angles = Angles { pitch, ..Angles::default() };
+    let angles = EulerAngles { pitch, ..EulerAngles::default() };
     let tilted = Trajectory { angles, ..Trajectory::hover() };
     let sample = tilted.at(0.0).sample(&GRAVITY);
     assert_abs_diff_eq!(sample.accelerometer, Vector3::new(-9.81, 0.0, 0.0), epsilon = 1e-12);
@@ -66,7 +66,8 @@ fn an_acceleration_constant_in_the_body_frame_begins_at_rest() {
 
 #[test]
 fn a_constant_velocity_reads_like_rest_however_it_turns() {
-    let angles = Angles { yaw: ScalarTrajectory::linear(0.4), ..Trajectory::figure_eight().angles };
+    let angles =
+        EulerAngles { yaw: ScalarTrajectory::linear(0.4), ..Trajectory::figure_eight().angles };
     let velocity = Vector3::new(1.0, -2.0, 0.5);
     let kinematics = Trajectory::constant_velocity(&velocity, angles).at(2.0);
     assert_eq!(kinematics.state.velocity, velocity);
@@ -182,7 +183,7 @@ fn readings_that_are_averages_over_their_step_must_not_be_averaged_with_the_next
 #[test]
 fn without_rotation_a_constant_acceleration_is_propagated_exactly() {
     let motion =
-        Trajectory::constant_acceleration(&Vector3::new(1.0, 2.0, -3.0), Angles::default());
+        Trajectory::constant_acceleration(&Vector3::new(1.0, 2.0, -3.0), EulerAngles::default());
     assert!(propagated(&motion, 20, false).iter().all(|error| *error < 1e-12));
 }
 
@@ -235,7 +236,7 @@ fn the_first_state_stays_outside_of_what_the_readings_add() {
 fn a_turn_about_the_vertical_changes_nothing_that_a_resting_sensor_reads() {
     let facing = |yaw: f64| {
         let (pitch, roll) = (ScalarTrajectory::constant(0.3), ScalarTrajectory::constant(-0.8));
-        let angles = Angles { yaw: ScalarTrajectory::constant(yaw), pitch, roll };
+        let angles = EulerAngles { yaw: ScalarTrajectory::constant(yaw), pitch, roll };
         Trajectory { angles, ..Trajectory::hover() }.at(0.0).sample(&GRAVITY).accelerometer
     };
     assert_abs_diff_eq!(facing(0.0), facing(2.2), epsilon = 1e-12);

@@ -4,7 +4,7 @@
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
 use vislam::factors::{pixel_by_state, twist_by_state};
-use vislam::inertial::{Angles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Trajectory};
+use vislam::inertial::{EulerAngles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Trajectory};
 use vislam::least_squares::{Manifold, NullSpaceError, Spectrum};
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
@@ -22,16 +22,16 @@ fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
 }
 
 /// About all axes.
-fn turning() -> Angles {
+fn turning() -> EulerAngles {
     Trajectory::figure_eight().angles
 }
 
-fn pitching() -> Angles {
-    Angles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..Angles::default() }
+fn pitching() -> EulerAngles {
+    EulerAngles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..EulerAngles::default() }
 }
 
 /// With an acceleration that changes in size and direction.
-fn swaying(angles: Angles) -> Trajectory {
+fn swaying(angles: EulerAngles) -> Trajectory {
     let position = [
         ScalarTrajectory::wave(0.3, 2.0, 0.0),
         ScalarTrajectory::wave(0.4, 3.0, 0.0),
@@ -78,7 +78,7 @@ fn an_acceleration_constant_in_the_body_hides_scale_in_an_unknown_bias() {
 fn without_rotation_tilt_hides_in_an_unknown_bias() {
     let six = format!("6: {POSITION}, tilt x, tilt y, yaw");
     let four = format!("4: {POSITION}, yaw");
-    assert_eq!(free(swaying(Angles::default())), [six, four]);
+    assert_eq!(free(swaying(EulerAngles::default())), [six, four]);
 }
 
 #[test]
@@ -90,7 +90,8 @@ fn turning_about_a_horizontal_axis_leaves_one_tilt() {
 
 #[test]
 fn a_ship_that_rolls_on_its_course_knows_neither_its_size_nor_how_far_its_bow_is_down() {
-    let rolling = Angles { roll: ScalarTrajectory::wave(0.3, 0.9, 0.0), ..Angles::default() };
+    let rolling =
+        EulerAngles { roll: ScalarTrajectory::wave(0.3, 0.9, 0.0), ..EulerAngles::default() };
     let ship = Trajectory::constant_velocity(&Vector3::x(), rolling);
     let six = format!("6: {POSITION}, tilt y, yaw, scale");
     let five = format!("5: {POSITION}, yaw, scale");
@@ -101,7 +102,7 @@ fn a_ship_that_rolls_on_its_course_knows_neither_its_size_nor_how_far_its_bow_is
 fn constant_acceleration_without_rotation_hides_scale_and_tilt_in_an_unknown_bias() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
     let four = format!("4: {POSITION}, yaw");
-    let motion = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
+    let motion = Trajectory::constant_acceleration(&ACCELERATION, EulerAngles::default());
     assert_eq!(free(motion), [seven, four]);
 }
 
@@ -109,7 +110,7 @@ fn constant_acceleration_without_rotation_hides_scale_and_tilt_in_an_unknown_bia
 fn a_constant_level_acceleration_mixes_scale_with_tilt_even_with_known_biases() {
     let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
     let five = format!("5: {POSITION}, yaw, scale with tilt x with tilt y");
-    let straight = Trajectory::constant_acceleration(&LEVEL, Angles::default());
+    let straight = Trajectory::constant_acceleration(&LEVEL, EulerAngles::default());
     assert_eq!(free(straight), [seven, five.clone()]);
     assert_eq!(free(Trajectory::constant_acceleration(&LEVEL, turning())), [five.clone(), five]);
 
@@ -165,13 +166,13 @@ fn calibration_is_free_where_the_motion_does_not_excite_it() {
     }
     // Without rotation the lever arm is free, and about one axis its part along that axis.
     let seven = format!("7: {POSITION}, yaw, lever arm x, lever arm y, lever arm z");
-    assert_eq!(free(swaying(Angles::default()), both), seven);
+    assert_eq!(free(swaying(EulerAngles::default()), both), seven);
     assert_eq!(free(swaying(pitching()), both), format!("5: {POSITION}, yaw, lever arm y"));
     // Where readings are constant, a flight looks the same a moment later, and no picture tells how
     // late it is.
-    let straight = Trajectory::constant_velocity(&VELOCITY, Angles::default());
+    let straight = Trajectory::constant_velocity(&VELOCITY, EulerAngles::default());
     assert_eq!(free(straight, offset), format!("6: {POSITION}, yaw, scale, 1 without a name"));
-    let falling = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
+    let falling = Trajectory::constant_acceleration(&ACCELERATION, EulerAngles::default());
     assert_eq!(free(falling, offset), format!("5: {POSITION}, yaw, 1 without a name"));
 }
 
@@ -335,11 +336,11 @@ fn every_degenerate_motion_has_copies_that_read_the_same() {
     let tilted = Similarity { rotation, ..Similarity::identity() };
     let both = Similarity { scale: 0.8, ..tilted };
     let (known, constant) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
-    let straight = Trajectory::constant_acceleration(&ACCELERATION, Angles::default());
+    let straight = Trajectory::constant_acceleration(&ACCELERATION, EulerAngles::default());
     for (motion, assumption, similarity) in [
         (Trajectory::constant_velocity(&VELOCITY, turning()), known, grown),
         (Trajectory::constant_body_acceleration(&ACCELERATION, 0.5), constant, grown),
-        (swaying(Angles::default()), constant, tilted),
+        (swaying(EulerAngles::default()), constant, tilted),
         (straight, constant, both),
         (Trajectory::hover(), constant, tilted),
     ] {

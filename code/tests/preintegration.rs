@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::inertial::{
-    Angles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, ScalarTrajectory,
+    EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, ScalarTrajectory,
     StampedSample, Trajectory,
 };
 use vislam::least_squares::{Manifold, WhiteningError};
@@ -206,7 +206,7 @@ impl Random {
     fn motion(&mut self) -> Trajectory {
         let position = [self.coordinate(2.0), self.coordinate(2.0), self.coordinate(2.0)];
         let (yaw, pitch, roll) = (self.coordinate(0.8), self.coordinate(0.4), self.coordinate(0.8));
-        Trajectory { position, angles: Angles { yaw, pitch, roll } }
+        Trajectory { position, angles: EulerAngles { yaw, pitch, roll } }
     }
 
     fn bias(&mut self, gyro: f64, accelerometer: f64) -> ImuBias {

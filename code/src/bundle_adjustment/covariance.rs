@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 
-use super::gauge::SeenDirections;
 use super::{BaError, Camera, Solver};
+use crate::least_squares::{Covariance, LinearSystem, Singular, SolveError};
 
 // ANCHOR: covariance
 /// Covariances of cameras and points, to first order, for noise of the standard deviations
@@ -41,15 +41,14 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// # Errors
     ///
     /// [`BaError::RankDeficient`] when what is fixed leaves directions free, and
-    /// [`BaError::Ray`] when a point is free.
+    /// [`BaError::Ray`] when a point is free. [`BaError::Solve`] when that cannot be said, or when
+    /// the Schur complement has lost it to rounding.
     pub fn covariance(&self) -> Result<BaCovariance<D>, BaError> {
-        let cameras = self.system().covariance().map_err(|singular| self.explain(singular))?;
-        // Rounding can make a singular system look regular.
-        let free = self.gauge_freedom()?;
-        if free.count() > 0 {
-            return Err(BaError::RankDeficient { free });
-        }
-        self.with_points(cameras)
+        let covariance = LinearSystem::covariance(&mut self.system(), self.problem(), self.at());
+        Ok(self.sorted(&covariance.map_err(|error| match error {
+            SolveError::Singular(_) => self.explain(Singular::SchurComplement),
+            error => error.into(),
+        })?))
     }
 
     /// Covariances with nothing held beyond what is fixed: the pseudo-inverse of the Schur
@@ -58,22 +57,17 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
+    /// [`BaError::Ray`] when a point is free, and [`BaError::Solve`] as for [`Solver::covariance`].
     pub fn minimal_norm_covariance(&self) -> Result<BaCovariance<D>, BaError> {
-        let SeenDirections { vectors, values, .. } = self.seen_directions()?;
-        let scaled = &vectors * DMatrix::from_diagonal(&values.map(f64::recip));
-        let inverse = scaled * vectors.transpose();
-        self.with_points(inverse)
+        let (inverse, _) = self.pseudo_inverse()?;
+        let covariance = self.system().with_landmarks(self.problem(), inverse);
+        Ok(self.sorted(&covariance.map_err(|singular| self.explain(singular))?))
     }
 
-    /// Adds the points.
-    fn with_points(&self, cameras: DMatrix<f64>) -> Result<BaCovariance<D>, BaError> {
-        let landmarks = self.system().landmark_covariances(&cameras);
-        let landmarks = landmarks.map_err(|singular| self.explain(singular))?;
-        let mut points = vec![None; self.points().len()];
-        for (point, covariance) in self.assembly.landmarks.iter().zip(landmarks) {
-            points[*point] = Some(covariance);
-        }
-        Ok(BaCovariance { cameras, row_of: self.rows(), points })
+    /// Camera by camera and point by point.
+    fn sorted(&self, covariance: &Covariance) -> BaCovariance<D> {
+        let of = |point| covariance.of(point).map(|own| own.fixed_view::<3, 3>(0, 0).into_owned());
+        let points = self.assembly.points.iter().map(|point| of(*point)).collect();
+        BaCovariance { cameras: covariance.matrix().clone(), row_of: self.rows(), points }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, Dyn, OMatrix, U7, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{BaError, Camera, Solver, TrialStep};
 use crate::least_squares::{NullSpace, Singular};
@@ -52,18 +52,19 @@ impl fmt::Display for GaugeFreedom {
     }
 }
 
-/// Eigenvectors of the Schur complement along which pixels change, their eigenvalues, and its
-/// right-hand side.
-pub(super) struct SeenDirections {
-    pub(super) vectors: DMatrix<f64>,
-    pub(super) values: DVector<f64>,
-    pub(super) rhs: DVector<f64>,
-}
-
 impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// What pixels leave free where the solver stands, cameras and points together.
     fn free(&self) -> Result<NullSpace, BaError> {
-        Ok(self.assembly.problem.null_space(self.values())?)
+        let free = self.problem().null_space(self.values())?;
+        let columns = self.problem().columns();
+        let on_one_ray = |point: &&usize| {
+            let own = columns.select(self.coordinates(self.assembly.points[**point].index()));
+            free.nullity() > 0 && free.within(own[0]..own[0] + 3) > 0
+        };
+        match self.assembly.landmarks.iter().find(on_one_ray) {
+            Some(point) => Err(BaError::Ray { point: *point }),
+            None => Ok(free),
+        }
     }
 
     // ANCHOR: null_space
@@ -73,105 +74,82 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Solve`] when it cannot be said what is free.
+    /// [`BaError::Ray`] when a point is free, and [`BaError::Solve`] when it cannot be said what is.
     pub fn null_space(&self) -> Result<DMatrix<f64>, BaError> {
         let directions = self.free()?.directions();
-        let rows = self.rows();
+        let (columns, rows) = (self.problem().columns(), self.rows());
         let count = rows.iter().flatten().max().map_or(0, |last| last + 1);
         let mut cameras = DMatrix::zeros(D * count, directions.ncols());
         for (camera, row) in self.assembly.cameras.iter().zip(rows) {
             let Some(row) = row else { continue };
-            let columns = self.columns_of(camera.index());
-            cameras.rows_mut(D * row, D).copy_from(&directions.select_rows(&columns));
+            let own = columns.select(self.coordinates(camera.index()));
+            cameras.rows_mut(D * row, D).copy_from(&directions.select_rows(&own));
         }
         Ok(cameras)
     }
     // ANCHOR_END: null_space
 
-    fn columns_of(&self, index: usize) -> Vec<usize> {
-        let coordinates = self.values().coordinates_of(index).unwrap_or_default();
-        self.assembly.problem.columns().select(coordinates)
-    }
-
-    // ANCHOR: name_free
     /// Names the directions that pixels leave free where the solver stands.
-    ///
-    /// Each is compared with the seven ways in which a whole scene can move: do the points
-    /// all move by a + ω × P + s P?
     ///
     /// # Errors
     ///
-    /// [`BaError::Solve`] when it cannot be said what is free.
+    /// [`BaError::Ray`] when a point is free, and [`BaError::Solve`] when it cannot be said what is.
     pub fn gauge_freedom(&self) -> Result<GaugeFreedom, BaError> {
-        let free = self.free()?;
-        let fits = self.similarities(&free);
-        let rank = |from: usize| match fits.ncols() {
-            0 => 0,
-            _ => fits.rows(from, 7 - from).into_owned().rank(1e-5),
+        Ok(self.named(&self.free()?))
+    }
+
+    // ANCHOR: name_free
+    /// Compares each free direction with the seven ways in which a whole scene can move: do the
+    /// points all move by a + ω × P + s P?
+    fn named(&self, free: &NullSpace) -> GaugeFreedom {
+        // The landmarks have the last columns, all of them, in order.
+        let (directions, coordinates) = (free.directions(), 3 * self.assembly.landmarks.len());
+        let moves = directions.rows(directions.nrows() - coordinates, coordinates).into_owned();
+        let ways = self.whole_motions().qr().q();
+        let within = |count: usize| {
+            let span = ways.columns(0, count.min(ways.ncols()));
+            let outside = &moves - span * span.tr_mul(&moves);
+            NullSpace::sums_that_vanish(&outside, &moves).ncols()
         };
-        let (scale, turning, all) = (rank(6), rank(3), rank(0));
-        Ok(GaugeFreedom {
-            position: all - turning,
-            orientation: turning - scale,
-            scale,
-            other: free.nullity() - all,
-        })
+        let [nothing, shifts, turns, all] = [0, 3, 6, 7].map(within);
+        GaugeFreedom {
+            position: shifts.saturating_sub(nothing),
+            orientation: turns.saturating_sub(shifts),
+            scale: all.saturating_sub(turns),
+            other: free.nullity() - all.saturating_sub(nothing),
+        }
     }
     // ANCHOR_END: name_free
 
-    /// Which sums of the seven ways are free, one a column: three shifts, three turns about the
+    /// The moves of all landmarks, stacked, in the seven ways: three shifts, three turns about the
     /// centre, growth.
-    fn similarities(&self, free: &NullSpace) -> DMatrix<f64> {
-        let first = self.assembly.landmarks.first().map(|point| self.assembly.points[*point]);
-        let first = first.and_then(|point| self.columns_of(point.index()).first().copied());
-        let Some(first) = first.filter(|_| free.nullity() > 0) else { return DMatrix::zeros(7, 0) };
-        // The landmarks have the last columns, all of them, in order.
-        let directions = free.directions();
-        let moves = directions.rows(first, directions.nrows() - first).into_owned();
-        let ways = self.whole_motions();
-        let span = ways.clone().qr().q();
-        let outside = &moves - &span * span.tr_mul(&moves);
-        let sums = NullSpace::sums_that_vanish(&outside, &moves);
-        let fits = ways.svd(true, true).solve(&(moves * sums), 1e-9);
-        fits.map_or(DMatrix::zeros(7, 0), |fits| {
-            DMatrix::from_fn(7, fits.ncols(), |r, c| fits[(r, c)])
-        })
-    }
-
-    /// The moves of all landmarks, stacked, in the seven ways, all of about length one.
-    fn whole_motions(&self) -> OMatrix<f64, Dyn, U7> {
+    fn whole_motions(&self) -> DMatrix<f64> {
         let points: Vec<Vector3<f64>> =
             self.assembly.landmarks.iter().map(|point| self.points()[*point]).collect();
-        let count = points.len() as f64;
-        let centre = points.iter().sum::<Vector3<f64>>() / count;
-        let spread = points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>();
-        let radius = (spread / count).sqrt().max(f64::MIN_POSITIVE);
-        OMatrix::<f64, Dyn, U7>::from_fn(3 * points.len(), |row, way| {
-            let arm = (points[row / 3] - centre) / radius;
+        let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        DMatrix::from_fn(3 * points.len(), 7, |row, way| {
+            let arm = points[row / 3] - centre;
             let motion = match way {
                 0..3 => Vector3::ith(way, 1.0),
                 3..6 => Vector3::ith(way - 3, 1.0).cross(&arm),
                 _ => arm,
             };
-            motion[row % 3] / count.sqrt()
+            motion[row % 3]
         })
     }
 
-    /// The directions of the Schur complement along which pixels change.
-    pub(super) fn seen_directions(&self) -> Result<SeenDirections, BaError> {
-        let nullity = self.free()?.nullity();
+    /// The pseudo-inverse of the Schur complement, and its right-hand side. A stiffness along the
+    /// directions that no pixel sees makes it regular, and is taken out again.
+    pub(super) fn pseudo_inverse(&self) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
+        let free = self.null_space()?.qr().q();
         let (matrix, rhs) = self.schur_complement(0.0)?;
-        if matrix.is_empty() {
-            return Ok(SeenDirections { vectors: matrix, values: DVector::zeros(0), rhs });
-        }
-        let eigen = matrix.symmetric_eigen();
-        let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        let seen = &order[nullity.min(order.len())..];
-        let values = DVector::from_fn(seen.len(), |i, _| eigen.eigenvalues[seen[i]]);
-        let vectors =
-            DMatrix::from_fn(order.len(), seen.len(), |row, i| eigen.eigenvectors[(row, seen[i])]);
-        Ok(SeenDirections { vectors, values, rhs })
+        let along = free.map(|entry| entry * entry).tr_mul(&matrix.diagonal());
+        let stiffness = along.max().max(f64::MIN_POSITIVE);
+        let whole = &free * free.transpose();
+        let Some(regular) = (matrix + stiffness * &whole).cholesky() else {
+            return Err(self.explain(Singular::SchurComplement));
+        };
+        Ok((regular.inverse() - whole / stiffness, rhs))
     }
 
     // ANCHOR: minimal_norm
@@ -181,15 +159,14 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free.
+    /// As those of [`Solver::minimal_norm_covariance`].
     pub fn minimal_norm_step(&self) -> Result<TrialStep<D>, BaError> {
-        let SeenDirections { vectors, values, rhs } = self.seen_directions()?;
-        let along = vectors.tr_mul(&rhs);
-        let change = &vectors * along.component_div(&values);
+        let (inverse, rhs) = self.pseudo_inverse()?;
+        let change = inverse * &rhs;
         let mut system = self.system();
-        let problem = &self.assembly.problem;
-        system.schur_complement(0.0).map_err(|s| self.explain(s))?;
-        let (step, predicted_decrease) = system.complete(problem, &change, change.dot(&rhs));
+        let eliminated = system.eliminate_all(0.0);
+        eliminated.map_err(|singular| self.explain(singular))?;
+        let (step, predicted_decrease) = system.complete(self.problem(), &change, change.dot(&rhs));
         Ok(self.trial(&step, predicted_decrease))
     }
     // ANCHOR_END: minimal_norm
@@ -199,12 +176,9 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         if let Singular::Landmark(index) = singular {
             return BaError::Ray { point: self.assembly.landmarks[index] };
         }
-        match self.gauge_freedom() {
-            // Too weak for the factorization, and yet not exactly free.
-            Ok(free) if free.count() == 0 => {
-                BaError::RankDeficient { free: GaugeFreedom { other: 1, ..free } }
-            }
-            Ok(free) => BaError::RankDeficient { free },
+        match self.free() {
+            Ok(free) if free.nullity() == 0 => free.undetermined().into(),
+            Ok(free) => BaError::RankDeficient { free: self.named(&free) },
             Err(error) => error,
         }
     }

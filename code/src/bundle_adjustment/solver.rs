@@ -1,13 +1,15 @@
 //! Bundle adjustment one step at a time, and what can be asked on the way.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, SVector, Vector3};
 
 use super::assembly::Assembly;
 use super::{BaError, BaReport, Camera, TinyBa};
 use crate::factors::MovingCamera;
 use crate::least_squares::{
-    Iteration, LandmarkElimination, LinearSystem, Options, Point, Search, Singular, SolveError,
-    Stop, Values,
+    Iteration, LandmarkElimination, LinearSystem, Options, Point, Problem, Search, Singular,
+    SolveError, Stop, Values,
 };
 
 // ANCHOR: trial_step
@@ -18,7 +20,7 @@ pub struct TrialStep<const D: usize> {
     pub cameras: Vec<SVector<f64, D>>,
     /// For each point its move in metres, zero when the point was dropped.
     pub points: Vec<Vector3<f64>>,
-    /// The decrease of the cost that the linearized problem predicts, {eq:promise-in-parts}.
+    /// The decrease of the cost that the linearized problem predicts, {eq:predicted-decrease-in-parts}.
     pub predicted_decrease: f64,
     /// The cost at the end of the step, infinite when a point loses its pixel there.
     pub cost: f64,
@@ -67,23 +69,20 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         }
         let mut step = vec![0.0; self.values().dimension()];
         let mut system = self.system();
-        match system.step(&self.assembly.problem, self.at(), damping, &mut step) {
+        match system.step(self.problem(), self.at(), damping, &mut step) {
             Some(prediction) => Ok(self.trial(&step, prediction.predicted_decrease)),
-            // Once more, to learn what has no inverse.
-            None => match system.schur_complement(damping) {
-                Err(singular) => Err(self.explain(singular)),
-                Ok(_) => Err(self.explain(Singular::SchurComplement)),
-            },
+            None => {
+                // Once more, to learn what has no inverse.
+                let eliminated = system.eliminate_all(damping);
+                Err(self.explain(eliminated.err().unwrap_or(Singular::SchurComplement)))
+            }
         }
     }
 
     /// A step of all coordinates, camera by camera and point by point.
     pub(super) fn trial(&self, step: &[f64], predicted_decrease: f64) -> TrialStep<D> {
         let Assembly { problem, cameras, points, .. } = &self.assembly;
-        let part = |index| {
-            let coordinates = self.values().coordinates_of(index).unwrap_or_default();
-            &step[coordinates]
-        };
+        let part = |index| &step[self.coordinates(index)];
         TrialStep {
             cameras: cameras.iter().map(|c| SVector::from_column_slice(part(c.index()))).collect(),
             points: points.iter().map(|p| Vector3::from_column_slice(part(p.index()))).collect(),
@@ -102,6 +101,15 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// [`BaError::Ray`] when a point is free, which needs a damping of zero.
     pub fn schur_complement(&self, damping: f64) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
         self.system().schur_complement(damping).map_err(|singular| self.explain(singular))
+    }
+
+    pub(super) fn problem(&self) -> &Problem {
+        &self.assembly.problem
+    }
+
+    /// Where the coordinates of a variable stand in a step.
+    pub(super) fn coordinates(&self, index: usize) -> Range<usize> {
+        self.values().coordinates_of(index).unwrap_or_default()
     }
 
     /// Where factors are evaluated.
@@ -148,7 +156,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// For each camera the row of D×D blocks that it has in the Schur complement, `None` when
     /// it is held.
     pub fn rows(&self) -> Vec<Option<usize>> {
-        let mut rows = self.search.system().rows(&self.assembly.problem);
+        let mut rows = self.search.system().rows(self.problem());
         rows.truncate(self.assembly.cameras.len());
         rows
     }

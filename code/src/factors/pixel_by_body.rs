@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, SMatrix, Vector1, Vector2, Vecto
 
 use crate::inertial::{CameraImu, NavState};
 use crate::least_squares::{Factor, Key};
-use crate::manifold::so3;
+use crate::manifold::{se3, so3};
 use crate::reprojection::CameraModel;
 
 // ANCHOR: by_state
@@ -89,9 +89,7 @@ impl<M: CameraModel> PixelByBody<M> {
     ) -> (Vector3<f64>, NavState, CameraImu) {
         let body = self.body_at_exposure(state, offset.x);
         let rig = CameraImu { body_from_camera: *extrinsics, time_offset: 0.0 };
-        let camera_from_world = rig.camera_from_world(&body);
-        let point = camera_from_world.rotation * landmark + camera_from_world.translation.vector;
-        (point, body, rig)
+        (se3::transform(&rig.camera_from_world(&body), landmark), body, rig)
     }
 }
 

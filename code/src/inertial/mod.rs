@@ -17,4 +17,4 @@ pub use camera::CameraImu;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
 pub use state::{GRAVITY, NavState};
-pub use trajectory::{Angles, Kinematics, ScalarTrajectory, Trajectory};
+pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};

@@ -58,7 +58,7 @@ impl ScalarTrajectory {
 /// Euler angles of the body in the world, in radians: the rotation is
 /// `Rz(yaw) Ry(pitch) Rx(roll)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Angles {
+pub struct EulerAngles {
     /// About the vertical.
     pub yaw: ScalarTrajectory,
     /// About the axis to the left, after the yaw.
@@ -75,7 +75,7 @@ pub struct Trajectory {
     /// Coordinates in the world, in metres.
     pub position: [ScalarTrajectory; 3],
     /// How the body is turned.
-    pub angles: Angles,
+    pub angles: EulerAngles,
 }
 
 /// The kinematics of a body at one time: its state, and the rates at which that changes.
@@ -140,7 +140,7 @@ impl Trajectory {
     /// Turning about the vertical without moving, at `rate` rad/s.
     pub fn turn_on_the_spot(rate: f64) -> Self {
         Self {
-            angles: Angles { yaw: ScalarTrajectory::linear(rate), ..Angles::default() },
+            angles: EulerAngles { yaw: ScalarTrajectory::linear(rate), ..EulerAngles::default() },
             ..Self::default()
         }
     }
@@ -167,17 +167,17 @@ impl Trajectory {
         let yaw = ScalarTrajectory::wave(1.0, 0.9, 0.2);
         let pitch = ScalarTrajectory::wave(0.3, 1.3, 1.0);
         let roll = ScalarTrajectory::wave(0.4, 1.7, 0.0);
-        Self { position, angles: Angles { yaw, pitch, roll } }
+        Self { position, angles: EulerAngles { yaw, pitch, roll } }
     }
     // ANCHOR_END: trajectories
 
     /// Straight ahead at `velocity` m/s in the world, with the angles given.
-    pub fn constant_velocity(velocity: &Vector3<f64>, angles: Angles) -> Self {
+    pub fn constant_velocity(velocity: &Vector3<f64>, angles: EulerAngles) -> Self {
         Self { position: [0, 1, 2].map(|axis| ScalarTrajectory::linear(velocity[axis])), angles }
     }
 
     /// From rest with a constant `acceleration` in the world, in m/s², with the angles given.
-    pub fn constant_acceleration(acceleration: &Vector3<f64>, angles: Angles) -> Self {
+    pub fn constant_acceleration(acceleration: &Vector3<f64>, angles: EulerAngles) -> Self {
         let along = |axis: usize| ScalarTrajectory {
             acceleration: acceleration[axis],
             ..ScalarTrajectory::default()

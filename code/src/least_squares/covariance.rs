@@ -1,23 +1,30 @@
 //! How sure an estimate is.
 
-use nalgebra::DMatrix;
+use std::collections::BTreeMap;
 
-use super::null_space::SingularSystem;
-use super::{Columns, Key, Manifold, Problem, SolveError, Values};
+use nalgebra::{DMatrix, Matrix3};
+
+use super::group::Point;
+use super::landmarks::{LandmarkElimination, Singular};
+use super::normal_equations::Dense;
+use super::{Key, LinearSystem, Manifold, Problem, SolveError, Values};
 
 // ANCHOR: covariance
 /// The covariance of an estimate, by variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
     matrix: DMatrix<f64>,
-    columns: Columns,
-    /// First coordinate of each variable, and the number of all.
-    starts: Vec<usize>,
+    /// By variable, its rows in the matrix: none when it is held or was eliminated.
+    rows: Vec<Vec<usize>>,
+    /// By variable, the covariance of each landmark that was eliminated.
+    landmarks: BTreeMap<usize, Matrix3<f64>>,
 }
 // ANCHOR_END: covariance
 
 impl Covariance {
-    /// The covariance of all columns together; see [`Problem::columns`].
+    /// The covariance of all variables together. Of a dense system it has the columns of
+    /// [`Problem::columns`]; with landmarks eliminated, `D` for each of
+    /// [`LandmarkElimination::rows`].
     pub fn matrix(&self) -> &DMatrix<f64> {
         &self.matrix
     }
@@ -25,24 +32,65 @@ impl Covariance {
     /// The covariance of one variable, whatever the others are: its *marginal*. It has a row for
     /// each coordinate that is not held. `None` when there is no such variable or all are.
     pub fn of<V: Manifold>(&self, variable: Key<V>) -> Option<DMatrix<f64>> {
-        self.between(variable, variable)
+        let landmark = self.landmarks.get(&variable.index());
+        let whole = |own: &Matrix3<f64>| DMatrix::from_column_slice(3, 3, own.as_slice());
+        landmark.map(whole).or_else(|| self.between(variable, variable))
     }
 
     /// The covariance between two variables, with the rows of the first and the columns of the
-    /// second. `None` when one does not exist or does not move.
+    /// second. `None` when one does not exist, does not move or is a landmark that was eliminated.
     pub fn between<V: Manifold, W: Manifold>(
         &self,
         first: Key<V>,
         second: Key<W>,
     ) -> Option<DMatrix<f64>> {
-        let rows = self.columns_of(first.index())?;
-        let columns = self.columns_of(second.index())?;
-        Some(self.matrix.select_rows(&rows).select_columns(&columns))
+        let rows = |index| self.rows.get(index).filter(|rows: &&Vec<usize>| !rows.is_empty());
+        let (rows, columns) = (rows(first.index())?, rows(second.index())?);
+        Some(self.matrix.select_rows(rows).select_columns(columns))
     }
 
-    fn columns_of(&self, index: usize) -> Option<Vec<usize>> {
-        let coordinates = *self.starts.get(index)?..*self.starts.get(index + 1)?;
-        Some(self.columns.select(coordinates)).filter(|columns| !columns.is_empty())
+    /// That of all variables, from the triangle of the Jacobian.
+    pub(super) fn dense(problem: &Problem, at: Point) -> Result<Self, SolveError> {
+        let null_space = problem.null_space_at(at)?;
+        let columns = problem.columns();
+        let (jacobian, _) = problem.jacobian_at(at, &columns)?;
+        let identity = DMatrix::identity(columns.count, columns.count);
+        let regular = (null_space.nullity() == 0).then(|| jacobian.qr().unpack_r());
+        let inverse = regular.and_then(|triangle| triangle.solve_upper_triangular(&identity));
+        let inverse = inverse.ok_or_else(|| null_space.undetermined())?;
+        let coordinates = |index| problem.values().coordinates_of(index).unwrap_or_default();
+        let own = |index| columns.select(coordinates(index));
+        let rows = (0..problem.values().len()).map(own).collect();
+        Ok(Self { matrix: &inverse * inverse.transpose(), rows, landmarks: BTreeMap::new() })
+    }
+}
+
+impl<const D: usize> LandmarkElimination<D> {
+    /// The covariance of all variables at the point that was linearized last, from that of those
+    /// that have rows.
+    ///
+    /// # Errors
+    ///
+    /// [`Singular`] when a landmark is free.
+    pub fn with_landmarks(
+        &mut self,
+        problem: &Problem,
+        matrix: DMatrix<f64>,
+    ) -> Result<Covariance, Singular> {
+        let mut each = self.landmark_covariances(&matrix)?.into_iter();
+        let columns = problem.columns();
+        let (mut rows, mut landmarks) = (Vec::new(), BTreeMap::new());
+        for (variable, row) in self.rows(problem).into_iter().enumerate() {
+            let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
+            let moving = columns.of[coordinates].iter().enumerate().filter(|(_, c)| c.is_some());
+            let axes: Vec<usize> = moving.map(|(axis, _)| axis).collect();
+            if row.is_none() && !axes.is_empty() {
+                landmarks.extend(each.next().map(|own| (variable, own)));
+            }
+            let places = |row: usize| axes.iter().map(|axis| D * row + axis).collect();
+            rows.push(row.map_or_else(Vec::new, places));
+        }
+        Ok(Covariance { matrix, rows, landmarks })
     }
 }
 
@@ -60,21 +108,8 @@ impl Problem {
     /// [`SolveError::Singular`] when some direction is not determined, and those of
     /// [`Problem::linearize`].
     pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
-        let columns = self.columns();
-        if columns.count == 0 {
-            return Err(SolveError::NothingFree);
-        }
-        if let Some(singular) = self.null_space(values)?.singular() {
-            return Err(singular.into());
-        }
-        let (jacobian, _) = self.jacobian(values)?;
-        let triangle = jacobian.qr().unpack_r();
-        let size = columns.count;
-        let inverse = triangle.solve_upper_triangular(&DMatrix::identity(size, size));
-        let everything = || SingularSystem::everything(size);
-        let inverse = inverse.ok_or_else(|| SolveError::Singular(everything()))?;
-        let coordinates = (0..values.len()).filter_map(|index| values.coordinates_of(index));
-        let starts = coordinates.map(|range| range.start).chain([values.dimension()]).collect();
-        Ok(Covariance { matrix: &inverse * inverse.transpose(), columns, starts })
+        self.check_values(values)?;
+        let mut system = Dense::new(self)?;
+        self.at(values, |at| system.covariance(self, at))
     }
 }

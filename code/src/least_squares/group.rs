@@ -41,6 +41,18 @@ pub trait FactorGroup: Any + Send + Sync {
     /// The cost of some factors. Infinite where a residual has no value.
     fn cost(&self, factors: &[u32], values: &Values) -> f64;
 
+    /// Appends the whitened residuals of some factors, as [`FactorGroup::linearize`] has them.
+    ///
+    /// # Errors
+    ///
+    /// [`Undefined`] names the first that has no value.
+    fn residuals(
+        &self,
+        factors: &[u32],
+        values: &Values,
+        into: &mut Vec<f64>,
+    ) -> Result<(), Undefined>;
+
     /// Linearizes some factors.
     ///
     /// # Errors
@@ -103,6 +115,23 @@ impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
         factors.iter().map(cost).sum()
     }
     // ANCHOR_END: group_cost
+
+    fn residuals(
+        &self,
+        factors: &[u32],
+        values: &Values,
+        into: &mut Vec<f64>,
+    ) -> Result<(), Undefined> {
+        let lists = F::Variables::lists(values);
+        for &index in factors {
+            let factor = &self.factors[index as usize];
+            let residual = factor.residual(F::Variables::pick(lists, &factor.variables()));
+            let residual = residual.ok_or(Undefined { factor: index as usize })?;
+            let weight = self.kernel.root_weight_of_square(residual.norm_squared());
+            into.extend(residual.iter().map(|number| weight * number));
+        }
+        Ok(())
+    }
 
     // ANCHOR: group_linearize
     fn linearize(

@@ -6,13 +6,13 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 use pulp::Arch;
 
-use super::Manifold;
 use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
 use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
 use super::structure::{Landmark, Places, Slot, Structure};
+use super::{Covariance, Manifold};
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -96,8 +96,8 @@ impl<const D: usize> LandmarkElimination<D> {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Block`] and [`SolveError::Structure`] when the problem is not of this form,
-    /// [`SolveError::NothingFree`] when nothing moves.
+    /// [`SolveError::Block`], [`SolveError::TiedLandmark`] and [`SolveError::Structure`] when the
+    /// problem is not of this form, [`SolveError::NothingFree`] when nothing moves.
     pub fn new<L: Manifold>(problem: &Problem) -> Result<Self, SolveError> {
         let structure = Structure::new::<L>(problem, D)?;
         if structure.landmarks.is_empty() && structure.row_count() == 0 {
@@ -168,7 +168,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Eliminates landmark by landmark, straight into the Schur complement.
     ///
     /// Implements {eq:damped-reduction}.
-    fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
+    pub(crate) fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
         wide(
             #[inline(always)]
             || self.eliminate_each(damping),
@@ -318,7 +318,7 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Writes the step of all coordinates. Returns twice the predicted decrease and the squared
     /// scaled length of the step; `forward` is what `solve` returned.
     ///
-    /// Implements {eq:promise-in-parts}.
+    /// Implements {eq:predicted-decrease-in-parts}.
     #[inline(always)]
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
         let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
@@ -444,11 +444,7 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     /// The inverse of the Schur complement: the covariance of the variables that have rows.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular`] when something is free.
-    pub fn covariance(&mut self) -> Result<DMatrix<f64>, Singular> {
+    fn inverse_schur_complement(&mut self) -> Result<DMatrix<f64>, Singular> {
         self.eliminate_all(0.0)?;
         self.schur.factorize(&self.smallest).map_err(|_| Singular::SchurComplement)?;
         let size = D * self.structure.row_count();
@@ -469,11 +465,7 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     /// The covariance of each landmark, from that of the other variables.
-    ///
-    /// # Errors
-    ///
-    /// [`Singular`] when a landmark is free.
-    pub fn landmark_covariances(
+    pub(super) fn landmark_covariances(
         &mut self,
         others: &DMatrix<f64>,
     ) -> Result<Vec<Matrix3<f64>>, Singular> {
@@ -558,6 +550,17 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
             landmark.gradient.zip_map(&landmark.hessian.diagonal(), scaled).sum()
         };
         (variables + self.landmarks.iter().map(of_landmark).sum::<f64>()).sqrt()
+    }
+
+    fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
+        let null_space = problem.null_space_at(at)?;
+        if null_space.nullity() > 0 {
+            return Err(null_space.undetermined());
+        }
+        self.linearize(problem, at)?;
+        let inverse = self.inverse_schur_complement();
+        let whole = inverse.and_then(|inverse| self.with_landmarks(problem, inverse));
+        whole.map_err(|_| null_space.undetermined())
     }
 }
 

@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::group::Point;
 use super::problem::{Buffer, Columns, Problem, Row};
 use super::solver::{LinearSystem, Prediction, SolveError};
+use super::{Covariance, Values};
 
 /// A pivot of the Hessian, scaled to a unit diagonal, below this is lost in rounding.
 const LOST_PIVOT: f64 = 1e-14;
@@ -204,6 +205,10 @@ impl LinearSystem for Dense {
     fn gradient_norm(&self) -> f64 {
         self.equations.gradient_norm()
     }
+
+    fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
+        Covariance::dense(problem, at)
+    }
 }
 
 impl Problem {
@@ -214,7 +219,7 @@ impl Problem {
     ///
     /// A [`SolveError`] when the problem is empty, `values` do not fit it, or a residual is
     /// undefined or not finite there.
-    pub fn linearize(&self, values: &super::Values) -> Result<NormalEquations, SolveError> {
+    pub fn linearize(&self, values: &Values) -> Result<NormalEquations, SolveError> {
         self.check_values(values)?;
         let mut system = Dense::new(self)?;
         self.at(values, |at| system.linearize(self, at))?;
@@ -222,7 +227,7 @@ impl Problem {
     }
 
     /// Calls with these values and the linearization point that belongs to them.
-    pub(super) fn at<T>(&self, values: &super::Values, call: impl FnOnce(Point) -> T) -> T {
+    pub(super) fn at<T>(&self, values: &Values, call: impl FnOnce(Point) -> T) -> T {
         let mut frozen = self.linearization_point();
         if let Some(point) = &mut frozen {
             self.follow(values, point);

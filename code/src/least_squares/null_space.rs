@@ -4,6 +4,8 @@
 //! singular value that is not zero is some 1e-7 of the largest; its square is lost among the
 //! rounding errors of JᵀJ.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
@@ -72,10 +74,22 @@ impl NullSpace {
         })
     }
 
+    /// How many of the free directions move nothing but these columns.
+    pub fn within(&self, columns: Range<usize>) -> usize {
+        let (sines, _) = right_singular(self.basis.rows_range(columns).transpose());
+        sines.iter().filter(|sine| 1.0 - sine.powi(2) < Self::TOLERANCE.powi(2)).count()
+    }
+
     /// The error that says that something is free, or `None` when nothing is.
     pub fn singular(&self) -> Option<SingularSystem> {
         let (dimension, free) = self.basis.shape();
         (free > 0).then(|| SingularSystem { free, dimension, basis: self.directions().qr().q() })
+    }
+
+    /// Why a step is not determined by the normal equations.
+    pub(crate) fn undetermined(&self) -> SolveError {
+        let least_seen = self.least_seen.unwrap_or(0.0);
+        self.singular().map_or(SolveError::LostToRounding { least_seen }, SolveError::Singular)
     }
 
     // ANCHOR: leaves
@@ -83,7 +97,8 @@ impl NullSpace {
     /// null space: 0 when it is free, 1 when nothing of it is.
     pub fn leaves(&self, direction: &DVector<f64>) -> f64 {
         let (length, unit) = self.scaled(direction);
-        if length > 0.0 { self.outside(&unit).norm() } else { 1.0 }
+        let outside = &unit - &self.basis * self.basis.tr_mul(&unit);
+        if length > 0.0 { outside.norm() } else { 1.0 }
     }
 
     /// The length of a direction in scaled coordinates, and the direction at length one there.
@@ -92,28 +107,22 @@ impl NullSpace {
         let length = scaled.norm();
         (length, if length > 0.0 { scaled / length } else { scaled })
     }
-
-    /// The part outside of the null space of a vector in scaled coordinates.
-    pub fn outside(&self, scaled: &DVector<f64>) -> DVector<f64> {
-        scaled - &self.basis * self.basis.tr_mul(scaled)
-    }
     // ANCHOR_END: leaves
 
     // ANCHOR: combinations
     /// The sums of these directions that are free, by the factor of each direction, one sum a
-    /// column. Factors are those of directions of length one in scaled coordinates.
+    /// column.
     pub fn combinations(&self, directions: &[DVector<f64>]) -> DMatrix<f64> {
         if directions.is_empty() {
             return DMatrix::zeros(0, 0);
         }
-        let units: Vec<_> = directions.iter().map(|direction| self.scaled(direction).1).collect();
-        let outside: Vec<_> = units.iter().map(|unit| self.outside(unit)).collect();
-        let sums = Self::sums_that_vanish(
-            &DMatrix::from_columns(&outside),
-            &DMatrix::from_columns(&units),
-        );
+        let (lengths, units): (Vec<f64>, Vec<_>) =
+            directions.iter().map(|direction| self.scaled(direction)).unzip();
+        let units = DMatrix::from_columns(&units);
+        let outside = &units - &self.basis * self.basis.tr_mul(&units);
+        let sums = Self::sums_that_vanish(&outside, &units);
         let free = sums.ncols().min(self.nullity());
-        sums.columns(0, free).into_owned()
+        DMatrix::from_fn(sums.nrows(), free, |row, column| sums[(row, column)] / lengths[row])
     }
 
     /// The factors of all sums of columns that vanish, beside the size of the columns that they
@@ -159,7 +168,7 @@ impl Problem {
         self.at(values, |at| self.jacobian_at(at, &self.columns()))
     }
 
-    fn jacobian_at(
+    pub(super) fn jacobian_at(
         &self,
         at: Point,
         columns: &Columns,
@@ -192,13 +201,6 @@ pub struct SingularSystem {
     /// An orthonormal basis of the free directions, one a column, with a row for each of
     /// [`Problem::columns`].
     pub basis: DMatrix<f64>,
-}
-
-impl SingularSystem {
-    /// Nothing is determined.
-    pub(super) fn everything(dimension: usize) -> Self {
-        Self { free: dimension, dimension, basis: DMatrix::identity(dimension, dimension) }
-    }
 }
 
 /// Why nothing can be said about what is free.

@@ -3,13 +3,13 @@
 use std::collections::VecDeque;
 
 // ANCHOR: envelope
-/// For each row the first column in which something stands, from lists of rows of which every pair
-/// stands in the matrix. Between it and the diagonal everything fills in.
-pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<usize> {
-    let mut first: Vec<usize> = (0..rows).collect();
-    for coupled in couplings {
-        let least = coupled.iter().copied().min().unwrap_or(0);
-        coupled.into_iter().for_each(|row| first[row] = first[row].min(least));
+/// For each row, at its new place, the first column in which something stands. Between it and the
+/// diagonal everything fills in.
+pub fn envelope(neighbours: &[Vec<usize>], place: &[usize]) -> Vec<usize> {
+    let mut first = vec![0; place.len()];
+    for (row, neighbours) in neighbours.iter().enumerate() {
+        let columns = neighbours.iter().map(|other| place[*other]);
+        first[place[row]] = columns.fold(place[row], usize::min);
     }
     first
 }
@@ -18,19 +18,15 @@ pub fn envelope(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec
 // ANCHOR: reverse_cuthill_mckee
 /// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill1969]; [@george1971]):
 /// neighbours before their neighbours, those with the fewest first.
-pub fn reverse_cuthill_mckee(
-    rows: usize,
-    couplings: impl Iterator<Item = Vec<usize>>,
-) -> Vec<usize> {
-    let neighbours = neighbours(rows, couplings);
-    let degree = |row: &usize| neighbours[*row].len();
+pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
+    let rows = neighbours.len();
     let mut seeds: Vec<usize> = (0..rows).collect();
-    seeds.sort_by_key(degree);
+    seeds.sort_by_key(|row| neighbours[*row].len());
     let mut visited = vec![false; rows];
     let mut sequence = Vec::with_capacity(rows);
     for seed in seeds {
         if !visited[seed] {
-            let reached = breadth_first(farthest(seed, &neighbours), &neighbours);
+            let reached = breadth_first(farthest(seed, neighbours), neighbours);
             reached.iter().for_each(|row| visited[*row] = true);
             sequence.extend(reached);
         }
@@ -63,7 +59,9 @@ fn breadth_first(start: usize, neighbours: &[Vec<usize>]) -> Vec<usize> {
     sequence
 }
 
-fn neighbours(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<Vec<usize>> {
+/// For each row those that share the matrix's blocks with it, from lists of rows of which every pair
+/// does.
+pub fn neighbours(rows: usize, couplings: impl Iterator<Item = Vec<usize>>) -> Vec<Vec<usize>> {
     let mut neighbours = vec![Vec::new(); rows];
     for mut coupled in couplings {
         coupled.sort_unstable();

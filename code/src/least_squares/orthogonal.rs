@@ -1,6 +1,7 @@
 //! The triangle of a sparse Jacobian, by orthogonal elimination of one variable after the other.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+use std::mem::take;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -17,13 +18,15 @@ use super::spectrum::scale_of;
 const REGULAR: f64 = 1e-11;
 
 /// Inverse iterations for each direction.
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 16;
 
-/// A sparse Jacobian with columns of length one, and its triangle.
+/// A sparse Jacobian with columns of length one, in the order of their elimination, and its
+/// triangle.
 pub(super) struct Triangle {
     rows: Vec<SparseRow>,
     scale: DVector<f64>,
-    /// In the order of elimination.
+    /// The place of each column of the problem in the order of elimination.
+    place: Vec<usize>,
     pieces: Vec<Piece>,
 }
 
@@ -47,19 +50,21 @@ impl Triangle {
         problem.each_row(at, columns, &mut Buffer::default(), |row| {
             rows.push(row.entries.to_vec());
         })?;
-        let mut squares = vec![0.0; columns.count];
+        let mut squares = DVector::<f64>::zeros(columns.count);
         for (column, slope) in rows.iter().flatten() {
             squares[*column] += slope * slope;
         }
-        let scale = squares.iter().map(|square: &f64| scale_of(square.sqrt()));
-        let scale = DVector::from_iterator(columns.count, scale);
+        let scale = squares.map(|square| scale_of(square.sqrt()));
+        let blocks = order(&rows, &columns.blocks);
+        let mut place = vec![0; columns.count];
+        blocks.iter().cloned().flatten().zip(0..).for_each(|(column, new)| place[column] = new);
         for (column, slope) in rows.iter_mut().flatten() {
             *slope *= scale[*column];
+            *column = place[*column];
         }
-        let blocks = blocks(problem, columns);
-        let order = order(&rows, &blocks);
-        let pieces = eliminate(&rows, &blocks, &order);
-        Ok(Self { rows, scale, pieces })
+        let sizes: Vec<usize> = blocks.iter().map(ExactSizeIterator::len).collect();
+        let pieces = eliminate(&rows, &sizes);
+        Ok(Self { rows, scale, place, pieces })
     }
 
     // ANCHOR: inverse_iteration
@@ -91,7 +96,7 @@ impl Triangle {
     fn with(&self, found: &[DVector<f64>], least_seen: Option<f64>) -> NullSpace {
         let basis = match found {
             [] => DMatrix::zeros(self.scale.len(), 0),
-            _ => DMatrix::from_columns(found),
+            _ => DMatrix::from_columns(found).select_rows(&self.place),
         };
         NullSpace::new(basis, self.scale.clone(), least_seen)
     }
@@ -161,37 +166,16 @@ fn beside(others: &[DVector<f64>], vector: &mut DVector<f64>) {
     vector.normalize_mut();
 }
 
-/// The columns of each variable that has any.
-fn blocks(problem: &Problem, columns: &Columns) -> Vec<Range<usize>> {
-    let mut blocks: Vec<Range<usize>> = Vec::new();
-    for index in 0..problem.values().len() {
-        let coordinates = problem.values().coordinates_of(index).unwrap_or_default();
-        let own = columns.select(coordinates);
-        let start = blocks.last().map_or(0, |block| block.end);
-        // What is tied to an earlier variable shares its columns.
-        if own.first() == Some(&start) {
-            blocks.push(start..start + own.len());
-        }
-    }
-    blocks
-}
-
 // ANCHOR: order
-/// An order of elimination that fills in little: first blocks of which no two share a row, those
-/// with the fewest neighbours before others, as landmarks are; then the rest as they stand.
-fn order(rows: &[SparseRow], blocks: &[Range<usize>]) -> Vec<usize> {
-    let block_of = block_of(blocks);
-    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
+/// The blocks in an order of elimination that fills in little: first those of which no two share a
+/// row, those with the fewest neighbours before others, as landmarks are; then the rest as they
+/// stand.
+fn order(rows: &[SparseRow], blocks: &[Range<usize>]) -> Vec<Range<usize>> {
+    let block_of = |column: usize| blocks.partition_point(|block| block.end <= column);
+    let mut neighbours: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); blocks.len()];
     for row in rows {
-        let mut named: Vec<usize> = row.iter().map(|(column, _)| block_of[*column]).collect();
-        named.dedup();
-        for one in &named {
-            neighbours[*one].extend(named.iter().filter(|other| *other != one));
-        }
-    }
-    for list in &mut neighbours {
-        list.sort_unstable();
-        list.dedup();
+        let named: BTreeSet<usize> = row.iter().map(|(column, _)| block_of(*column)).collect();
+        named.iter().for_each(|block| neighbours[*block].extend(&named));
     }
     let mut by_degree: Vec<usize> = (0..blocks.len()).collect();
     by_degree.sort_by_key(|block| neighbours[*block].len());
@@ -199,72 +183,52 @@ fn order(rows: &[SparseRow], blocks: &[Range<usize>]) -> Vec<usize> {
     for block in by_degree {
         is_first[block] = !neighbours[block].iter().any(|neighbour| is_first[*neighbour]);
     }
-    let first = (0..blocks.len()).filter(|block| is_first[*block]);
-    first.chain((0..blocks.len()).filter(|block| !is_first[*block])).collect()
+    let (first, rest): (Vec<usize>, Vec<usize>) =
+        (0..blocks.len()).partition(|block| is_first[*block]);
+    first.into_iter().chain(rest).map(|block| blocks[block].clone()).collect()
 }
 // ANCHOR_END: order
-
-/// The block of each column.
-fn block_of(blocks: &[Range<usize>]) -> Vec<usize> {
-    blocks
-        .iter()
-        .enumerate()
-        .flat_map(|(block, columns)| columns.clone().map(move |_| block))
-        .collect()
-}
 
 // ANCHOR: eliminate
 /// Front by front: all rows that contain the next variable are turned until only as many contain
 /// it as it has columns. Those are its piece of the triangle; the others wait for the next of
 /// their variables.
-fn eliminate(rows: &[SparseRow], blocks: &[Range<usize>], order: &[usize]) -> Vec<Piece> {
-    let block_of = block_of(blocks);
-    let mut rank = vec![0; blocks.len()];
-    order.iter().enumerate().for_each(|(place, block)| rank[*block] = place);
-    let next = |columns: &mut dyn Iterator<Item = usize>| {
-        columns.map(|column| rank[block_of[column]]).min()
-    };
-    let mut fronts: BTreeMap<usize, Vec<SparseRow>> = BTreeMap::new();
-    let wait = |row: SparseRow, fronts: &mut BTreeMap<usize, Vec<SparseRow>>| {
-        if let Some(place) = next(&mut row.iter().map(|(column, _)| *column)) {
-            fronts.entry(place).or_default().push(row);
+fn eliminate(rows: &[SparseRow], sizes: &[usize]) -> Vec<Piece> {
+    let front_of: Vec<usize> =
+        sizes.iter().enumerate().flat_map(|(front, size)| vec![front; *size]).collect();
+    let mut fronts: Vec<Vec<SparseRow>> = vec![Vec::new(); sizes.len()];
+    let wait = |row: SparseRow, fronts: &mut [Vec<SparseRow>]| {
+        if let Some(first) = row.iter().map(|(column, _)| *column).min() {
+            fronts[front_of[first]].push(row);
         }
     };
     rows.iter().for_each(|row| wait(row.clone(), &mut fronts));
-    let mut pieces = Vec::with_capacity(order.len());
-    for (place, block) in order.iter().enumerate() {
-        let mut front = fronts.remove(&place).unwrap_or_default();
-        front.extend(blocks[*block].clone().map(|column| vec![(column, REGULAR)]));
-        let columns = columns_of(&front, &blocks[*block]);
-        let triangle = triangular(&front, &columns);
-        let own = blocks[*block].len();
-        for row in own..triangle.nrows() {
-            let entries = own.max(row)..columns.len();
-            wait(entries.map(|at| (columns[at], triangle[(row, at)])).collect(), &mut fronts);
+    let (mut pieces, mut start) = (Vec::with_capacity(sizes.len()), 0);
+    for (number, own) in sizes.iter().enumerate() {
+        let mut front = take(&mut fronts[number]);
+        front.extend((start..start + own).map(|column| vec![(column, REGULAR)]));
+        let (columns, triangle) = triangular(&front);
+        for row in *own..triangle.nrows() {
+            let entries = (row..columns.len()).map(|at| (columns[at], triangle[(row, at)]));
+            wait(entries.collect(), &mut fronts);
         }
-        pieces.push(Piece { columns, rows: triangle.rows(0, own).into_owned() });
+        pieces.push(Piece { columns, rows: triangle.rows(0, *own).into_owned() });
+        start += own;
     }
     pieces
 }
 // ANCHOR_END: eliminate
 
-/// The columns of a front: those of its own block first.
-fn columns_of(front: &[SparseRow], own: &Range<usize>) -> Vec<usize> {
-    let mut others: Vec<usize> = front.iter().flatten().map(|(column, _)| *column).collect();
-    others.sort_unstable();
-    others.dedup();
-    own.clone().chain(others.into_iter().filter(|column| !own.contains(column))).collect()
-}
-
-/// The triangle of the rows of a front.
-fn triangular(front: &[SparseRow], columns: &[usize]) -> DMatrix<f64> {
-    let places: BTreeMap<usize, usize> =
-        columns.iter().enumerate().map(|(place, column)| (*column, place)).collect();
+/// The columns of a front, ascending, and the triangle of its rows.
+fn triangular(front: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
+    let mut columns: Vec<usize> = front.iter().flatten().map(|(column, _)| *column).collect();
+    columns.sort_unstable();
+    columns.dedup();
     let mut dense = DMatrix::zeros(front.len(), columns.len());
     for (number, row) in front.iter().enumerate() {
         for (column, slope) in row {
-            dense[(number, places[column])] = *slope;
+            dense[(number, columns.partition_point(|other| other < column))] = *slope;
         }
     }
-    dense.qr().unpack_r()
+    (columns, dense.qr().unpack_r())
 }

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::ops::Range;
 
+use nalgebra::DVector;
 use thiserror::Error;
 
 use super::group::{FactorGroup, FactorSet, Point, Undefined};
@@ -180,7 +181,7 @@ impl Problem {
     /// in the order of the variables.
     pub fn columns(&self) -> Columns {
         let mut of = vec![None; self.values.dimension()];
-        let mut count = 0;
+        let (mut count, mut blocks) = (0, Vec::new());
         let coordinates = |index| self.values.coordinates_of(index).unwrap_or_default();
         // What is tied to something that is held is held too, whichever leads.
         let mut held = self.held.clone();
@@ -191,10 +192,12 @@ impl Problem {
         }
         for (index, &leader) in self.leader.iter().enumerate() {
             if leader == index {
+                let start = count;
                 for coordinate in coordinates(index).filter(|c| !held[*c]) {
                     of[coordinate] = Some(count);
                     count += 1;
                 }
+                blocks.extend((count > start).then_some(start..count));
             }
         }
         for (index, &leader) in self.leader.iter().enumerate().filter(|(i, leader)| i != *leader) {
@@ -202,7 +205,7 @@ impl Problem {
                 of[own] = of[led];
             }
         }
-        Columns { of, count }
+        Columns { of, count, blocks }
     }
 
     // ANCHOR: cost
@@ -226,6 +229,28 @@ impl Problem {
     pub fn rows(&self) -> usize {
         self.groups.iter().map(|group| group.factors.rows() * group.factors.count()).sum()
     }
+
+    // ANCHOR: residual
+    /// The whitened residuals of all factors at `values`, in the order of the factors' types: the
+    /// second part of [`Problem::jacobian`], without derivatives.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::WrongValues`], [`SolveError::Undefined`] and [`SolveError::NotFinite`].
+    pub fn residual(&self, values: &Values) -> Result<DVector<f64>, SolveError> {
+        self.check_values(values)?;
+        let mut all = Vec::with_capacity(self.rows());
+        for Group { factors, numbers, all: places } in &self.groups {
+            let undefined = |at: Undefined| SolveError::Undefined { factor: numbers[at.factor] };
+            let before = all.len();
+            factors.residuals(places, values, &mut all).map_err(undefined)?;
+            if let Some(row) = all[before..].iter().position(|number| !number.is_finite()) {
+                return Err(SolveError::NotFinite { factor: numbers[row / factors.rows()] });
+            }
+        }
+        Ok(DVector::from_vec(all))
+    }
+    // ANCHOR_END: residual
 
     // ANCHOR: each_row
     /// Linearizes every factor and visits its rows: the residual, and the derivatives by all
@@ -403,6 +428,8 @@ pub struct Columns {
     pub of: Vec<Option<usize>>,
     /// How many columns there are.
     pub count: usize,
+    /// The columns of each variable that has some, those that are tied as one.
+    pub(super) blocks: Vec<Range<usize>>,
 }
 
 impl Columns {
@@ -416,6 +443,12 @@ impl Columns {
     /// The columns of some coordinates.
     pub fn select(&self, coordinates: Range<usize>) -> Vec<usize> {
         self.of[coordinates].iter().flatten().copied().collect()
+    }
+
+    /// Which block the coordinates of a variable have; `None` when all of them are held.
+    pub(super) fn block_of(&self, coordinates: Range<usize>) -> Option<usize> {
+        let first = self.of[coordinates].iter().flatten().next()?;
+        Some(self.blocks.partition_point(|block| block.end <= *first))
     }
 }
 

@@ -5,11 +5,11 @@ use std::mem::swap;
 
 use thiserror::Error;
 
-use super::Values;
 use super::group::Point;
 use super::normal_equations::Dense;
 use super::null_space::{NullSpaceError, SingularSystem};
 use super::problem::Problem;
+use super::{Covariance, Values};
 
 // ANCHOR: linear_system
 /// The normal equations of a problem, in whatever form they are kept.
@@ -33,6 +33,13 @@ pub trait LinearSystem {
 
     /// The norm of the scaled gradient at that point.
     fn gradient_norm(&self) -> f64;
+
+    /// The covariance of an estimate that stands at a point; see [`Problem::covariance`].
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Problem::covariance`].
+    fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError>;
 }
 
 /// What a linear system says of a step.
@@ -318,7 +325,7 @@ impl<S: LinearSystem> Search<S> {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Singular`] or [`SolveError::OutOfRange`] when a Gauss-Newton step is not
+    /// [`SolveError::Singular`] or [`SolveError::LostToRounding`] when a Gauss-Newton step is not
     /// determined.
     pub fn iterate(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         if self.iterations.len() >= self.options.max_iterations {
@@ -464,9 +471,7 @@ impl<S: LinearSystem> Search<S> {
     /// What keeps a Gauss-Newton step from being determined.
     fn undetermined(&self, problem: &Problem) -> SolveError {
         match problem.null_space_at(self.point()) {
-            Ok(null_space) => {
-                null_space.singular().map_or(SolveError::OutOfRange, SolveError::Singular)
-            }
+            Ok(null_space) => null_space.undetermined(),
             Err(error) => error,
         }
     }
@@ -570,6 +575,16 @@ pub enum SolveError {
     /// It cannot be said whether the step is determined.
     #[error(transparent)]
     NullSpace(#[from] NullSpaceError),
+    /// The Jacobian has full rank, but the normal equations, which hold its square, do not keep it.
+    #[error(
+        "nothing is free, but the weakest singular value of the scaled Jacobian is \
+         {least_seen:.1e} of the largest and its square is lost to rounding in the normal \
+         equations; use Levenberg-Marquardt, or measure the weakest direction better"
+    )]
+    LostToRounding {
+        /// The smallest singular value, as a fraction of the largest.
+        least_seen: f64,
+    },
     /// The structure of the problem is not one that the linear system can use.
     #[error("factor {factor} {what}")]
     Structure {
@@ -590,6 +605,15 @@ pub enum SolveError {
         found: usize,
         /// The size of a block.
         dimension: usize,
+    },
+    /// A landmark takes the steps of another one, which the elimination of one at a time cannot do.
+    #[error(
+        "landmark {variable} is tied to another one; the landmark elimination moves each by itself: \
+         make them one variable, or solve with the dense system"
+    )]
+    TiedLandmark {
+        /// The variable's number.
+        variable: usize,
     },
     /// An option has an impossible value.
     #[error("option {name} is {value}; tolerances are zero or positive, the damping is positive")]

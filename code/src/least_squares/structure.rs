@@ -1,13 +1,12 @@
 //! The factors of a problem in the order in which elimination wants them: landmark by landmark,
 //! and within a landmark by the row of the other variable.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Manifold;
 use super::linearized::Linearized;
-use super::ordering::{envelope, reverse_cuthill_mckee};
-use super::problem::{Columns, Problem};
+use super::ordering::{envelope, neighbours, reverse_cuthill_mckee};
+use super::problem::Problem;
 use super::solver::SolveError;
 
 // ANCHOR: landmark
@@ -136,7 +135,6 @@ impl Structure {
         let new_row = |row: &mut Option<usize>| *row = row.map(|row| order[row]);
         seen_by.iter_mut().flatten().for_each(|seen| new_row(&mut seen.row));
         structure.others.iter_mut().flat_map(|other| &mut other.variables).for_each(new_row);
-        structure.first_columns = envelope(roles.variables.len(), structure.couplings(&seen_by));
         for (coordinate, seen_by) in roles.landmarks.into_iter().zip(seen_by) {
             structure.add_landmark(coordinate, seen_by);
         }
@@ -155,6 +153,7 @@ impl Structure {
         let factors = problem.group(group);
         let mut places = Places::default();
         let mut others = Others { group, factors: Vec::new(), variables: Vec::new() };
+        let mut before = None;
         for factor in 0..factors.count() as u32 {
             let mut named = Vec::new();
             factors.variables(factor as usize, &mut |index| named.push(roles.of[index]));
@@ -172,6 +171,9 @@ impl Structure {
                 continue;
             };
             places.landmark = landmark.unwrap_or_default();
+            if before.replace(places.landmark).is_some_and(|slot| slot != places.landmark) {
+                return Err(wrong("has its landmark in another place than others of its type"));
+            }
             if moving + 1 < named.iter().filter(|role| **role != Role::Held).count() {
                 return Err(wrong("sees two landmarks; only factors of one can be eliminated"));
             }
@@ -190,27 +192,20 @@ impl Structure {
         Ok(())
     }
 
-    /// All pairs of rows in which something stands, as lists of rows of which every pair counts.
-    fn couplings<'a>(&'a self, seen_by: &'a [Vec<Seen>]) -> impl Iterator<Item = Vec<usize>> {
+    /// The new place of each row: that which keeps the envelope small.
+    fn order(&mut self, seen_by: &[Vec<Seen>], rows: usize) -> Vec<usize> {
         let of_landmarks = seen_by.iter().map(|seen| seen.iter().filter_map(|s| s.row).collect());
         let of_others = self.others.iter().flat_map(|others| {
             let each = others.variables.len() / others.factors.len();
             others.variables.chunks(each).map(|rows| rows.iter().flatten().copied().collect())
         });
-        of_landmarks.chain(of_others)
-    }
-
-    /// The new place of each row: that which keeps the envelope small.
-    fn order(&self, seen_by: &[Vec<Seen>], rows: usize) -> Vec<usize> {
-        let as_they_are: Vec<usize> = (0..rows).collect();
-        let reordered = reverse_cuthill_mckee(rows, self.couplings(seen_by));
-        let stored = |order: &[usize]| -> usize {
-            let renamed = self
-                .couplings(seen_by)
-                .map(|rows| rows.into_iter().map(|row| order[row]).collect());
-            envelope(rows, renamed).iter().enumerate().map(|(row, first)| row - first).sum()
-        };
-        if stored(&reordered) < stored(&as_they_are) { reordered } else { as_they_are }
+        let neighbours = neighbours(rows, of_landmarks.chain(of_others));
+        let orders = [(0..rows).collect(), reverse_cuthill_mckee(&neighbours)];
+        let [before, after] = orders.map(|order| (envelope(&neighbours, &order), order));
+        let stored = |first: &[usize]| first.iter().zip(0..).map(|(f, row)| row - f).sum::<usize>();
+        let better = if stored(&after.0) < stored(&before.0) { after } else { before };
+        self.first_columns = better.0;
+        better.1
     }
 
     /// Adds a landmark with the factors that see it. The rows of one variable stand together, in
@@ -275,36 +270,40 @@ struct Roles {
 
 impl Roles {
     fn of<L: Manifold>(problem: &Problem, dimension: usize) -> Result<Self, SolveError> {
-        let Columns { of: columns, .. } = problem.columns();
+        let columns = problem.columns();
         let mut roles =
             Self { of: Vec::new(), landmarks: Vec::new(), variables: Vec::new(), held: Vec::new() };
-        // Variables that are tied share their first column.
-        let mut row_of_column = BTreeMap::new();
-        for index in 0..problem.values().len() {
-            let coordinates = problem.values().coordinates_of(index).unwrap_or_default();
-            let own = &columns[coordinates.clone()];
-            let Some(first) = own.iter().flatten().next() else {
+        let mut of_blocks: Vec<Option<Role>> = vec![None; columns.blocks.len()];
+        for variable in 0..problem.values().len() {
+            let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
+            let own = &columns.of[coordinates.clone()];
+            let Some(block) = columns.block_of(coordinates.clone()) else {
                 roles.of.push(Role::Held);
                 continue;
             };
-            let is_landmark = problem.values().key::<L>(index).is_some();
-            if is_landmark && own.iter().all(Option::is_some) {
-                roles.of.push(Role::Landmark(roles.landmarks.len()));
-                roles.landmarks.push(coordinates.start);
-                continue;
+            let is_landmark = problem.values().key::<L>(variable).is_some();
+            let moves_whole = own.iter().all(Option::is_some);
+            let role = match of_blocks[block] {
+                Some(Role::Landmark(_)) => return Err(SolveError::TiedLandmark { variable }),
+                Some(tied) => tied,
+                None if is_landmark && moves_whole => Role::Landmark(roles.landmarks.len()),
+                None if is_landmark || own.len() != dimension => {
+                    return Err(SolveError::Block { variable, found: own.len(), dimension });
+                }
+                None => {
+                    let row = roles.variables.len();
+                    roles.variables.push(Vec::new());
+                    let held = own.iter().enumerate().filter(|(_, column)| column.is_none());
+                    roles.held.extend(held.map(|(axis, _)| (row, axis)));
+                    Role::Row(row)
+                }
+            };
+            match role {
+                Role::Row(row) => roles.variables[row].push(coordinates.start),
+                _ => roles.landmarks.push(coordinates.start),
             }
-            if is_landmark || own.len() != dimension {
-                return Err(SolveError::Block { variable: index, found: own.len(), dimension });
-            }
-            let row = *row_of_column.entry(*first).or_insert_with(|| {
-                let row = roles.variables.len();
-                roles.variables.push(Vec::new());
-                let held = own.iter().enumerate().filter(|(_, column)| column.is_none());
-                roles.held.extend(held.map(|(axis, _)| (row, axis)));
-                row
-            });
-            roles.variables[row].push(coordinates.start);
-            roles.of.push(Role::Row(row));
+            of_blocks[block] = Some(role);
+            roles.of.push(role);
         }
         Ok(roles)
     }

@@ -5,6 +5,7 @@ use std::fmt;
 use nalgebra::{DVector, Vector3};
 
 use super::Window;
+use crate::least_squares::Columns;
 
 // ANCHOR: direction
 /// A direction that measurements may leave free.
@@ -41,13 +42,6 @@ impl fmt::Display for Direction {
     }
 }
 
-/// How fast the world moves: a shift in m, a turn in rad and growth, each per unit of the step.
-struct Rates {
-    shift: Vector3<f64>,
-    turn: Vector3<f64>,
-    growth: f64,
-}
-
 impl Window {
     /// The vertical, upward, and two horizontal axes. Without gravity they are z, x and y.
     pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
@@ -64,6 +58,11 @@ impl Window {
     /// Implements {eq:four-null-vectors}, {eq:seven-null-vectors} and {eq:null-condition}. Zero for a landmark
     /// that does not exist or was not seen.
     pub fn direction(&self, direction: Direction) -> DVector<f64> {
+        self.direction_in(direction, &self.columns())
+    }
+
+    /// The same, by columns that are known.
+    pub(super) fn direction_in(&self, direction: Direction, columns: &Columns) -> DVector<f64> {
         let [up, forward, left] = self.axes();
         let (mut shift, mut turn, mut growth) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         match direction {
@@ -71,34 +70,40 @@ impl Window {
             Direction::Yaw => turn = up,
             Direction::Tilt(axis) => turn = if axis == 0 { forward } else { left },
             Direction::Scale => growth = 1.0,
-            Direction::Depth(landmark) => return self.depth_direction(landmark),
-            Direction::LeverArm(axis) => return self.lever_direction(axis.min(2)),
+            Direction::Depth(landmark) => return self.depth_direction(landmark, columns),
+            Direction::LeverArm(axis) => return self.lever_direction(axis.min(2), columns),
         }
-        self.whole_motion(&Rates { shift, turn, growth })
+        self.whole_motion(&shift, &turn, growth, columns)
     }
 
     // ANCHOR: null_vector
-    /// How every coordinate changes when the world moves, as far as it is unknown.
-    fn whole_motion(&self, rates: &Rates) -> DVector<f64> {
-        let Rates { shift, turn, growth } = rates;
+    /// How every coordinate that is unknown changes when the world is shifted in m, turned in rad
+    /// and grows, each per unit of the step.
+    fn whole_motion(
+        &self,
+        shift: &Vector3<f64>,
+        turn: &Vector3<f64>,
+        growth: f64,
+        columns: &Columns,
+    ) -> DVector<f64> {
         let mut whole = Vec::new();
         for (k, state) in self.states.iter().enumerate() {
             let phi = state.world_from_body.inverse() * turn;
-            let v = turn.cross(&state.velocity) + *growth * self.camera_velocity(k);
+            let v = turn.cross(&state.velocity) + growth * self.camera_velocity(k);
             let centre = self.rig.world_from_camera(state).translation.vector;
-            let p = shift + turn.cross(&state.position) + *growth * centre;
+            let p = shift + turn.cross(&state.position) + growth * centre;
             whole.extend([phi, v, p]);
         }
-        let hiding = self.hiding_bias(*growth, &turn.cross(&self.gravity));
+        let hiding = self.hiding_bias(growth, &turn.cross(&self.gravity));
         whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
-        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + *growth * f));
-        self.select(&whole, &Vector3::zeros())
+        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + growth * f));
+        unknown(columns, &whole, &Vector3::zeros())
     }
     // ANCHOR_END: null_vector
 
     // ANCHOR: depth_direction
     /// The direction from the camera that first saw a landmark to the landmark, in its rows.
-    fn depth_direction(&self, landmark: usize) -> DVector<f64> {
+    fn depth_direction(&self, landmark: usize, columns: &Columns) -> DVector<f64> {
         let vectors = 3 * self.states.len() + 2 * self.biases.len();
         let mut whole = vec![Vector3::zeros(); vectors + self.landmarks.len()];
         let first = self.observations.iter().find(|factor| factor.point == landmark);
@@ -107,14 +112,14 @@ impl Window {
             let centre = self.rig.world_from_camera(state).translation.vector;
             whole[vectors + landmark] = point - centre;
         }
-        self.select(&whole, &Vector3::zeros())
+        unknown(columns, &whole, &Vector3::zeros())
     }
     // ANCHOR_END: depth_direction
 
     // ANCHOR: lever_direction
     /// How the body moves when the camera moves on it by a unit along an axis and stays where it
     /// is in the world.
-    fn lever_direction(&self, axis: usize) -> DVector<f64> {
+    fn lever_direction(&self, axis: usize, columns: &Columns) -> DVector<f64> {
         let along = Vector3::ith(axis, 1.0);
         let mut whole = Vec::new();
         for (state, rate) in self.states.iter().zip(&self.angular_velocities) {
@@ -122,18 +127,18 @@ impl Window {
             whole.extend([Vector3::zeros(), turned(rate.cross(&along)), turned(along)]);
         }
         whole.resize(whole.len() + 2 * self.biases.len() + self.landmarks.len(), Vector3::zeros());
-        self.select(&whole, &self.rig.body_from_camera.rotation.inverse_transform_vector(&along))
+        let lever = self.rig.body_from_camera.rotation.inverse_transform_vector(&along);
+        unknown(columns, &whole, &lever)
     }
     // ANCHOR_END: lever_direction
+}
 
-    /// What of these vectors, over states, biases and landmarks, is unknown, with a shift of the
-    /// camera on the body in its own frame. The camera keeps its orientation on the body, and its
-    /// clock its offset.
-    fn select(&self, whole: &[Vector3<f64>], lever: &Vector3<f64>) -> DVector<f64> {
-        let columns = self.columns();
-        let vectors = whole.iter().chain([lever, &const { Vector3::new(0.0, 0.0, 0.0) }]);
-        let changes = vectors.flat_map(|vector| vector.iter()).chain(&[0.0]);
-        let unknown = columns.of.iter().zip(changes).filter(|(column, _)| column.is_some());
-        DVector::from_iterator(columns.count, unknown.map(|(_, change)| *change))
-    }
+/// What of these vectors, over states, biases and landmarks, is unknown, with a shift of the
+/// camera on the body in its own frame. The camera keeps its orientation on the body, and its
+/// clock its offset.
+fn unknown(columns: &Columns, whole: &[Vector3<f64>], lever: &Vector3<f64>) -> DVector<f64> {
+    let vectors = whole.iter().chain([lever, &const { Vector3::new(0.0, 0.0, 0.0) }]);
+    let changes = vectors.flat_map(|vector| vector.iter()).chain(&[0.0]);
+    let unknown = columns.of.iter().zip(changes).filter(|(column, _)| column.is_some());
+    DVector::from_iterator(columns.count, unknown.map(|(_, change)| *change))
 }

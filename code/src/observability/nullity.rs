@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::{Direction, ObservabilityError, Window};
-use crate::least_squares::{NullSpace, Spectrum};
+use crate::least_squares::{Columns, NullSpace, Spectrum};
 
 /// A sum of directions that is free although none of them is by itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,17 +48,20 @@ impl Window {
     /// Those of [`Window::residual`], and [`ObservabilityError::NullSpace`].
     pub fn free_directions(&self) -> Result<FreeDirections, ObservabilityError> {
         let spectrum = Spectrum::of(&self.linearize()?.0)?;
-        let null_space = spectrum.null_space();
-        let mut span = Span::default();
-        let mut named = Vec::new();
+        let (null_space, columns) = (spectrum.null_space(), self.columns());
+        let (mut named, mut units) = (Vec::new(), Vec::new());
         for direction in self.candidates() {
-            let (_, candidate) = null_space.scaled(&self.direction(direction));
-            let free = null_space.outside(&candidate).norm() < NullSpace::TOLERANCE;
-            if named.len() < spectrum.zeros && free && span.extend(&candidate) {
+            let candidate = self.direction_in(direction, &columns);
+            let is_free = null_space.leaves(&candidate) < NullSpace::TOLERANCE;
+            units.push(null_space.scaled(&candidate).1);
+            let span = DMatrix::from_columns(&units);
+            if is_free && NullSpace::sums_that_vanish(&span, &span).is_empty() {
                 named.push(direction);
+            } else {
+                units.pop();
             }
         }
-        let mixtures = self.mixtures(&null_space, &named);
+        let mixtures = self.mixtures(&null_space, &named, &columns);
         Ok(FreeDirections { spectrum, named, mixtures })
     }
     // ANCHOR_END: name
@@ -75,51 +78,32 @@ impl Window {
 
     // ANCHOR: mixtures
     /// Sums of scale and tilts that are free while their parts are not.
-    fn mixtures(&self, null_space: &NullSpace, named: &[Direction]) -> Vec<Mixture> {
+    fn mixtures(
+        &self,
+        null_space: &NullSpace,
+        named: &[Direction],
+        columns: &Columns,
+    ) -> Vec<Mixture> {
         let left = null_space.nullity() - named.len();
         let parts = [Direction::Scale, Direction::Tilt(0), Direction::Tilt(1)];
         let parts: Vec<_> = parts.into_iter().filter(|part| !named.contains(part)).collect();
         if left == 0 || parts.len() < 2 {
             return Vec::new();
         }
-        let directions: Vec<_> = parts.iter().map(|part| self.direction(*part)).collect();
-        let lengths: Vec<_> = directions.iter().map(|d| null_space.scaled(d).0).collect();
+        let directions: Vec<_> =
+            parts.iter().map(|part| self.direction_in(*part, columns)).collect();
         let sums = null_space.combinations(&directions);
-        let mixture = |column| Mixture::new(&parts, &lengths, &sums.column(column).into_owned());
+        let mixture = |column| Mixture::new(&parts, &sums.column(column).into_owned());
         (0..sums.ncols().min(left)).map(mixture).collect()
     }
     // ANCHOR_END: mixtures
 }
 
 impl Mixture {
-    /// From factors of directions of length one, and the lengths that they have.
-    fn new(parts: &[Direction], lengths: &[f64], factors: &DVector<f64>) -> Self {
-        let factor = |at: usize| factors[at] / lengths[at];
-        let largest = (0..parts.len())
-            .map(factor)
-            .fold(0.0_f64, |largest, f| if f.abs() > largest.abs() { f } else { largest });
-        let parts = parts.iter().enumerate().map(|(at, part)| (*part, factor(at) / largest));
+    fn new(parts: &[Direction], factors: &DVector<f64>) -> Self {
+        let largest = factors[factors.icamax()];
+        let parts = parts.iter().zip(factors).map(|(part, factor)| (*part, factor / largest));
         Self { parts: parts.filter(|(_, factor)| factor.abs() > NullSpace::TOLERANCE).collect() }
-    }
-}
-
-/// Vectors that are told apart by whether they add a dimension.
-#[derive(Default)]
-struct Span(Vec<DVector<f64>>);
-
-impl Span {
-    /// Adds a unit vector unless it lies in the span already.
-    fn extend(&mut self, unit: &DVector<f64>) -> bool {
-        let mut rest = unit.clone();
-        // Twice is enough for orthogonality to rounding.
-        for known in self.0.iter().chain(&self.0) {
-            rest -= known.dot(&rest) * known;
-        }
-        let length = rest.norm();
-        if length > 10.0 * NullSpace::TOLERANCE {
-            self.0.push(rest / length);
-        }
-        length > 10.0 * NullSpace::TOLERANCE
     }
 }
 

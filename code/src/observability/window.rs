@@ -185,7 +185,8 @@ impl Window {
     /// An [`ObservabilityError`] when the window does not fit together, a landmark is not in front
     /// of its camera, or a number is not finite.
     pub fn residual(&self) -> Result<DVector<f64>, ObservabilityError> {
-        Ok(self.linearize()?.1)
+        let problem = self.problem()?;
+        problem.residual(problem.values()).map_err(|error| self.explained(error))
     }
 
     /// The derivatives of the whitened residuals by all that is unknown, and the residuals.
@@ -195,15 +196,13 @@ impl Window {
     /// Those of [`Window::residual`].
     pub fn linearize(&self) -> Result<(DMatrix<f64>, DVector<f64>), ObservabilityError> {
         let problem = self.problem()?;
-        problem.jacobian(problem.values()).map_err(|error| match error {
-            // Pixels were added first, and nothing else is undefined anywhere.
-            SolveError::Undefined { factor } => self.not_in_front(factor),
-            error => error.into(),
-        })
+        problem.jacobian(problem.values()).map_err(|error| self.explained(error))
     }
     // ANCHOR_END: residual
 
-    fn not_in_front(&self, observation: usize) -> ObservabilityError {
+    fn explained(&self, error: SolveError) -> ObservabilityError {
+        // Pixels were added first, and nothing else is undefined anywhere.
+        let SolveError::Undefined { factor: observation } = error else { return error.into() };
         let ReprojFactor { keyframe: state, point: landmark, .. } = self.observations[observation];
         ObservabilityError::NotInFront { observation, state, landmark }
     }

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
 use vislam::factors::Prior;
-use vislam::least_squares::{Kernel, Key, NullSpaceError, Options, Problem, SolveError, Spectrum};
+use vislam::least_squares::{
+    Kernel, Key, LandmarkElimination, NullSpaceError, Options, Problem, SolveError, Spectrum,
+};
 use vislam::manifold::se3;
 
 use super::{Between, Draws, Linear, Sighting, loop_of_poses};
@@ -209,6 +211,76 @@ fn the_square_of_a_jacobian_forgets_what_the_jacobian_sees() {
 }
 
 #[test]
+fn normal_equations_that_forget_the_weakest_direction_are_an_error_that_says_so() {
+    for more in MORE {
+        let problem = a_little_measured(1e-9, more);
+        let error = problem.solve(&Options::gauss_newton()).unwrap_err();
+        let SolveError::LostToRounding { least_seen } = error else { panic!("{error}") };
+        assert!((least_seen / 5e-10 - 1.0).abs() < 0.05, "{least_seen}");
+        assert!(error.to_string().starts_with("nothing is free, but"));
+        assert!(problem.solve(&Options::default()).is_ok());
+    }
+}
+
+#[test]
+fn the_residual_is_that_beside_the_jacobian() {
+    let (mut problem, poses, _) = loop_of_poses(5, 0.1);
+    problem.hold(poses[0]).unwrap();
+    let shift = DVector::from_fn(problem.values().dimension(), |row, _| 0.1 * (row as f64).sin());
+    let values = problem.values().retract(shift.as_slice());
+    assert_eq!(problem.residual(&values).unwrap(), problem.jacobian(&values).unwrap().1);
+    let other = a_little_measured(1.0, 0);
+    let error = problem.residual(other.values()).unwrap_err();
+    assert!(matches!(error, SolveError::WrongValues { .. }), "{error}");
+}
+
+/// Numbers that look random.
+fn entry(seed: usize) -> impl FnMut(usize, usize) -> f64 {
+    move |row, column| {
+        let x = (1 + row * 31 + column * 17 + seed * 101) as f64;
+        2.0 * (x.sin() * 43_758.545_3).fract()
+    }
+}
+
+#[test]
+fn a_matrix_that_lacks_rank_has_as_many_zeros_and_its_own_null_space() {
+    for seed in 0..300 {
+        let missing = seed % 4;
+        let thin = DMatrix::from_fn(20, 8 - missing, entry(seed));
+        let matrix = thin * DMatrix::from_fn(8 - missing, 8, entry(seed + 1000));
+        let spectrum = Spectrum::of(&matrix).unwrap();
+        assert_eq!(spectrum.zeros, missing);
+        assert!(spectrum.singular_values.is_sorted());
+        let directions = spectrum.null_space().directions();
+        assert!((&matrix * &directions).norm() <= 1e-13 * matrix.norm() * directions.norm());
+        if let Some(covariance) = spectrum.covariance() {
+            let identity = matrix.tr_mul(&matrix) * covariance;
+            assert!((identity - DMatrix::identity(8, 8)).norm() < 1e-6, "{seed}");
+        }
+    }
+}
+
+#[test]
+fn small_singular_values_are_right_beside_large_ones() {
+    // Pairs of unit vectors at an angle θ, whose values are √2 sin θ/2 and √2 cos θ/2, turned.
+    let angles = [1.0, 1e-2, 1e-4, 1e-6, 1e-8];
+    let mut pairs = DMatrix::zeros(10, 10);
+    let mut values = Vec::new();
+    for (at, angle) in angles.iter().enumerate() {
+        let (sine, cosine) = f64::sin_cos(*angle);
+        pairs.view_mut((2 * at, 2 * at), (1, 2)).copy_from_slice(&[1.0, cosine]);
+        pairs[(2 * at + 1, 2 * at + 1)] = sine;
+        values.extend([f64::sin(0.5 * angle), f64::cos(0.5 * angle)]);
+    }
+    values.sort_by(f64::total_cmp);
+    let turned = DMatrix::from_fn(12, 10, entry(7)).qr().q() * pairs;
+    let found = Spectrum::of(&turned).unwrap().singular_values;
+    for (found, value) in found.iter().zip(&values) {
+        assert!((found - value / values[9]).abs() < 2e-15, "{found} for {value}");
+    }
+}
+
+#[test]
 fn gauss_newton_refuses_what_is_free_among_many_columns_too() {
     let (problem, _) = chain_of_poses(68);
     let error = problem.solve(&Options::gauss_newton()).unwrap_err();
@@ -229,4 +301,20 @@ fn what_no_factor_depends_on_is_all_free() {
     let jacobian = DMatrix::<f64>::zeros(4, 3);
     let null_space = Spectrum::of(&jacobian).unwrap().null_space();
     assert_eq!((null_space.nullity(), null_space.least_seen), (3, None));
+}
+
+#[test]
+fn landmarks_in_different_places_of_one_type_of_factor_are_refused() {
+    let mut problem = Problem::new();
+    let points = [(); 4].map(|()| problem.add_variable(Vector3::<f64>::zeros()));
+    let [first, second, held, also_held] = points;
+    problem.hold(held).unwrap();
+    problem.hold(also_held).unwrap();
+    for vectors in [[first, held, also_held], [held, second, also_held]] {
+        let linear = Linear { vectors, blocks: [Matrix3::identity(); 3], measured: Vector3::x() };
+        problem.add_factor(linear, Kernel::Squared).unwrap();
+    }
+    let error = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap_err();
+    let said = "factor 1 has its landmark in another place than others of its type";
+    assert_eq!(error.to_string(), said);
 }

@@ -345,7 +345,7 @@ fn damping(chapter: &mut Chapter) {
         ("what damping holds back dropped", |case| predicted(case, [1.0, 1.0, 0.0])),
         ("sign of the damping", |case| predicted(case, [1.0, 1.0, -1.0])),
     ];
-    chapter.equation("promise-in-parts", promise_in_parts, formula, &mutants);
+    chapter.equation("predicted-decrease-in-parts", predicted_decrease_in_parts, formula, &mutants);
 }
 
 /// The cameras' step when cameras and points are damped like this.
@@ -382,7 +382,7 @@ fn predicted(case: &Case, [cameras, points, held]: [f64; 3]) -> DMatrix<f64> {
     number(0.5 * (cameras * cameras_part + points * points_part + held * held_back))
 }
 
-fn promise_in_parts(formula: Formula) -> Comparison {
+fn predicted_decrease_in_parts(formula: Formula) -> Comparison {
     let against = "the cost of the linearized pixels before and after the step";
     compared((against, 1e-8, 8), formula, |case| {
         let (jacobian, residual) = case.with_measurements_of_zero(case.damping);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver, TinyBa};
-use vislam::least_squares::Options;
+use vislam::least_squares::{Options, Spectrum};
 
 pub type Ba = TinyBa<PosedPinhole, 6>;
 
@@ -80,9 +80,7 @@ impl Whole {
                 Some(column) => self.points[(row, column)],
             },
         );
-        let values = all.singular_values();
-        let largest = values.max();
-        values.iter().filter(|value| **value > 1e-9 * largest).count()
+        all.ncols() - Spectrum::of(&all).expect("zeros are told apart from what is seen").zeros
     }
 }
 

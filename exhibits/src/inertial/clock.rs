@@ -1,7 +1,7 @@
 //! Two clocks that disagree, and what that does to pixels.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Vector2, Vector3, Vector6};
-use vislam::inertial::{Angles, CameraImu, Kinematics, ScalarTrajectory, Trajectory};
+use vislam::inertial::{CameraImu, EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
 use vislam::manifold::se3;
 use vislam::reprojection::Pinhole;
 
@@ -188,8 +188,8 @@ pub fn paced(pace: f64) -> Trajectory {
         ..coordinate
     };
     let Trajectory { position, angles } = Trajectory::figure_eight();
-    let Angles { yaw, pitch, roll } = angles;
-    let angles = Angles { yaw: faster(yaw), pitch: faster(pitch), roll: faster(roll) };
+    let EulerAngles { yaw, pitch, roll } = angles;
+    let angles = EulerAngles { yaw: faster(yaw), pitch: faster(pitch), roll: faster(roll) };
     Trajectory { position: position.map(faster), angles }
 }
 

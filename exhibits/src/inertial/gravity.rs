@@ -1,7 +1,7 @@
 //! What an accelerometer feels, and how gravity shows which way is up.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{Angles, GRAVITY, ImuNoise, Kinematics, ScalarTrajectory, Trajectory};
+use vislam::inertial::{EulerAngles, GRAVITY, ImuNoise, Kinematics, ScalarTrajectory, Trajectory};
 use vislam::manifold::so3;
 
 use super::STATES;
@@ -118,7 +118,7 @@ fn inertial_tilt(formula: Tilt) -> Comparison {
     for _ in 0..STATES {
         let [yaw, roll] = [0, 1].map(|_| random.uniform(-3.1..3.1));
         let pitch = random.uniform(-1.5..1.5);
-        let angles = Angles {
+        let angles = EulerAngles {
             yaw: ScalarTrajectory::constant(yaw),
             pitch: ScalarTrajectory::constant(pitch),
             roll: ScalarTrajectory::constant(roll),

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
-use vislam::inertial::{Angles, CameraImu, ScalarTrajectory, Trajectory};
+use vislam::inertial::{CameraImu, EulerAngles, ScalarTrajectory, Trajectory};
 
 use crate::random::Random;
 
@@ -18,7 +18,8 @@ pub fn motion(random: &mut Random) -> Trajectory {
         phase: random.uniform(0.0..TAU),
     };
     let position = [coordinate(2.0), coordinate(2.0), coordinate(1.0)];
-    let angles = Angles { yaw: coordinate(1.5), pitch: coordinate(0.5), roll: coordinate(0.8) };
+    let angles =
+        EulerAngles { yaw: coordinate(1.5), pitch: coordinate(0.5), roll: coordinate(0.8) };
     Trajectory { position, angles }
 }
 

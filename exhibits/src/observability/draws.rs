@@ -1,7 +1,7 @@
 //! Random states, rigs and windows.
 
 use nalgebra::{Isometry3, Vector3};
-use vislam::inertial::{Angles, CameraImu, GRAVITY, NavState, ScalarTrajectory, Trajectory};
+use vislam::inertial::{CameraImu, EulerAngles, GRAVITY, NavState, ScalarTrajectory, Trajectory};
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 
 use super::worked::of_flight;
@@ -44,8 +44,8 @@ fn coordinate(random: &mut Random, size: f64) -> ScalarTrajectory {
     }
 }
 
-pub fn angles(random: &mut Random) -> Angles {
-    Angles {
+pub fn angles(random: &mut Random) -> EulerAngles {
+    EulerAngles {
         yaw: coordinate(random, 0.5),
         pitch: coordinate(random, 0.3),
         roll: coordinate(random, 0.5),

@@ -1,7 +1,7 @@
 //! What the inertial sensor says to a similarity.
 
 use nalgebra::{Rotation3, SMatrix, Vector3};
-use vislam::inertial::{Angles, GRAVITY, NavState, Trajectory};
+use vislam::inertial::{EulerAngles, GRAVITY, NavState, Trajectory};
 use vislam::manifold::so3;
 use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
 use vislam::preintegration::{Preintegrated, imu_residual};
@@ -213,10 +213,10 @@ fn degenerate(random: &mut Random, kind: usize) -> (Trajectory, Similarity) {
     let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), random.uniform(0.2..1.0));
     let acceleration = random.direction(1.5);
     // A body that does not turn stands in any way.
-    let standing = || Angles {
+    let standing = || EulerAngles {
         yaw: vislam::inertial::ScalarTrajectory::constant(0.4),
         roll: vislam::inertial::ScalarTrajectory::constant(-0.7),
-        ..Angles::default()
+        ..EulerAngles::default()
     };
     match kind {
         0 => {

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DVector, Vector3};
-use vislam::inertial::{Angles, ImuNoise, ScalarTrajectory, Trajectory};
+use vislam::inertial::{EulerAngles, ImuNoise, ScalarTrajectory, Trajectory};
 use vislam::least_squares::Spectrum;
 use vislam::observability::{BiasAssumption, Flight, FreeDirections, Window, landmarks_around};
 
@@ -26,12 +26,12 @@ pub struct Case {
 }
 
 /// About all axes, as in the figure-eight.
-pub fn turning() -> Angles {
+pub fn turning() -> EulerAngles {
     Trajectory::figure_eight().angles
 }
 
 /// Swaying to and fro along all axes at different rates.
-pub fn swaying(angles: Angles) -> Trajectory {
+pub fn swaying(angles: EulerAngles) -> Trajectory {
     let position = [
         ScalarTrajectory::wave(0.3, 2.0, 0.0),
         ScalarTrajectory::wave(0.4, 3.0, 0.0),
@@ -42,8 +42,9 @@ pub fn swaying(angles: Angles) -> Trajectory {
 
 pub fn cases() -> [Case; 11] {
     let case = |word, name, motion| Case { word, name, motion };
-    let pitching = Angles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..Angles::default() };
-    let straight = Angles::default();
+    let pitching =
+        EulerAngles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..EulerAngles::default() };
+    let straight = EulerAngles::default();
     [
         case("eight", "figure-eight", Trajectory::figure_eight()),
         case(

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Isometry3, Matrix2, Vector2, Vector3};
 use vislam::bearing::back_project;
+use vislam::least_squares::Spectrum;
 
 use super::mixing::{
     Convention, Experiment, FAR_START, OUTCOME_ANGLES, RATE_ANGLES, consistent_and_noiseless,
@@ -69,6 +70,11 @@ fn reading(chapter: &mut Chapter) {
     chapter.number("equal_depth_ten_times", 10.0 * equal_depth, "m", 0);
 }
 
+fn rank(jacobian: &DMatrix<f64>) -> usize {
+    let spectrum = Spectrum::of(jacobian).expect("zeros are told apart from what is seen");
+    jacobian.ncols() - spectrum.zeros
+}
+
 /// Ranks of the pose blocks of one, two, three and four points, stacked.
 fn ranks(chapter: &mut Chapter) {
     let pixels =
@@ -80,14 +86,14 @@ fn ranks(chapter: &mut Chapter) {
         let rows = stacked.nrows();
         stacked = stacked.insert_rows(rows, 2, 0.0);
         stacked.rows_mut(rows, 2).copy_from(&block);
-        chapter.number(name, stacked.rank(1e-6) as f64, "", 0);
+        chapter.number(name, rank(&stacked) as f64, "", 0);
     }
     let both = CAMERA.jacobians(&Isometry3::identity(), &POINT);
     let (by_pose, by_point) = both.unwrap_or((NO_POSE_BLOCK, NO_POINT_BLOCK));
     let mut together = DMatrix::<f64>::zeros(2, 9);
     together.columns_mut(0, 6).copy_from(&by_pose);
     together.columns_mut(6, 3).copy_from(&by_point);
-    chapter.number("free_of_nine", 9.0 - together.rank(1e-6) as f64, "", 0);
+    chapter.number("free_of_nine", 9.0 - rank(&together) as f64, "", 0);
 }
 
 fn bent_image(chapter: &mut Chapter) {

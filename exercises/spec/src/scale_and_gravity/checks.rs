@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::{
     DMatrix, Matrix3, Point3, Rotation3, SMatrix, Similarity3, UnitQuaternion, Vector3,
 };
-use vislam::inertial::{Angles, GRAVITY, ImuBias, ScalarTrajectory, Trajectory};
+use vislam::inertial::{EulerAngles, GRAVITY, ImuBias, ScalarTrajectory, Trajectory};
 use vislam::manifold::so3;
 use vislam::preintegration::imu_residual;
 
@@ -400,8 +400,8 @@ impl Flight {
 }
 
 /// A body that stands as nobody would put it.
-fn tilted() -> Angles {
-    Angles {
+fn tilted() -> EulerAngles {
+    EulerAngles {
         yaw: ScalarTrajectory::constant(1.3),
         pitch: ScalarTrajectory::constant(0.5),
         roll: ScalarTrajectory::constant(-0.7),
@@ -411,7 +411,7 @@ fn tilted() -> Angles {
 /// Motions at constant velocity.
 fn steady(draw: &mut Draw, t: f64) -> Vec<Flight> {
     let (nothing, times) = (Vector3::zeros(), [0.0, t, 2.0 * t]);
-    let turning = Angles {
+    let turning = EulerAngles {
         yaw: ScalarTrajectory { rate: draw.uniform(0.5..1.0), ..tilted().yaw },
         pitch: ScalarTrajectory::wave(0.4, draw.uniform(0.8..1.5), 0.3),
         roll: ScalarTrajectory::wave(0.5, draw.uniform(0.8..1.5), 1.0),

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use plotters::element::{PathElement, Polygon, Rectangle, Text};
 use plotters::style::Color;
-use vislam::inertial::{Angles, GRAVITY, Trajectory};
+use vislam::inertial::{EulerAngles, GRAVITY, Trajectory};
 
 use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, MEASURED, SERIES, letters_around};
 
@@ -34,7 +34,8 @@ pub fn boxes() -> Figure {
 }
 
 fn reading(up: f64) -> f64 {
-    let motion = Trajectory::constant_acceleration(&Vector3::new(0.0, 0.0, up), Angles::default());
+    let motion =
+        Trajectory::constant_acceleration(&Vector3::new(0.0, 0.0, up), EulerAngles::default());
     motion.at(0.0).sample(&GRAVITY).accelerometer.z
 }
 

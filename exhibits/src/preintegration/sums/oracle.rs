@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, SMatrix, UnitQuaternion, Vector3};
 use vislam::inertial::{
-    Angles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, ScalarTrajectory, Trajectory,
+    EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, ScalarTrajectory, Trajectory,
 };
 use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9, preintegrate};
 
@@ -163,7 +163,7 @@ fn coordinate(random: &mut Random, size: f64) -> ScalarTrajectory {
 pub fn motion(random: &mut Random) -> Trajectory {
     let position = [2.0, 2.0, 2.0].map(|size| coordinate(random, size));
     let [yaw, pitch, roll] = [0.8, 0.4, 0.8].map(|size| coordinate(random, size));
-    Trajectory { position, angles: Angles { yaw, pitch, roll } }
+    Trajectory { position, angles: EulerAngles { yaw, pitch, roll } }
 }
 
 pub fn bias(random: &mut Random, gyro: f64, accelerometer: f64) -> ImuBias {
