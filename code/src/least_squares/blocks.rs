@@ -142,6 +142,7 @@ impl<const D: usize> SchurComplement<D> {
         matrix
     }
 
+    #[inline(always)]
     // ANCHOR: factorize
     /// Replaces S by its Cholesky factor L with S = L Lᵀ, row of blocks by row of blocks. On
     /// the diagonal of L stand the reciprocals.
@@ -149,7 +150,6 @@ impl<const D: usize> SchurComplement<D> {
     /// # Errors
     ///
     /// The first coordinate whose pivot is not above its entry of `smallest`.
-    #[inline(always)]
     pub fn factorize(&mut self, smallest: &[[f64; D]]) -> Result<(), usize> {
         for (row, smallest) in smallest.iter().enumerate() {
             let (done, rest) = self.blocks.split_at_mut(self.start[row]);

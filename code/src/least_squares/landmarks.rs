@@ -594,15 +594,16 @@ fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
     linear
 }
 
-/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables, from the rows of J and Q of each.
-/// Here δ is one for a variable with itself, and zero otherwise.
+/// The rows J and Q of a variable.
+type Own<'a, const D: usize> = (&'a [[f64; D]], &'a [[f64; 3]]);
+
+/// The same, when their number is known.
+type Known<'a, const D: usize, const N: usize> = (&'a [[f64; D]; N], &'a [[f64; 3]; N]);
+
+/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables. Here δ is one for a variable with
+/// itself, and zero otherwise.
 #[inline(always)]
-fn add_pair<const D: usize>(
-    block: &mut [[f64; D]; D],
-    left: (&[[f64; D]], &[[f64; 3]]),
-    right: (&[[f64; D]], &[[f64; 3]]),
-    delta: f64,
-) {
+fn add_pair<const D: usize>(block: &mut [[f64; D]; D], left: Own<D>, right: Own<D>, delta: f64) {
     // Pixels have two rows; a number that is known when compiling keeps the sums in registers.
     if let (Some(left), Some(right)) = (by_two(left), by_two(right)) {
         return add_rows(block, left, right, delta);
@@ -618,18 +619,16 @@ fn add_pair<const D: usize>(
 
 /// The rows of a variable, if there are two.
 #[inline(always)]
-fn by_two<'a, const D: usize>(
-    rows: (&'a [[f64; D]], &'a [[f64; 3]]),
-) -> Option<(&'a [[f64; D]; 2], &'a [[f64; 3]; 2])> {
-    rows.0.as_array().zip(rows.1.as_array())
+fn by_two<const D: usize>((slopes, whitened): Own<D>) -> Option<Known<D, 2>> {
+    slopes.as_array().zip(whitened.as_array())
 }
 
 // ANCHOR: add_pair
 #[inline(always)]
 fn add_rows<const D: usize, const N: usize>(
     block: &mut [[f64; D]; D],
-    (slopes, whitened): (&[[f64; D]; N], &[[f64; 3]; N]),
-    (other, other_whitened): (&[[f64; D]; N], &[[f64; 3]; N]),
+    (slopes, whitened): Known<D, N>,
+    (other, other_whitened): Known<D, N>,
     delta: f64,
 ) {
     let mut unexplained = [[0.0; D]; N];

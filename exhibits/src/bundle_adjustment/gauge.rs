@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector3};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
-use vislam::least_squares::Options;
+use vislam::factors::{MovingCamera, PixelByCamera};
+use vislam::least_squares::{Kernel, Options, Problem, ProblemError};
 use vislam::manifold::so3;
 use vislam::two_views::scale_direction;
 
@@ -164,8 +165,35 @@ impl Covariances {
     }
 }
 
+/// The weakest direction that the pixels of a street see, as a fraction of the strongest.
+fn weakest(cameras: usize) -> Result<f64, ProblemError> {
+    let street = Scene::street(cameras, 2.5, 1.0, SEED).problem;
+    let mut problem = Problem::new();
+    let cameras: Vec<_> =
+        street.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
+    let points: Vec<_> = street.points.iter().map(|point| problem.add_variable(*point)).collect();
+    problem.hold(cameras[0])?;
+    for factor in &street.factors {
+        let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
+        let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
+        problem.add_factor(
+            PixelByCamera { camera, landmark, pixel, inverse_sigma },
+            Kernel::Squared,
+        )?;
+    }
+    let null_space = problem.null_space(problem.values());
+    Ok(null_space.ok().and_then(|null_space| null_space.least_seen).unwrap_or(f64::NAN))
+}
+
 /// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
+    let [short, long] = [100, 200].map(|cameras| weakest(cameras).expect("variables of its own"));
+    chapter.number("weakest_100", 1e6 * short, "", 0);
+    chapter.number("weakest_200", 1e6 * long, "", 0);
+    let longest = long * (200.0_f64 / 2000.0).powi(2);
+    chapter.number("weakest_2000", 1e6 * longest, "", 2);
+    chapter.number("weakest_2000_square", 1e14 * longest * longest, "", 0);
+
     let ring = Scene::ring(CAMERAS, POINTS, 1.0, SEED);
     let free = |fixed: bool| {
         let mut problem = ring.problem.clone();
