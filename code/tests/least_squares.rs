@@ -794,7 +794,7 @@ fn wrong_options_and_wrong_values_are_refused() {
 }
 
 /// A point, seen from a pose, relative to it: Tᵀ P in body coordinates less what was measured.
-struct Sighting {
+struct Observation {
     pose: Key<Isometry3<f64>>,
     point: Key<Vector3<f64>>,
     in_body: Vector3<f64>,
@@ -803,7 +803,7 @@ struct Sighting {
 type PoseAndPoint<'a> = (&'a Isometry3<f64>, &'a Vector3<f64>);
 
 // ANCHOR: pose_and_point
-impl Factor<3> for Sighting {
+impl Factor<3> for Observation {
     type Variables = (Isometry3<f64>, Vector3<f64>);
     type Jacobians = (Matrix3x6<f64>, Matrix3<f64>);
 
@@ -842,8 +842,8 @@ fn poses_and_points_are_variables_of_one_problem() {
         let point = problem.add_variable(true_point + 0.3 * draws.vector::<3>());
         for (&pose, true_pose) in poses.iter().zip(&true_poses) {
             let in_body = se3::transform(&true_pose.inverse(), true_point);
-            let sighting = Sighting { pose, point, in_body };
-            problem.add_factor(sighting, Kernel::Huber(1.0)).unwrap();
+            let observation = Observation { pose, point, in_body };
+            problem.add_factor(observation, Kernel::Huber(1.0)).unwrap();
         }
         points.push(point);
     }

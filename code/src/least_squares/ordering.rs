@@ -16,8 +16,8 @@ pub fn envelope(neighbours: &[Vec<usize>], place: &[usize]) -> Vec<usize> {
 // ANCHOR_END: envelope
 
 // ANCHOR: reverse_cuthill_mckee
-/// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill1969]; [@george1971]):
-/// neighbours before their neighbours, those with the fewest first.
+/// The new place of each row in the order of Cuthill and McKee, reversed ([@cuthill1969];
+/// [@george1971]): neighbours before their neighbours, those with the fewest first.
 pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
     let rows = neighbours.len();
     let mut seeds: Vec<usize> = (0..rows).collect();

@@ -138,6 +138,10 @@ impl Structure {
         for (coordinate, seen_by) in roles.landmarks.into_iter().zip(seen_by) {
             structure.add_landmark(coordinate, seen_by);
         }
+        structure.landmarks.shrink_to_fit();
+        structure.runs.shrink_to_fit();
+        structure.factors.shrink_to_fit();
+        structure.slots.shrink_to_fit();
         (structure.variables, structure.held) = (roles.variables, roles.held);
         Ok(structure)
     }
@@ -249,10 +253,10 @@ impl Structure {
 
     /// The memory that it holds, in bytes.
     pub fn bytes(&self) -> usize {
-        size_of::<Landmark>() * self.landmarks.capacity()
-            + size_of::<Run>() * self.runs.capacity()
-            + size_of::<u32>() * self.factors.capacity()
-            + size_of::<Slot>() * self.slots.capacity()
+        size_of_val(self.landmarks.as_slice())
+            + size_of_val(self.runs.as_slice())
+            + size_of_val(self.factors.as_slice())
+            + size_of_val(self.slots.as_slice())
             + size_of::<usize>() * 4 * self.variables.len()
     }
 }

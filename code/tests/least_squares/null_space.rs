@@ -7,7 +7,7 @@ use vislam::least_squares::{
 };
 use vislam::manifold::se3;
 
-use super::{Between, Draws, Linear, Sighting, loop_of_poses};
+use super::{Between, Draws, Linear, Observation, loop_of_poses};
 
 /// Poses of which each is measured against the one before it.
 fn chain_of_poses(count: usize) -> (Problem, Vec<Key<Isometry3<f64>>>) {
@@ -40,8 +40,8 @@ fn street(count: usize) -> (Problem, Vec<Key<Isometry3<f64>>>) {
         for pose in &poses[index.saturating_sub(3)..(index + 3).min(count)] {
             let in_body =
                 se3::transform(&problem.values()[*pose].inverse(), &problem.values()[point]);
-            let sighting = Sighting { pose: *pose, point, in_body };
-            problem.add_factor(sighting, Kernel::Squared).unwrap();
+            let observation = Observation { pose: *pose, point, in_body };
+            problem.add_factor(observation, Kernel::Squared).unwrap();
         }
     }
     (problem, poses)

@@ -13,7 +13,7 @@ use vislam::least_squares::{
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
 
-use super::{Draws, Linear, Sighting, distances, loop_of_poses};
+use super::{Draws, Linear, Observation, distances, loop_of_poses};
 
 const PINHOLE: Pinhole = Pinhole { fx: 400.0, fy: 410.0, cx: 320.0, cy: 240.0 };
 
@@ -274,11 +274,11 @@ fn the_factors_of_each_kind_of_variable_meet_in_one_system() {
     let hessian = problem.linearize(problem.values()).unwrap().hessian;
     assert_abs_diff_eq!(hessian, expected, epsilon = 1e-12);
 
-    // A sighting couples them, and nothing else.
-    let sighting = Sighting { pose, point, in_body: draws.vector() };
+    // An observation couples them, and nothing else.
+    let observation = Observation { pose, point, in_body: draws.vector() };
     let (here, there) = (problem.values()[pose], problem.values()[point]);
-    let (_, (by_pose, by_point)) = sighting.linearize((&here, &there)).unwrap();
-    problem.add_factor(sighting, Kernel::Squared).unwrap();
+    let (_, (by_pose, by_point)) = observation.linearize((&here, &there)).unwrap();
+    problem.add_factor(observation, Kernel::Squared).unwrap();
     let hessian = problem.linearize(problem.values()).unwrap().hessian;
     let coupling = hessian.fixed_view::<6, 3>(0, 6).into_owned();
     assert_abs_diff_eq!(coupling, by_pose.transpose() * by_point, epsilon = 1e-12);

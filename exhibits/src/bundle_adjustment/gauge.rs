@@ -167,13 +167,19 @@ impl Covariances {
 
 /// The weakest direction that the pixels of a street see, as a fraction of the strongest.
 fn weakest(cameras: usize) -> Result<f64, ProblemError> {
-    let street = Scene::street(cameras, 2.5, 1.0, SEED).problem;
+    let street = Scene::street(cameras, 2.5, 1.0, SEED);
     let mut problem = Problem::new();
     let cameras: Vec<_> =
-        street.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
-    let points: Vec<_> = street.points.iter().map(|point| problem.add_variable(*point)).collect();
+        street.true_cameras.iter().map(|c| problem.add_variable(MovingCamera(*c))).collect();
+    let points: Vec<_> = street.true_points.iter().map(|p| problem.add_variable(*p)).collect();
     problem.hold(cameras[0])?;
-    for factor in &street.factors {
+    let factors = &street.problem.factors;
+    for (index, point) in points.iter().enumerate() {
+        if factors.iter().filter(|factor| factor.point == index).count() < 2 {
+            problem.hold(*point)?;
+        }
+    }
+    for factor in factors {
         let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
         let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
         problem.add_factor(
@@ -182,7 +188,8 @@ fn weakest(cameras: usize) -> Result<f64, ProblemError> {
         )?;
     }
     let null_space = problem.null_space(problem.values());
-    Ok(null_space.ok().and_then(|null_space| null_space.least_seen).unwrap_or(f64::NAN))
+    let null_space = null_space.expect("a gap");
+    Ok(null_space.least_seen.unwrap_or(f64::NAN))
 }
 
 /// Registers the numbers.

@@ -243,9 +243,9 @@ impl Case {
         let mut problem = Problem::new();
         let pose = problem.add_variable(self.start);
         for (seen, whitener) in self.matches.iter().zip(whiteners) {
-            let sighting = Sighting { pose, camera: self.camera, seen: *seen, whitener };
-            // The kernels of the cases are valid and every sighting is of the one variable.
-            let _ = problem.add_factor(sighting, kernel);
+            let observation = Observation { pose, camera: self.camera, seen: *seen, whitener };
+            // The kernels of the cases are valid and every observation is of the one variable.
+            let _ = problem.add_factor(observation, kernel);
         }
         Posed { problem, pose }
     }
@@ -333,14 +333,14 @@ fn lower(covariance: &Matrix2<f64>) -> Matrix2<f64> {
 }
 
 /// A match as a factor of the library, its derivative found by differences.
-struct Sighting {
+struct Observation {
     pose: Key<Isometry3<f64>>,
     camera: Camera,
     seen: Match,
     whitener: Matrix2<f64>,
 }
 
-impl Sighting {
+impl Observation {
     fn error(&self, camera_from_world: &Isometry3<f64>) -> Option<Vector2<f64>> {
         let pixel = self.camera.pinhole().project(camera_from_world, &self.seen.point_in_world)?;
         Some(self.whitener * (pixel - self.seen.pixel))
@@ -362,7 +362,7 @@ impl Sighting {
     }
 }
 
-impl Factor<2> for Sighting {
+impl Factor<2> for Observation {
     type Variables = (Isometry3<f64>,);
     type Jacobians = (Matrix2x6<f64>,);
 

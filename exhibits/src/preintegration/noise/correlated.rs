@@ -128,8 +128,8 @@ pub fn attitude_runs(memory: f64, readings: &[usize], runs: usize) -> Vec<f64> {
             }
         }
     }
-    let promised = |count: &usize| noise.gyro * (*count as f64 * DT).sqrt();
-    readings.iter().zip(squares).map(|(n, square)| square.sqrt() / promised(n)).collect()
+    let predicted = |count: &usize| noise.gyro * (*count as f64 * DT).sqrt();
+    readings.iter().zip(squares).map(|(n, square)| square.sqrt() / predicted(n)).collect()
 }
 
 pub fn numbers(chapter: &mut Chapter) {

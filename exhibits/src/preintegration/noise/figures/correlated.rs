@@ -26,7 +26,7 @@ pub fn correlated() -> Figure {
     Figure {
         columns: vec![
             "time (s)",
-            "actual over promised with a memory of 50 ms",
+            "actual over predicted with a memory of 50 ms",
             "in runs",
             "with 20 ms",
             "in runs",
@@ -36,7 +36,7 @@ pub fn correlated() -> Figure {
         rows: rows.collect(),
         svg: figure::draw(760, |drawing| {
             let x_axis = ("time (s)", (0.004..7.0).log_scale(), 4);
-            let mut chart = figure::axes(drawing, x_axis, ("actual / promised", 0.0..5.0, 6))?;
+            let mut chart = figure::axes(drawing, x_axis, ("actual / predicted", 0.0..5.0, 6))?;
             let white = [(0.004, 1.0), (2.3, 1.0)];
             chart.draw_series([PathElement::new(white, INK.stroke_width(4))])?;
             chart.draw_series([Text::new("white", (2.6, 0.98), letters_right_of(INK))])?;
