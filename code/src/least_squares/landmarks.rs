@@ -164,10 +164,7 @@ impl<const D: usize> LandmarkElimination<D> {
     }
     // ANCHOR_END: linearize_landmark
 
-    // ANCHOR: eliminate_all
-    /// Eliminates landmark by landmark, straight into the Schur complement.
-    ///
-    /// Implements {eq:damped-reduction}.
+    /// Eliminates all landmarks with the widest registers that the processor has.
     pub(crate) fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
         wide(
             #[inline(always)]
@@ -176,6 +173,10 @@ impl<const D: usize> LandmarkElimination<D> {
     }
 
     #[inline(always)]
+    // ANCHOR: eliminate_each
+    /// Eliminates landmark by landmark, straight into the Schur complement.
+    ///
+    /// Implements {eq:damped-reduction}.
     fn eliminate_each(&mut self, damping: f64) -> Result<(), Singular> {
         self.schur.clear();
         let gradient = self.gradient.as_flattened().iter();
@@ -188,7 +189,7 @@ impl<const D: usize> LandmarkElimination<D> {
         self.damp(damping);
         Ok(())
     }
-    // ANCHOR_END: eliminate_all
+    // ANCHOR_END: eliminate_each
 
     // ANCHOR: eliminate
     /// Damps and factors the block of the landmark, and gives its rows the coordinates in which
