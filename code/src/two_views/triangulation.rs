@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix2x4, Matrix4, Matrix6x4, SMatrix, Vector2, Vecto
 use thiserror::Error;
 
 use crate::bearing::{back_project, parallax};
+use crate::bundle_adjustment::PosedPinhole;
 use crate::manifold::se3;
 use crate::reprojection::{Pinhole, Z_MIN};
 
@@ -59,6 +60,11 @@ impl View {
     pub fn ray(&self) -> Vector3<f64> {
         let direction = back_project(&self.camera, &self.pixel, 1.0);
         self.camera_from_world.rotation.inverse_transform_vector(&direction)
+    }
+
+    /// The camera at its pose.
+    pub(super) fn posed(&self) -> PosedPinhole {
+        PosedPinhole { intrinsics: self.camera, camera_from_world: self.camera_from_world }
     }
 
     /// Coordinates of a point of the world in the camera, in metres.
@@ -135,7 +141,10 @@ fn linear_rows(view: &View, world: &Normalization) -> Matrix2x4<f64> {
 // ANCHOR_END: linear_rows
 
 /// That no view has the point behind it, or nearer than a camera can see.
-fn refuse_behind(views: &[View], point: &Vector3<f64>) -> Result<(), TriangulationError> {
+pub(super) fn refuse_behind(
+    views: &[View],
+    point: &Vector3<f64>,
+) -> Result<(), TriangulationError> {
     for (view, seen) in views.iter().enumerate() {
         let depth = seen.in_camera(point).z;
         if depth.is_nan() || depth <= Z_MIN {
