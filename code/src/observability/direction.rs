@@ -64,16 +64,16 @@ impl Window {
     /// The same, by columns that are known.
     pub(super) fn direction_in(&self, direction: Direction, columns: &Columns) -> DVector<f64> {
         let [up, forward, left] = self.axes();
-        let (mut shift, mut turn, mut growth) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        let (mut shift, mut turn, mut scale) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         match direction {
             Direction::Translation(axis) => shift = Vector3::ith(axis.min(2), 1.0),
             Direction::Yaw => turn = up,
             Direction::Tilt(axis) => turn = if axis == 0 { forward } else { left },
-            Direction::Scale => growth = 1.0,
+            Direction::Scale => scale = 1.0,
             Direction::Depth(landmark) => return self.depth_direction(landmark, columns),
             Direction::LeverArm(axis) => return self.lever_direction(axis.min(2), columns),
         }
-        self.whole_motion(&shift, &turn, growth, columns)
+        self.whole_motion(&shift, &turn, scale, columns)
     }
 
     // ANCHOR: null_vector
@@ -83,20 +83,20 @@ impl Window {
         &self,
         shift: &Vector3<f64>,
         turn: &Vector3<f64>,
-        growth: f64,
+        scale: f64,
         columns: &Columns,
     ) -> DVector<f64> {
         let mut whole = Vec::new();
         for (k, state) in self.states.iter().enumerate() {
             let phi = state.world_from_body.inverse() * turn;
-            let v = turn.cross(&state.velocity) + growth * self.camera_velocity(k);
+            let v = turn.cross(&state.velocity) + scale * self.camera_velocity(k);
             let centre = self.rig.world_from_camera(state).translation.vector;
-            let p = shift + turn.cross(&state.position) + growth * centre;
+            let p = shift + turn.cross(&state.position) + scale * centre;
             whole.extend([phi, v, p]);
         }
-        let hiding = self.hiding_bias(growth, &turn.cross(&self.gravity));
+        let hiding = self.hiding_bias(scale, &turn.cross(&self.gravity));
         whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
-        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + growth * f));
+        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + scale * f));
         unknown(columns, &whole, &Vector3::zeros())
     }
     // ANCHOR_END: null_vector

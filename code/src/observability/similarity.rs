@@ -87,13 +87,13 @@ impl Window {
 
     // ANCHOR: hiding_bias
     /// The change of the accelerometer's bias that hides best, in the mean over the intervals, when
-    /// the camera's velocities change in proportion to `growth` and gravity, seen from the states,
+    /// the camera's velocities change in proportion to `scale` and gravity, seen from the states,
     /// is off by `tilt`, in m/s². Zero without readings.
-    pub(super) fn hiding_bias(&self, growth: f64, tilt: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn hiding_bias(&self, scale: f64, tilt: &Vector3<f64>) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         let velocity = |state| self.camera_velocity(state);
         for (i, (pair, interval)) in self.states.windows(2).zip(&self.intervals).enumerate() {
-            let stated = growth * (velocity(i + 1) - velocity(i)) + interval.duration * tilt;
+            let stated = scale * (velocity(i + 1) - velocity(i)) + interval.duration * tilt;
             let in_body = pair[0].world_from_body.inverse() * stated;
             // What a bias adds to the sum of velocities: minus the sum of the rotations, times dt.
             let by_bias = interval.bias_jacobian.fixed_view::<3, 3>(3, 3).into_owned();

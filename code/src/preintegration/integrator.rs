@@ -27,14 +27,14 @@ pub struct Preintegrator {
     rotation: Block,
     velocity: Vector3<f64>,
     position: Vector3<f64>,
-    covariance: Covariance,
+    covariance: Moments,
     jacobian: Jacobian,
 }
 // ANCHOR_END: preintegrator
 
 /// Second moments of the errors θ, v and p; the blocks on and below the diagonal.
 #[derive(Debug, Clone, Default)]
-struct Covariance {
+struct Moments {
     tt: Block,
     vt: Block,
     vv: Block,
@@ -56,7 +56,7 @@ struct Jacobian {
 
 // ANCHOR: step
 /// What one step adds, by whichever rule.
-struct Step {
+struct Increment {
     dt: f64,
     /// The rotation at its end.
     rotation: Block,
@@ -82,7 +82,7 @@ struct Halfway {
 }
 // ANCHOR_END: step
 
-impl Step {
+impl Increment {
     // ANCHOR: step_euler
     /// The Euler rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
     /// Jacobian J, are both R times a polynomial in φ^.
@@ -153,7 +153,7 @@ impl Preintegrator {
             rotation: Block::diagonal(1.0),
             velocity: Vector3::zeros(),
             position: Vector3::zeros(),
-            covariance: Covariance::default(),
+            covariance: Moments::default(),
             jacobian: Jacobian::default(),
         })
     }
@@ -168,7 +168,7 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let reading = sample.corrected(&self.bias);
-        self.advance(&Step::euler(&self.rotation, &reading, dt, &self.noise));
+        self.advance(&Increment::euler(&self.rotation, &reading, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate
@@ -192,7 +192,7 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        self.advance(&Step::midpoint(&self.rotation, &mean, dt, &self.noise));
+        self.advance(&Increment::midpoint(&self.rotation, &mean, dt, &self.noise));
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
@@ -217,7 +217,7 @@ impl Preintegrator {
     /// Covariance and Jacobians use the deltas and one another as they are before the step, so
     /// the order of the lines matters.
     #[inline(always)]
-    fn advance(&mut self, step: &Step) {
+    fn advance(&mut self, step: &Increment) {
         let dt = step.dt;
         let gain = dt * (step.along * step.force);
         self.covariance.advance(step, &gain, &self.noise);
@@ -262,13 +262,13 @@ impl Preintegrator {
     // ANCHOR_END: finish
 }
 
-impl Covariance {
+impl Moments {
     /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
     /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
     /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
     #[inline(always)]
     // ANCHOR: advance_covariance
-    fn advance(&mut self, step: &Step, c: &Vector3<f64>, noise: &ImuNoise) {
+    fn advance(&mut self, step: &Increment, c: &Vector3<f64>, noise: &ImuNoise) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
         let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
         let (mut acting, mut across) = (self.tt, self.tt);
@@ -318,7 +318,7 @@ impl Jacobian {
     // ANCHOR: advance_jacobian
     /// A bias enters like an angular velocity and a force of the opposite sign.
     #[inline(always)]
-    fn advance(&mut self, step: &Step, c: &Vector3<f64>) {
+    fn advance(&mut self, step: &Increment, c: &Vector3<f64>) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
         let theta = match &step.halfway {
             Some(halfway) => self.theta_gyro - halfway.turned.transpose(),
