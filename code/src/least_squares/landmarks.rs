@@ -705,3 +705,38 @@ fn weighted_square<const D: usize>(step: &[[f64; D]], weights: &[[f64; D]]) -> f
     let pairs = step.as_flattened().iter().zip(weights.as_flattened());
     pairs.map(|(step, weight)| weight * step * step).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundle_adjustment::scenes::Scene;
+    use crate::factors::{MovingCamera, PixelByCamera};
+    use crate::least_squares::Kernel;
+
+    #[test]
+    fn wide_registers_round_as_narrow_ones_do() {
+        let ring = Scene::ring(8, 40, 1.0, 1).problem;
+        let mut problem = Problem::new();
+        let add = |camera| problem.add_variable(MovingCamera(camera));
+        let cameras: Vec<_> = ring.cameras.into_iter().map(add).collect();
+        let points: Vec<_> = ring.points.iter().map(|point| problem.add_variable(*point)).collect();
+        for factor in &ring.factors {
+            let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
+            let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
+            let factor = PixelByCamera { camera, landmark, pixel, inverse_sigma };
+            problem.add_factor(factor, Kernel::Squared).unwrap();
+        }
+        let mut wide = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap();
+        let at = Point { values: problem.values(), frozen: None };
+        wide.linearize(&problem, at).unwrap();
+        let mut narrow = wide.clone();
+        wide.eliminate_all(1e-3).unwrap();
+        narrow.eliminate_each(1e-3).unwrap();
+        assert_eq!(wide.schur.to_matrix(), narrow.schur.to_matrix());
+        assert_eq!(wide.solve().unwrap(), {
+            narrow.schur.factorize(&narrow.smallest).unwrap();
+            narrow.schur.solve_lower(&mut narrow.rhs);
+            narrow.rhs.iter().map(|z| dot(z, z)).sum::<f64>()
+        });
+    }
+}
