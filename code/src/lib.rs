@@ -22,5 +22,6 @@ pub mod least_squares;
 pub mod manifold;
 pub mod observability;
 pub mod preintegration;
+mod registers;
 pub mod reprojection;
 pub mod two_views;

@@ -20,7 +20,8 @@ pub struct TrialStep<const D: usize> {
     pub cameras: Vec<SVector<f64, D>>,
     /// For each point its move in metres, zero when the point was dropped.
     pub points: Vec<Vector3<f64>>,
-    /// The decrease of the cost that the linearized problem predicts, {eq:predicted-decrease-in-parts}.
+    /// The decrease of the cost that the linearized problem predicts:
+    /// {eq:predicted-decrease-in-parts}.
     pub predicted_decrease: f64,
     /// The cost at the end of the step, infinite when a point loses its pixel there.
     pub cost: f64,
@@ -103,7 +104,9 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         self.system().schur_complement(damping).map_err(|singular| self.explain(singular))
     }
 
-    pub(super) fn problem(&self) -> &Problem {
+    /// The variables and factors of which it is made: a camera that is fixed or sees nothing, and a
+    /// point that is not adjusted, are held, and cameras on one rig are tied.
+    pub fn problem(&self) -> &Problem {
         &self.assembly.problem
     }
 

@@ -265,6 +265,6 @@ pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     for (a, b) in fours.iter().zip(other_fours) {
         (0..4).for_each(|lane| sums[lane] = multiply_add(a[lane], b[lane], sums[lane]));
     }
-    let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    let sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
     rest.iter().zip(other_rest).fold(sum, |sum, (a, b)| multiply_add(*a, *b, sum))
 }

@@ -4,7 +4,6 @@ use std::array;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
-use pulp::Arch;
 
 use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
 use super::group::Point;
@@ -13,6 +12,7 @@ use super::problem::Problem;
 use super::solver::{LinearSystem, Prediction, SolveError};
 use super::structure::{Landmark, Places, Slot, Structure};
 use super::{Covariance, Manifold};
+use crate::registers::wide;
 
 /// Pivots below this fraction of the curvature before elimination are rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -53,8 +53,8 @@ pub struct LandmarkElimination<const D: usize> {
     curvature: Vec<[f64; D]>,
     /// The gradient before elimination.
     gradient: Vec<[f64; D]>,
-    /// What damping added to the diagonal.
-    damping: Vec<[f64; D]>,
+    /// The damping at hand.
+    damping: f64,
     /// Pivots must be above this.
     smallest: Vec<[f64; D]>,
     /// The factors at hand.
@@ -81,8 +81,6 @@ struct Eliminated {
     /// Its 3×3 block H before damping, of which the lower triangle counts.
     hessian: Matrix3<f64>,
     gradient: Vector3<f64>,
-    /// What damping added to the diagonal of H.
-    damping: Vector3<f64>,
     /// The lower triangular M with M H Mᵀ = I for the damped block.
     inverse_factor: Matrix3<f64>,
     /// M times the gradient.
@@ -117,7 +115,7 @@ impl<const D: usize> LandmarkElimination<D> {
             rhs: zeros.clone(),
             curvature: zeros.clone(),
             gradient: zeros.clone(),
-            damping: zeros.clone(),
+            damping: 0.0,
             smallest: zeros,
             linear: room_for_linearized(problem, &structure),
             whitened: vec![[0.0; 3]; most_rows.unwrap_or(0)],
@@ -125,7 +123,6 @@ impl<const D: usize> LandmarkElimination<D> {
         })
     }
 
-    // ANCHOR: linearize_landmark
     /// Linearizes the factors that see one landmark, and adds up what does not depend on damping.
     #[inline(always)]
     fn linearize_landmark(
@@ -162,7 +159,6 @@ impl<const D: usize> LandmarkElimination<D> {
             add_gradient(gradient, curvature, slopes, residuals);
         }
     }
-    // ANCHOR_END: linearize_landmark
 
     /// Eliminates all landmarks with the widest registers that the processor has.
     pub(crate) fn eliminate_all(&mut self, damping: f64) -> Result<(), Singular> {
@@ -178,6 +174,7 @@ impl<const D: usize> LandmarkElimination<D> {
     ///
     /// Implements {eq:damped-reduction}.
     fn eliminate_each(&mut self, damping: f64) -> Result<(), Singular> {
+        self.damping = damping;
         self.schur.clear();
         let gradient = self.gradient.as_flattened().iter();
         self.rhs.as_flattened_mut().iter_mut().zip(gradient).for_each(|(rhs, g)| *rhs = -g);
@@ -191,15 +188,13 @@ impl<const D: usize> LandmarkElimination<D> {
     }
     // ANCHOR_END: eliminate_each
 
-    // ANCHOR: eliminate
     /// Damps and factors the block of the landmark, and gives its rows the coordinates in which
     /// that block is the identity.
     #[inline(always)]
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
         let landmark = &mut self.landmarks[index];
         let mut block = landmark.hessian;
-        landmark.damping = block.diagonal().map(|h| damping * h.max(SMALLEST_CURVATURE));
-        (0..3).for_each(|axis| block[(axis, axis)] += landmark.damping[axis]);
+        (0..3).for_each(|axis| block[(axis, axis)] += added(damping, block[(axis, axis)]));
         landmark.inverse_factor =
             inverse_factor(&block, ROUNDING).ok_or(Singular::Landmark(index))?;
         landmark.forward = landmark.inverse_factor * landmark.gradient;
@@ -209,14 +204,13 @@ impl<const D: usize> LandmarkElimination<D> {
         }
         Ok(())
     }
-    // ANCHOR_END: eliminate
 
+    #[inline(always)]
     // ANCHOR: add_pairs
     /// Adds to the block of each pair of variables, and to each right-hand side, what no motion of
     /// the landmark explains.
     ///
     /// Implements {eq:projected-pairs}.
-    #[inline(always)]
     fn add_pairs(&mut self, index: usize) {
         let Self { structure, rows, whitened, schur, rhs, .. } = self;
         let (landmark, forward) = (&structure.landmarks[index], self.landmarks[index].forward);
@@ -226,14 +220,14 @@ impl<const D: usize> LandmarkElimination<D> {
             (&rows.variable[slot.rows.clone()], &whitened[local])
         };
         for (number, slot) in slots.iter().enumerate() {
-            let (left, (blocks, first)) = (rows_of(slot), schur.row(slot.variable));
+            let (own, (blocks, first)) = (rows_of(slot), schur.row(slot.variable));
+            let explained = explained(own);
             for other in &slots[..number] {
-                add_pair(&mut blocks[other.variable - first], left, rows_of(other), 0.0);
+                add_pair(&mut blocks[other.variable - first], &explained, rows_of(other), false);
             }
-            add_pair(&mut blocks[slot.variable - first], left, left, 1.0);
-            for (slope, whitened) in left.0.iter().zip(left.1) {
-                add_multiple(&mut rhs[slot.variable], dot(whitened, forward.as_ref()), slope);
-            }
+            add_pair(&mut blocks[slot.variable - first], &explained, own, true);
+            let rhs = &mut rhs[slot.variable];
+            forward.iter().zip(&explained).for_each(|(f, row)| add_multiple(rhs, *f, row));
         }
     }
     // ANCHOR_END: add_pairs
@@ -276,8 +270,7 @@ impl<const D: usize> LandmarkElimination<D> {
         for row in 0..self.rhs.len() {
             for axis in 0..D {
                 let curvature = self.curvature[row][axis];
-                let added = damping * curvature.max(SMALLEST_CURVATURE);
-                self.damping[row][axis] = added;
+                let added = added(damping, curvature);
                 self.smallest[row][axis] = ROUNDING * (curvature + added);
                 self.schur.block(row, row)[axis][axis] += added;
             }
@@ -322,15 +315,17 @@ impl<const D: usize> LandmarkElimination<D> {
     /// Implements {eq:predicted-decrease-in-parts}.
     #[inline(always)]
     fn back_substitute(&self, forward: f64, step: &mut [f64]) -> (f64, f64) {
-        let (mut twice_predicted, mut square) = (forward + self.damped_square(), self.square());
+        let (damped, mut square) = self.squares();
+        let mut twice_predicted = forward + damped;
         self.write_variables(step);
         for (landmark, eliminated) in self.structure.landmarks.iter().zip(&self.landmarks) {
             let change = self.landmark_step(landmark, eliminated);
             step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
-            let Eliminated { hessian, forward, damping, .. } = eliminated;
-            let squares = change.component_mul(&change);
-            twice_predicted += forward.norm_squared() + damping.dot(&squares);
-            square += hessian.diagonal().dot(&squares);
+            let (squares, curvature) =
+                (change.component_mul(&change), eliminated.hessian.diagonal());
+            let damped = curvature.map(|h| added(self.damping, h)).dot(&squares);
+            twice_predicted += eliminated.forward.norm_squared() + damped;
+            square += curvature.dot(&squares);
         }
         (twice_predicted, square)
     }
@@ -345,7 +340,6 @@ impl<const D: usize> LandmarkElimination<D> {
         }
     }
 
-    // ANCHOR: landmark_step
     /// The move of a landmark, when the others' are known.
     ///
     /// Implements {eq:point-follows}.
@@ -362,16 +356,15 @@ impl<const D: usize> LandmarkElimination<D> {
         let factor = &eliminated.inverse_factor;
         -factor.tr_mul(&(factor * pull))
     }
-    // ANCHOR_END: landmark_step
 
-    /// The square of the variables' step, each direction weighted with its damping.
-    fn damped_square(&self) -> f64 {
-        weighted_square(&self.rhs, &self.damping)
-    }
-
-    /// The square of the variables' step, each direction weighted with its curvature.
-    fn square(&self) -> f64 {
-        weighted_square(&self.rhs, &self.curvature)
+    /// The squares of the variables' step, weighted with what damping added to the curvature and
+    /// with the curvature.
+    fn squares(&self) -> (f64, f64) {
+        let steps = self.rhs.as_flattened().iter().zip(self.curvature.as_flattened());
+        steps.fold((0.0, 0.0), |(damped, square), (step, curvature)| {
+            let each = step * step;
+            (damped + added(self.damping, *curvature) * each, square + curvature * each)
+        })
     }
 
     /// How many blocks of the Schur complement are kept.
@@ -400,7 +393,7 @@ impl<const D: usize> LandmarkElimination<D> {
 
     /// The memory that it holds, in bytes.
     pub fn bytes(&self) -> usize {
-        let rows = [&self.rhs, &self.curvature, &self.gradient, &self.damping, &self.smallest];
+        let rows = [&self.rhs, &self.curvature, &self.gradient, &self.smallest];
         rows.iter().map(|rows| size_of_val(rows.as_slice())).sum::<usize>()
             + D * D * size_of::<f64>() * self.schur.stored()
             + size_of_val(self.landmarks.as_slice())
@@ -578,13 +571,6 @@ impl<const D: usize> Rows<D> {
     }
 }
 
-/// Calls a function with the widest registers that the processor has. Every sum is rounded as
-/// elsewhere, so results do not depend on the processor.
-#[inline(always)]
-fn wide<T>(compute: impl FnOnce() -> T) -> T {
-    Arch::new().dispatch(compute)
-}
-
 /// Room for the factors of any one landmark.
 fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
     let mut linear = Linearized::default();
@@ -598,48 +584,52 @@ fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
 /// The rows J and Q of a variable.
 type Own<'a, const D: usize> = (&'a [[f64; D]], &'a [[f64; 3]]);
 
-/// The same, when their number is known.
-type Known<'a, const D: usize, const N: usize> = (&'a [[f64; D]; N], &'a [[f64; 3]; N]);
-
-/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables. Here δ is one for a variable with
-/// itself, and zero otherwise.
+/// The product Qᵀ J of the rows of a variable: what motions of the landmark explain.
 #[inline(always)]
-fn add_pair<const D: usize>(block: &mut [[f64; D]; D], left: Own<D>, right: Own<D>, delta: f64) {
-    // Pixels have two rows; a number that is known when compiling keeps the sums in registers.
-    if let (Some(left), Some(right)) = (by_two(left), by_two(right)) {
-        return add_rows(block, left, right, delta);
-    }
-    for (k, (slope, whitened)) in left.0.iter().zip(left.1).enumerate() {
-        for (l, (other, other_whitened)) in right.0.iter().zip(right.1).enumerate() {
-            let left = (array::from_ref(slope), array::from_ref(whitened));
-            let right = (array::from_ref(other), array::from_ref(other_whitened));
-            add_rows(block, left, right, if k == l { delta } else { 0.0 });
+fn explained<const D: usize>((slopes, whitened): Own<D>) -> [[f64; D]; 3] {
+    let mut explained = [[0.0; D]; 3];
+    for (slope, whitened) in slopes.iter().zip(whitened) {
+        for (row, whitened) in explained.iter_mut().zip(whitened) {
+            add_multiple(row, *whitened, slope);
         }
     }
+    explained
 }
 
-/// The rows of a variable, if there are two.
+/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables, of which the first is given by its
+/// Qᵀ J. Here δ is one for a variable with itself, and zero otherwise.
 #[inline(always)]
-fn by_two<const D: usize>((slopes, whitened): Own<D>) -> Option<Known<D, 2>> {
-    slopes.as_array().zip(whitened.as_array())
+fn add_pair<const D: usize>(
+    block: &mut [[f64; D]; D],
+    explained: &[[f64; D]; 3],
+    (slopes, whitened): Own<D>,
+    is_own: bool,
+) {
+    // Pixels have two rows; a number that is known when compiling keeps the sums in registers.
+    if let (Some(slopes), Some(whitened)) = (slopes.as_array::<2>(), whitened.as_array()) {
+        return add_rows(block, explained, slopes, whitened, is_own);
+    }
+    for (slope, whitened) in slopes.iter().zip(whitened) {
+        add_rows(block, explained, array::from_ref(slope), array::from_ref(whitened), is_own);
+    }
 }
 
+#[inline(always)]
 // ANCHOR: add_pair
-#[inline(always)]
 fn add_rows<const D: usize, const N: usize>(
     block: &mut [[f64; D]; D],
-    (slopes, whitened): Known<D, N>,
-    (other, other_whitened): Known<D, N>,
-    delta: f64,
+    explained: &[[f64; D]; 3],
+    slopes: &[[f64; D]; N],
+    whitened: &[[f64; 3]; N],
+    is_own: bool,
 ) {
-    let mut unexplained = [[0.0; D]; N];
-    for (l, row) in unexplained.iter_mut().enumerate() {
-        for (k, slope) in slopes.iter().enumerate() {
-            let delta = if k == l { delta } else { 0.0 };
-            add_multiple(row, delta - dot(&whitened[k], &other_whitened[l]), slope);
+    let mut unexplained = if is_own { *slopes } else { [[0.0; D]; N] };
+    for (row, whitened) in unexplained.iter_mut().zip(whitened) {
+        for (whitened, explained) in whitened.iter().zip(explained) {
+            add_multiple(row, -whitened, explained);
         }
     }
-    add_product(block, 1.0, &unexplained, other);
+    add_product(block, 1.0, &unexplained, slopes);
 }
 // ANCHOR_END: add_pair
 
@@ -700,35 +690,26 @@ fn inverse_factor(h: &Matrix3<f64>, smallest: f64) -> Option<Matrix3<f64>> {
 }
 // ANCHOR_END: inverse_factor
 
-/// The sum of squares of a step, weighted.
-fn weighted_square<const D: usize>(step: &[[f64; D]], weights: &[[f64; D]]) -> f64 {
-    let pairs = step.as_flattened().iter().zip(weights.as_flattened());
-    pairs.map(|(step, weight)| weight * step * step).sum()
+/// What damping adds to a curvature.
+#[inline(always)]
+fn added(damping: f64, curvature: f64) -> f64 {
+    damping * curvature.max(SMALLEST_CURVATURE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bundle_adjustment::Solver;
     use crate::bundle_adjustment::scenes::Scene;
-    use crate::factors::{MovingCamera, PixelByCamera};
-    use crate::least_squares::Kernel;
+    use crate::least_squares::Options;
 
     #[test]
     fn wide_registers_round_as_narrow_ones_do() {
         let ring = Scene::ring(8, 40, 1.0, 1).problem;
-        let mut problem = Problem::new();
-        let add = |camera| problem.add_variable(MovingCamera(camera));
-        let cameras: Vec<_> = ring.cameras.into_iter().map(add).collect();
-        let points: Vec<_> = ring.points.iter().map(|point| problem.add_variable(*point)).collect();
-        for factor in &ring.factors {
-            let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
-            let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
-            let factor = PixelByCamera { camera, landmark, pixel, inverse_sigma };
-            problem.add_factor(factor, Kernel::Squared).unwrap();
-        }
-        let mut wide = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap();
-        let at = Point { values: problem.values(), frozen: None };
-        wide.linearize(&problem, at).unwrap();
+        let solver = Solver::new(&ring, &Options::default()).unwrap();
+        let (problem, at) = (solver.problem(), Point { values: solver.values(), frozen: None });
+        let mut wide = LandmarkElimination::<6>::new::<Vector3<f64>>(problem).unwrap();
+        wide.linearize(problem, at).unwrap();
         let mut narrow = wide.clone();
         wide.eliminate_all(1e-3).unwrap();
         narrow.eliminate_each(1e-3).unwrap();

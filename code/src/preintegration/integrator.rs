@@ -11,6 +11,7 @@ use super::block::Block;
 use super::turning::{Turn, Turning};
 use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
 use crate::inertial::{ImuBias, ImuNoise, ImuSample};
+use crate::registers::wide;
 
 // ANCHOR: preintegrator
 /// Sums up readings one by one. [`Preintegrator::finish`] gives the result so far, and more
@@ -168,7 +169,10 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let reading = sample.corrected(&self.bias);
-        self.advance(&Increment::euler(&self.rotation, &reading, dt, &self.noise));
+        wide(
+            #[inline(always)]
+            || self.advance(&Increment::euler(&self.rotation, &reading, dt, &self.noise)),
+        );
         Ok(())
     }
     // ANCHOR_END: integrate
@@ -192,7 +196,10 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        self.advance(&Increment::midpoint(&self.rotation, &mean, dt, &self.noise));
+        wide(
+            #[inline(always)]
+            || self.advance(&Increment::midpoint(&self.rotation, &mean, dt, &self.noise)),
+        );
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
@@ -346,5 +353,29 @@ impl Jacobian {
         put(3, 3, &self.velocity_accelerometer.matrix());
         put(6, 3, &self.position_accelerometer.matrix());
         jacobian
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wide_registers_round_as_narrow_ones_do() {
+        let noise = ImuNoise::euroc();
+        let mut wide = Preintegrator::new(&ImuBias::default(), &noise).unwrap();
+        let mut narrow = wide.clone();
+        let (gyro, accelerometer) = (Vector3::new(0.3, -0.7, 0.2), Vector3::new(0.5, 9.0, -2.0));
+        let reading = ImuSample { gyro, accelerometer };
+        for _ in 0..200 {
+            wide.integrate(&reading, 5e-3).unwrap();
+            narrow.advance(&Increment::euler(&narrow.rotation, &reading, 5e-3, &noise));
+            wide.integrate_midpoint(&reading, &reading, 5e-3).unwrap();
+            narrow.advance(&Increment::midpoint(&narrow.rotation, &reading, 5e-3, &noise));
+        }
+        let [wide, narrow] = [wide, narrow].map(|sums| sums.finish().unwrap());
+        assert_eq!(wide.covariance, narrow.covariance);
+        assert_eq!(wide.bias_jacobian, narrow.bias_jacobian);
+        assert_eq!(wide.deltas, narrow.deltas);
     }
 }

@@ -5,12 +5,11 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector3};
 use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
-use vislam::factors::{MovingCamera, PixelByCamera};
-use vislam::least_squares::{Kernel, Options, Problem, ProblemError};
+use vislam::least_squares::Options;
 use vislam::manifold::so3;
 use vislam::two_views::scale_direction;
 
-use super::whole::{Ba, solver};
+use super::whole::{Ba, at_truth, solver};
 use crate::chapter::Chapter;
 
 pub const CAMERAS: usize = 8;
@@ -166,35 +165,15 @@ impl Covariances {
 }
 
 /// The weakest direction that the pixels of a street see, as a fraction of the strongest.
-fn weakest(cameras: usize) -> Result<f64, ProblemError> {
-    let street = Scene::street(cameras, 2.5, 1.0, SEED);
-    let mut problem = Problem::new();
-    let cameras: Vec<_> =
-        street.true_cameras.iter().map(|c| problem.add_variable(MovingCamera(*c))).collect();
-    let points: Vec<_> = street.true_points.iter().map(|p| problem.add_variable(*p)).collect();
-    problem.hold(cameras[0])?;
-    let factors = &street.problem.factors;
-    for (index, point) in points.iter().enumerate() {
-        if factors.iter().filter(|factor| factor.point == index).count() < 2 {
-            problem.hold(*point)?;
-        }
-    }
-    for factor in factors {
-        let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
-        let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
-        problem.add_factor(
-            PixelByCamera { camera, landmark, pixel, inverse_sigma },
-            Kernel::Squared,
-        )?;
-    }
-    let null_space = problem.null_space(problem.values());
-    let null_space = null_space.expect("a gap");
-    Ok(null_space.least_seen.unwrap_or(f64::NAN))
+fn weakest(cameras: usize) -> f64 {
+    let truth = solver(&at_truth(&Scene::street(cameras, 2.5, 1.0, SEED)));
+    let null_space = truth.problem().null_space(truth.values());
+    null_space.expect("a gap").least_seen.unwrap_or(f64::NAN)
 }
 
 /// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
-    let [short, long] = [100, 200].map(|cameras| weakest(cameras).expect("variables of its own"));
+    let [short, long] = [100, 200].map(weakest);
     chapter.number("weakest_100", 1e6 * short, "", 0);
     chapter.number("weakest_200", 1e6 * long, "", 0);
     let longest = long * (200.0_f64 / 2000.0).powi(2);
