@@ -3,7 +3,7 @@
 use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::style::Color;
 
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around, marker};
+use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 use crate::least_squares::numbers::{fence_path, fence_start};
 use crate::least_squares::worked::{self, FAR_FROM_FENCE, fence};
 use vislam::least_squares::{Method, Options};
@@ -74,9 +74,10 @@ fn across(drawing: &Drawing, searches: &[Search]) -> Drawn {
         chart.draw_series([line])?;
         let marks = places.into_iter().map(|place| EmptyElement::at(place) + marker(index));
         chart.draw_series(marks)?;
-        let legend = (12.5, 1.06 - 0.14 * index as f64);
-        chart.draw_series([EmptyElement::at((6.2, legend.1)) + marker(index)])?;
-        chart.draw_series([Text::new(search.name, legend, letters_around(SERIES[index]))])?;
+        let height = 1.06 - 0.14 * index as f64;
+        chart.draw_series([EmptyElement::at((6.2, height)) + marker(index)])?;
+        let name = Text::new(search.name, (6.7, height), letters_right_of(SERIES[index]));
+        chart.draw_series([name])?;
     }
     Ok(())
 }

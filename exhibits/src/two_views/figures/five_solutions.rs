@@ -1,10 +1,10 @@
 //! What five correspondences leave open, and what a sixth one says about it.
 
 use plotters::coord::combinators::IntoLogRange;
-use plotters::element::{Circle, EmptyElement, Text};
+use plotters::element::{Circle, EmptyElement, PathElement, Text};
 use plotters::style::Color;
 
-use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_right_of, marker};
+use crate::figure::{self, Drawing, Drawn, Figure, INK, letters_right_of, marker};
 use crate::two_views::five_points::{Solution, all_scenes};
 use crate::two_views::numbers::NOISE;
 
@@ -53,11 +53,9 @@ fn panel(drawing: &Drawing, scenes: &[Vec<Solution>], (title, name): (&str, &str
     let mut chart = figure::axes(drawing, x_axis, ("miss of the sixth (px)", misses, 6))?;
     for (index, solutions) in scenes.iter().enumerate() {
         let place = |solution: &Solution| ((index + 1) as f64, solution.sixth.max(FLOOR));
-        let others = solutions[1..].iter();
-        chart.draw_series(others.map(|other| {
-            let colour = if other.in_front { SERIES[1] } else { GRID };
-            EmptyElement::at(place(other)) + mark(other.in_front, colour)
-        }))?;
+        let (in_front, behind): (Vec<_>, Vec<_>) = solutions[1..].iter().partition(|s| s.in_front);
+        chart.draw_series(behind.into_iter().map(|s| EmptyElement::at(place(s)) + star()))?;
+        chart.draw_series(in_front.into_iter().map(|s| EmptyElement::at(place(s)) + marker(1)))?;
         let truth = place(&solutions[0]);
         chart.draw_series([Circle::new(truth, 13, INK.filled())])?;
     }
@@ -65,16 +63,9 @@ fn panel(drawing: &Drawing, scenes: &[Vec<Solution>], (title, name): (&str, &str
     Ok(())
 }
 
-/// A triangle for a motion that has all points in front, and the same but faint otherwise.
-fn mark(
-    in_front: bool,
-    colour: plotters::style::RGBColor,
-) -> plotters::element::Polygon<(i32, i32)> {
-    if in_front {
-        marker(1)
-    } else {
-        let corners =
-            vec![(-12, -12), (0, -5), (12, -12), (5, 0), (12, 12), (0, 5), (-12, 12), (-5, 0)];
-        plotters::element::Polygon::new(corners, colour.filled())
-    }
+/// For a motion that has not all points in front.
+fn star() -> PathElement<(i32, i32)> {
+    let corners =
+        [(-12, -12), (0, -5), (12, -12), (5, 0), (12, 12), (0, 5), (-12, 12), (-5, 0), (-12, -12)];
+    PathElement::new(corners.to_vec(), INK.stroke_width(2))
 }

@@ -111,7 +111,7 @@ fn panel(
         chart.draw_series(marks.map(|at| at + marker(index)))?;
         if side == 0 {
             let end = path[[STEPS, 0, STEPS][index]][side];
-            let beside = (end.x + 0.05 * half, end.y);
+            let beside = (end.x + 0.04 * half, end.y - [0.05, 0.0, 0.0][index] * half);
             let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
             chart.draw_series([name])?;
         }
