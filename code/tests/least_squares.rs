@@ -2,6 +2,8 @@
 
 #[path = "least_squares/frozen.rs"]
 mod frozen;
+#[path = "least_squares/fronts.rs"]
+mod fronts;
 #[path = "least_squares/null_space.rs"]
 mod null_space;
 #[path = "least_squares/variables.rs"]

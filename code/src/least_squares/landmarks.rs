@@ -9,20 +9,10 @@ use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_ad
 use super::group::Point;
 use super::linearized::Linearized;
 use super::problem::Problem;
-use super::solver::{LinearSystem, Prediction, SolveError};
+use super::solver::{LinearSystem, Pivots, Prediction, SolveError};
 use super::structure::{Landmark, Places, Slot, Structure};
 use super::{Covariance, Manifold};
 use crate::registers::wide;
-
-/// Pivots below this fraction of the curvature before elimination are rounding errors.
-const ROUNDING: f64 = 1e-12;
-
-/// Pivots below this many of those ask whether the Jacobian has full rank.
-const SUSPICIOUS: f64 = 1e4;
-
-/// No curvature counts as smaller than this when it is damped, so that an unknown that no
-/// factor depends on stays where it is.
-const SMALLEST_CURVATURE: f64 = 1e-6;
 
 /// What has no inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -194,9 +184,9 @@ impl<const D: usize> LandmarkElimination<D> {
     fn eliminate(&mut self, index: usize, damping: f64) -> Result<(), Singular> {
         let landmark = &mut self.landmarks[index];
         let mut block = landmark.hessian;
-        (0..3).for_each(|axis| block[(axis, axis)] += added(damping, block[(axis, axis)]));
+        (0..3).for_each(|axis| block[(axis, axis)] += Pivots::added(damping, block[(axis, axis)]));
         landmark.inverse_factor =
-            inverse_factor(&block, ROUNDING).ok_or(Singular::Landmark(index))?;
+            inverse_factor(&block, Pivots::ROUNDING).ok_or(Singular::Landmark(index))?;
         landmark.forward = landmark.inverse_factor * landmark.gradient;
         let slopes = &self.rows.landmark[self.structure.landmarks[index].rows.clone()];
         for (whitened, slope) in self.whitened.iter_mut().zip(slopes) {
@@ -270,8 +260,8 @@ impl<const D: usize> LandmarkElimination<D> {
         for row in 0..self.rhs.len() {
             for axis in 0..D {
                 let curvature = self.curvature[row][axis];
-                let added = added(damping, curvature);
-                self.smallest[row][axis] = ROUNDING * (curvature + added);
+                let added = Pivots::added(damping, curvature);
+                self.smallest[row][axis] = Pivots::smallest(damping, curvature);
                 self.schur.block(row, row)[axis][axis] += added;
             }
         }
@@ -303,7 +293,7 @@ impl<const D: usize> LandmarkElimination<D> {
     fn is_suspicious(&mut self) -> bool {
         let small = |(row, smallest): (usize, &[f64; D])| {
             let diagonal = self.schur.block(row, row);
-            (0..D).any(|axis| SUSPICIOUS * smallest[axis] * diagonal[axis][axis].powi(2) > 1.0)
+            (0..D).any(|axis| Pivots::are_suspicious(smallest[axis], diagonal[axis][axis].powi(-2)))
         };
         self.smallest.iter().enumerate().any(small)
     }
@@ -323,7 +313,7 @@ impl<const D: usize> LandmarkElimination<D> {
             step[landmark.coordinate..landmark.coordinate + 3].copy_from_slice(change.as_slice());
             let (squares, curvature) =
                 (change.component_mul(&change), eliminated.hessian.diagonal());
-            let damped = curvature.map(|h| added(self.damping, h)).dot(&squares);
+            let damped = curvature.map(|h| Pivots::added(self.damping, h)).dot(&squares);
             twice_predicted += eliminated.forward.norm_squared() + damped;
             square += curvature.dot(&squares);
         }
@@ -363,7 +353,7 @@ impl<const D: usize> LandmarkElimination<D> {
         let steps = self.rhs.as_flattened().iter().zip(self.curvature.as_flattened());
         steps.fold((0.0, 0.0), |(damped, square), (step, curvature)| {
             let each = step * step;
-            (damped + added(self.damping, *curvature) * each, square + curvature * each)
+            (damped + Pivots::added(self.damping, *curvature) * each, square + curvature * each)
         })
     }
 
@@ -689,12 +679,6 @@ fn inverse_factor(h: &Matrix3<f64>, smallest: f64) -> Option<Matrix3<f64>> {
     regular.then(|| Matrix3::new(m11, 0.0, 0.0, m21, m22, 0.0, m31, m32, m33))
 }
 // ANCHOR_END: inverse_factor
-
-/// What damping adds to a curvature.
-#[inline(always)]
-fn added(damping: f64, curvature: f64) -> f64 {
-    damping * curvature.max(SMALLEST_CURVATURE)
-}
 
 #[cfg(test)]
 mod tests {

@@ -16,7 +16,10 @@
 
 mod blocks;
 mod covariance;
+mod elimination_tree;
 mod factor;
+mod front;
+mod fronts;
 mod group;
 mod kernel;
 mod landmarks;
@@ -36,6 +39,7 @@ mod whitening;
 
 pub use covariance::Covariance;
 pub use factor::{Factor, Jacobians, Variables};
+pub use fronts::Fronts;
 pub use group::{FactorGroup, Point, Undefined};
 pub use kernel::{Kernel, KernelError};
 pub use landmarks::{LandmarkElimination, Singular};

@@ -55,6 +55,37 @@ pub struct Prediction {
 }
 // ANCHOR_END: linear_system
 
+/// What damping adds to the diagonal of the normal equations, and what a pivot says of them. Every
+/// sparse system asks here.
+pub(super) struct Pivots;
+
+impl Pivots {
+    /// Pivots below this fraction of the curvature before elimination are rounding errors.
+    pub(super) const ROUNDING: f64 = 1e-12;
+    /// Pivots below this many of those ask whether the Jacobian has full rank.
+    const SUSPICIOUS: f64 = 1e4;
+    /// No curvature counts as smaller than this when it is damped, so that an unknown that no
+    /// factor depends on stays where it is.
+    const SMALLEST_CURVATURE: f64 = 1e-6;
+
+    /// What damping adds to a curvature.
+    #[inline(always)]
+    pub(super) fn added(damping: f64, curvature: f64) -> f64 {
+        damping * curvature.max(Self::SMALLEST_CURVATURE)
+    }
+
+    /// What the pivot of a damped curvature must be above.
+    #[inline(always)]
+    pub(super) fn smallest(damping: f64, curvature: f64) -> f64 {
+        Self::ROUNDING * (curvature + Self::added(damping, curvature))
+    }
+
+    /// Whether a pivot is so near to what it must be above that the Jacobian has to decide.
+    pub(super) fn are_suspicious(smallest: f64, pivot: f64) -> bool {
+        pivot < Self::SUSPICIOUS * smallest
+    }
+}
+
 /// How steps are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
@@ -605,6 +636,12 @@ pub enum SolveError {
         found: usize,
         /// The size of a block.
         dimension: usize,
+    },
+    /// An order of elimination names what does not exist.
+    #[error("the order names variable {variable}, which the problem does not have")]
+    Order {
+        /// The variable's number.
+        variable: usize,
     },
     /// A landmark takes the steps of another one, which the elimination of one at a time cannot do.
     #[error(

@@ -1,0 +1,100 @@
+//! A dense symmetric matrix on a few columns, and the elimination of the first of them.
+
+use super::elimination_tree::Node;
+
+// ANCHOR: eliminate
+/// Eliminates the first columns of a front: of the matrix [H g; gᵀ c], whose lower triangle is given
+/// by columns, each `order` numbers long. In their place comes the Cholesky factor of their part,
+/// with the rows below divided by it, and in the rest what they leave of the others: the Schur
+/// complement, its gradient and its constant.
+///
+/// # Errors
+///
+/// The first column whose pivot is not above its entry of `smallest`.
+#[inline(always)]
+pub fn eliminate(
+    front: &mut [f64],
+    order: usize,
+    columns: usize,
+    smallest: &[f64],
+) -> Result<(), usize> {
+    for column in 0..columns {
+        let (done, rest) = front.split_at_mut(column * order);
+        let own = &mut rest[column..order];
+        subtract_products(done, order, column, own);
+        let pivot = own[0];
+        if pivot.is_nan() || pivot <= smallest[column] {
+            return Err(column);
+        }
+        let reciprocal = 1.0 / pivot.sqrt();
+        own.iter_mut().for_each(|entry| *entry *= reciprocal);
+    }
+    let (done, rest) = front.split_at_mut(columns * order);
+    for (column, row) in rest.chunks_exact_mut(order).zip(columns..) {
+        subtract_products(done, order, row, &mut column[row..]);
+    }
+    Ok(())
+}
+// ANCHOR_END: eliminate
+
+// ANCHOR: subtract_products
+/// Subtracts from a column, of which the part from `row` on is given, its products with columns
+/// that have been eliminated: four of them at a time, so that it is loaded and stored less often.
+#[inline(always)]
+fn subtract_products(done: &[f64], order: usize, row: usize, column: &mut [f64]) {
+    let len = column.len();
+    let mut fours = done.chunks_exact(4 * order);
+    for four in &mut fours {
+        let part = |which: usize| &four[which * order + row..][..len];
+        let (a, b, c, d) = (part(0), part(1), part(2), part(3));
+        let (fa, fb, fc, fd) = (a[0], b[0], c[0], d[0]);
+        for (at, entry) in column.iter_mut().enumerate() {
+            *entry -= (fa * a[at] + fb * b[at]) + (fc * c[at] + fd * d[at]);
+        }
+    }
+    for one in fours.remainder().chunks_exact(order) {
+        let part = &one[row..][..len];
+        let factor = part[0];
+        column.iter_mut().zip(part).for_each(|(entry, other)| *entry -= factor * other);
+    }
+}
+// ANCHOR_END: subtract_products
+
+/// Adds what an eliminated front has left to the front that takes it, which is cleared first when
+/// nothing has been added yet.
+#[inline(always)]
+pub fn add_rest(
+    front: &[f64],
+    order: usize,
+    places: &[usize],
+    (into, into_order): (&mut [f64], usize),
+    is_first: bool,
+) {
+    if is_first {
+        into[..into_order * into_order].fill(0.0);
+    }
+    let eliminated = order - places.len();
+    for (at, place) in places.iter().enumerate() {
+        let column = &front[(eliminated + at) * order + eliminated..][..places.len()];
+        let sums = &mut into[place * into_order..(place + 1) * into_order];
+        for (below, entry) in places[at..].iter().zip(&column[at..]) {
+            sums[*below] += entry;
+        }
+    }
+}
+
+// ANCHOR: solve_transposed
+/// The step of a front's own columns, when that of the rest is known, from its columns of the
+/// factor and the eliminated right-hand side in their last row. Returns that side's square.
+pub fn solve_transposed(factor: &[f64], node: &Node, step: &mut [f64]) -> f64 {
+    let mut square = 0.0;
+    for (place, column) in node.own.clone().enumerate().rev() {
+        let below = &factor[place * (node.width() + 1)..][..node.width() + 1];
+        let right = below[node.width()];
+        let known: f64 = node.columns().zip(below).skip(place + 1).map(|(c, l)| l * step[c]).sum();
+        step[column] = -(right + known) / below[place];
+        square += right * right;
+    }
+    square
+}
+// ANCHOR_END: solve_transposed

@@ -1,0 +1,88 @@
+//! Elimination in any order.
+
+use nalgebra::{Isometry3, SMatrix, Vector3};
+use vislam::bundle_adjustment::Solver;
+use vislam::bundle_adjustment::scenes::Scene;
+use vislam::factors::Prior;
+use vislam::inertial::{ImuBias, NavState, Trajectory};
+use vislam::least_squares::{
+    Dense, Fronts, Kernel, Key, LandmarkElimination, LinearSystem, Manifold, Options, Problem,
+    Search, SolveError, Values,
+};
+use vislam::observability::{BiasAssumption, Flight, UnknownCalibration, landmarks_around};
+
+use super::Draws;
+
+/// The variables of one kind.
+fn of_kind<V: Manifold>(problem: &Problem) -> Vec<Key<V>> {
+    (0..problem.values().len()).filter_map(|index| problem.values().key(index)).collect()
+}
+
+fn hold_near<V: Manifold, const N: usize>(problem: &mut Problem, variable: Key<V>, sigma: f64) {
+    let anchor = problem.values()[variable].clone();
+    let sqrt_information = SMatrix::<f64, N, N>::identity() / sigma;
+    problem.add_factor(Prior { variable, anchor, sqrt_information }, Kernel::Squared).unwrap();
+}
+
+/// A flight with biases that walk and a calibration that is unknown, away from the truth, and its
+/// states and biases in order.
+fn window() -> (Problem, Vec<usize>) {
+    let flight = Flight { pixel_sigma: 0.5, ..Flight::new(Trajectory::figure_eight()) };
+    let assumption = BiasAssumption { walk: Some(flight.noise), ..BiasAssumption::CONSTANT };
+    let landmarks = landmarks_around(&Vector3::zeros(), 60);
+    let mut window = flight.window(&landmarks, assumption).unwrap();
+    window.calibration = UnknownCalibration { extrinsics: true, time_offset: true };
+    let mut problem = window.problem().unwrap();
+    let (states, biases) = (of_kind::<NavState>(&problem), of_kind::<ImuBias>(&problem));
+    hold_near::<_, 9>(&mut problem, states[0], 0.01);
+    hold_near::<_, 6>(&mut problem, biases[0], 0.01);
+    let rig = of_kind::<Isometry3<f64>>(&problem)[0];
+    hold_near::<_, 6>(&mut problem, rig, 0.01);
+    let mut draws = Draws::new(7);
+    let step: Vec<f64> =
+        (0..problem.values().dimension()).map(|_| 2e-3 * draws.number()).collect();
+    problem.set_values(problem.values().retract(&step)).unwrap();
+    let pairs = states.iter().zip(&biases);
+    let trunk = pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect();
+    (problem, trunk)
+}
+
+/// One step of a system from where the problem stands, by coordinates, and its prediction.
+fn step(problem: &Problem, mut system: impl LinearSystem, damping: f64) -> (Vec<f64>, [f64; 3]) {
+    let at = vislam::least_squares::Point { values: problem.values(), frozen: None };
+    system.linearize(problem, at).unwrap();
+    let mut step = vec![0.0; problem.values().dimension()];
+    let prediction = system.step(problem, at, damping, &mut step).unwrap();
+    (step, [prediction.step_norm, prediction.predicted_decrease, prediction.gradient_norm])
+}
+
+fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+    let mut draws = Draws::new(seed);
+    let mut keys: Vec<(f64, usize)> = (0..count).map(|index| (draws.number(), index)).collect();
+    keys.sort_by(|one, other| one.0.total_cmp(&other.0));
+    keys.into_iter().map(|(_, index)| index).collect()
+}
+
+#[test]
+fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
+    let (problem, trunk) = window();
+    let orders = [
+        Fronts::order_along(&problem, &trunk),
+        shuffled(problem.values().len(), 1),
+        shuffled(problem.values().len(), 2),
+        Vec::new(),
+    ];
+    for damping in [0.0, 1e-4, 1.0] {
+        let (expected, says) = step(&problem, Dense::new(&problem).unwrap(), damping);
+        let size = expected.iter().fold(0.0, |most: f64, number| most.max(number.abs()));
+        for order in &orders {
+            let (found, also) = step(&problem, Fronts::new(&problem, order).unwrap(), damping);
+            let pairs = expected.iter().zip(&found);
+            let off = pairs.fold(0.0, |most: f64, (one, other)| most.max((one - other).abs()));
+            assert!(off < 1e-7 * size, "{off:e} of {size:e} with damping {damping}");
+            for (one, other) in says.iter().zip(also) {
+                assert!((one / other - 1.0).abs() < 1e-8, "{one} and {other}");
+            }
+        }
+    }
+}
