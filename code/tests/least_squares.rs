@@ -1,9 +1,11 @@
 //! Least squares on problems whose answer is known.
 
-#[path = "least_squares/frozen.rs"]
-mod frozen;
 #[path = "least_squares/fronts.rs"]
 mod fronts;
+#[path = "least_squares/frozen.rs"]
+mod frozen;
+#[path = "least_squares/linear_prior.rs"]
+mod linear_prior;
 #[path = "least_squares/null_space.rs"]
 mod null_space;
 #[path = "least_squares/variables.rs"]

@@ -1,6 +1,6 @@
 //! A pixel by the camera that saw it and the point that it shows.
 
-use nalgebra::{DMatrix, Matrix2x3, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::bundle_adjustment::Camera;
 use crate::least_squares::{Factor, Key, Manifold};
@@ -23,9 +23,8 @@ impl<C: Camera<D>, const D: usize> Manifold for MovingCamera<C, D> {
         step.copy_from_slice(self.0.local(&to.0).as_slice());
     }
 
-    fn local_jacobian(&self, to: &Self) -> DMatrix<f64> {
-        let jacobian = self.0.local_jacobian(&to.0);
-        DMatrix::from_column_slice(D, D, jacobian.as_slice())
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
+        into.copy_from_slice(self.0.local_jacobian(&to.0).as_slice());
     }
 }
 // ANCHOR_END: moving_camera

@@ -32,8 +32,8 @@ impl<V: Manifold, const N: usize> Factor<N> for Prior<V, N> {
     }
 
     fn linearize(&self, (value,): (&V,)) -> Option<(SVector<f64, N>, Self::Jacobians)> {
-        let by_step = self.anchor.local_jacobian(value);
-        let by_step = SMatrix::<f64, N, N>::from_column_slice(by_step.as_slice());
+        let mut by_step = SMatrix::<f64, N, N>::zeros();
+        self.anchor.local_jacobian(value, by_step.as_mut_slice());
         Some((self.residual((value,))?, (self.sqrt_information * by_step,)))
     }
 }

@@ -1,6 +1,6 @@
 //! Readings of an inertial measurement unit.
 
-use nalgebra::{DMatrix, Vector3, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 use thiserror::Error;
 
 use crate::least_squares::Manifold;
@@ -88,8 +88,8 @@ impl Manifold for ImuBias {
         self.vector().local(&to.vector(), step);
     }
 
-    fn local_jacobian(&self, _to: &Self) -> DMatrix<f64> {
-        DMatrix::identity(6, 6)
+    fn local_jacobian(&self, _to: &Self, into: &mut [f64]) {
+        into.copy_from_slice(Matrix6::<f64>::identity().as_slice());
     }
 }
 

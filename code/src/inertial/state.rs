@@ -1,6 +1,6 @@
 //! Where a body is, how it is turned and how fast it goes.
 
-use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
+use nalgebra::{Isometry3, Rotation3, SMatrix, Vector3};
 
 use super::ImuSample;
 use crate::least_squares::Manifold;
@@ -41,11 +41,11 @@ impl Manifold for NavState {
         step[6..9].copy_from_slice((to.position - self.position).as_slice());
     }
 
-    fn local_jacobian(&self, to: &Self) -> DMatrix<f64> {
-        let mut jacobian = DMatrix::identity(9, 9);
-        let by_rotation = self.world_from_body.local_jacobian(&to.world_from_body);
-        jacobian.view_mut((0, 0), (3, 3)).copy_from(&by_rotation);
-        jacobian
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
+        let mut jacobian = SMatrix::<f64, 9, 9>::identity();
+        let phi = so3::local(&self.world_from_body, &to.world_from_body);
+        jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&so3::right_jacobian_inverse(&phi));
+        into.copy_from_slice(jacobian.as_slice());
     }
 }
 // ANCHOR_END: state

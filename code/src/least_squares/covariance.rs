@@ -1,8 +1,6 @@
 //! How sure an estimate is.
 
-use std::collections::BTreeMap;
-
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::DMatrix;
 
 use super::group::Point;
 use super::landmarks::{LandmarkElimination, Singular};
@@ -13,40 +11,69 @@ use super::{Key, LinearSystem, Manifold, Problem, SolveError, Values};
 /// The covariance of an estimate, by variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    matrix: DMatrix<f64>,
-    /// By variable, its rows in the matrix: none when it is held or was eliminated.
-    rows: Vec<Vec<usize>>,
-    /// By variable, the covariance of each landmark that was eliminated.
-    landmarks: BTreeMap<usize, Matrix3<f64>>,
+    parts: Vec<Part>,
+    /// By column, the first of the parts that has it.
+    part_of: Vec<usize>,
+    /// By variable, its columns: none when it is held.
+    columns: Vec<Vec<usize>>,
+}
+
+/// The covariance of some columns together.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Part {
+    /// Ascending.
+    pub(super) columns: Vec<usize>,
+    pub(super) matrix: DMatrix<f64>,
 }
 // ANCHOR_END: covariance
 
+impl Part {
+    /// Where columns stand in it; `None` when one does not.
+    fn places(&self, columns: &[usize]) -> Option<Vec<usize>> {
+        columns.iter().map(|column| self.columns.binary_search(column).ok()).collect()
+    }
+}
+
 impl Covariance {
-    /// The covariance of all variables together. Of a dense system it has the columns of
-    /// [`Problem::columns`]; with landmarks eliminated, `D` for each of
-    /// [`LandmarkElimination::rows`].
+    /// Of parts that hold every column, by variable.
+    pub(super) fn of_parts(parts: Vec<Part>, columns: Vec<Vec<usize>>) -> Self {
+        let count = parts.iter().filter_map(|part| part.columns.last()).max().map_or(0, |c| c + 1);
+        let mut part_of = vec![0; count];
+        for (number, part) in parts.iter().enumerate().rev() {
+            part.columns.iter().for_each(|column| part_of[*column] = number);
+        }
+        Self { parts, part_of, columns }
+    }
+
+    /// The covariance of all variables that were solved for together. Of a dense system it has the
+    /// columns of [`Problem::columns`]; with landmarks eliminated, `D` for each of
+    /// [`LandmarkElimination::rows`](super::LandmarkElimination::rows); of fronts, those of the last.
     pub fn matrix(&self) -> &DMatrix<f64> {
-        &self.matrix
+        &self.parts[0].matrix
     }
 
     /// The covariance of one variable, whatever the others are: its *marginal*. It has a row for
     /// each coordinate that is not held. `None` when there is no such variable or all are.
     pub fn of<V: Manifold>(&self, variable: Key<V>) -> Option<DMatrix<f64>> {
-        let landmark = self.landmarks.get(&variable.index());
-        let whole = |own: &Matrix3<f64>| DMatrix::from_column_slice(3, 3, own.as_slice());
-        landmark.map(whole).or_else(|| self.between(variable, variable))
+        self.between(variable, variable)
     }
 
     /// The covariance between two variables, with the rows of the first and the columns of the
-    /// second. `None` when one does not exist, does not move or is a landmark that was eliminated.
+    /// second. `None` when one does not exist or does not move, or when they never met in the
+    /// elimination: a landmark that was eliminated and anything else, two variables that no front
+    /// has together.
     pub fn between<V: Manifold, W: Manifold>(
         &self,
         first: Key<V>,
         second: Key<W>,
     ) -> Option<DMatrix<f64>> {
-        let rows = |index| self.rows.get(index).filter(|rows: &&Vec<usize>| !rows.is_empty());
-        let (rows, columns) = (rows(first.index())?, rows(second.index())?);
-        Some(self.matrix.select_rows(rows).select_columns(columns))
+        let columns = |index| self.columns.get(index).filter(|own: &&Vec<usize>| !own.is_empty());
+        let (rows, columns) = (columns(first.index())?, columns(second.index())?);
+        [rows[0], columns[0]].into_iter().find_map(|column| {
+            let part = &self.parts[self.part_of[column]];
+            let (rows, columns) = part.places(rows).zip(part.places(columns))?;
+            Some(part.matrix.select_rows(&rows).select_columns(&columns))
+        })
     }
 
     /// That of all variables, from the triangle of the Jacobian.
@@ -58,10 +85,11 @@ impl Covariance {
         let regular = (null_space.nullity() == 0).then(|| jacobian.qr().unpack_r());
         let inverse = regular.and_then(|triangle| triangle.solve_upper_triangular(&identity));
         let inverse = inverse.ok_or_else(|| null_space.undetermined())?;
+        let matrix = &inverse * inverse.transpose();
+        let part = Part { columns: (0..columns.count).collect(), matrix };
         let coordinates = |index| problem.values().coordinates_of(index).unwrap_or_default();
         let own = |index| columns.select(coordinates(index));
-        let rows = (0..problem.values().len()).map(own).collect();
-        Ok(Self { matrix: &inverse * inverse.transpose(), rows, landmarks: BTreeMap::new() })
+        Ok(Self::of_parts(vec![part], (0..problem.values().len()).map(own).collect()))
     }
 }
 
@@ -77,20 +105,26 @@ impl<const D: usize> LandmarkElimination<D> {
         problem: &Problem,
         matrix: DMatrix<f64>,
     ) -> Result<Covariance, Singular> {
-        let mut each = self.landmark_covariances(&matrix)?.into_iter();
+        let mut landmarks = self.landmark_covariances(&matrix)?.into_iter();
+        let mut start = matrix.nrows();
+        let mut parts = vec![Part { columns: (0..start).collect(), matrix }];
+        let mut of_variable = Vec::new();
         let columns = problem.columns();
-        let (mut rows, mut landmarks) = (Vec::new(), BTreeMap::new());
         for (variable, row) in self.rows(problem).into_iter().enumerate() {
             let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
             let moving = columns.of[coordinates].iter().enumerate().filter(|(_, c)| c.is_some());
-            let axes: Vec<usize> = moving.map(|(axis, _)| axis).collect();
-            if row.is_none() && !axes.is_empty() {
-                landmarks.extend(each.next().map(|own| (variable, own)));
+            let axes = moving.map(|(axis, _)| axis);
+            let first = row.map_or(start, |row| D * row);
+            let own: Vec<usize> = axes.map(|axis| first + axis).collect();
+            if row.is_none() && !own.is_empty() {
+                let matrix = landmarks.next().unwrap_or_default();
+                let matrix = DMatrix::from_column_slice(3, 3, matrix.as_slice());
+                start += own.len();
+                parts.push(Part { columns: own.clone(), matrix });
             }
-            let places = |row: usize| axes.iter().map(|axis| D * row + axis).collect();
-            rows.push(row.map_or_else(Vec::new, places));
+            of_variable.push(own);
         }
-        Ok(Covariance { matrix, rows, landmarks })
+        Ok(Covariance::of_parts(parts, of_variable))
     }
 }
 

@@ -1,5 +1,7 @@
 //! A dense symmetric matrix on a few columns, and the elimination of the first of them.
 
+use nalgebra::{DMatrix, DMatrixView};
+
 use super::elimination_tree::Node;
 
 // ANCHOR: eliminate
@@ -98,3 +100,27 @@ pub fn solve_transposed(factor: &[f64], node: &Node, step: &mut [f64]) -> f64 {
     square
 }
 // ANCHOR_END: solve_transposed
+
+// ANCHOR: covariance_of_front
+/// The covariance of all columns of a front, from its columns of the factor and the covariance of
+/// the rest.
+///
+/// With the factor's parts L and M, above and below, and W = M L⁻¹, the step of the own columns is
+/// an error of covariance L⁻ᵀ L⁻¹, less Wᵀ times the step of the rest.
+pub fn covariance_of_front(factor: &[f64], own: usize, rest: DMatrix<f64>) -> DMatrix<f64> {
+    let width = own + rest.nrows();
+    let factor = DMatrixView::from_slice(factor, width + 1, own);
+    let identity = DMatrix::identity(own, own);
+    let inverse = factor.rows(0, own).solve_lower_triangular(&identity);
+    let inverse = inverse.unwrap_or_else(|| DMatrix::repeat(own, own, f64::NAN));
+    let w = factor.rows(own, rest.nrows()) * &inverse;
+    let cross = -(&rest * &w);
+    let mut covariance = DMatrix::zeros(width, width);
+    let own_part = inverse.tr_mul(&inverse) - w.tr_mul(&cross);
+    covariance.view_mut((0, 0), (own, own)).copy_from(&own_part);
+    covariance.view_mut((own, 0), (width - own, own)).copy_from(&cross);
+    covariance.view_mut((0, own), (own, width - own)).copy_from(&cross.transpose());
+    covariance.view_mut((own, own), (width - own, width - own)).copy_from(&rest);
+    covariance
+}
+// ANCHOR_END: covariance_of_front

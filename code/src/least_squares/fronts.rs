@@ -3,9 +3,12 @@
 use std::mem::take;
 use std::ops::Range;
 
+use nalgebra::DMatrix;
+
 use super::Covariance;
+use super::covariance::Part;
 use super::elimination_tree::{Node, elimination_tree};
-use super::front::{add_rest, eliminate, solve_transposed};
+use super::front::{add_rest, covariance_of_front, eliminate, solve_transposed};
 use super::group::Point;
 use super::problem::{Buffer, Columns, Problem};
 use super::solver::{LinearSystem, Pivots, Prediction, SolveError};
@@ -251,6 +254,28 @@ impl Fronts {
     }
     // ANCHOR_END: back
 
+    // ANCHOR: covariances
+    /// The covariance of the columns of each front, from the last front back to the first: that of
+    /// the rest is part of its parent's ([@takahashi1973]).
+    fn covariances(&self) -> Vec<Part> {
+        let last = self.nodes.len() - 1;
+        let mut parts: Vec<Part> = Vec::with_capacity(self.nodes.len());
+        for (node, memory) in self.nodes.iter().zip(&self.memory).rev() {
+            let factor = &self.factor[memory.factor.clone()];
+            let rest = node.parent.map_or_else(
+                || DMatrix::zeros(0, 0),
+                |parent| {
+                    let places = &memory.in_parent[..node.rest.len()];
+                    parts[last - parent].matrix.select_rows(places).select_columns(places)
+                },
+            );
+            let matrix = covariance_of_front(factor, node.own.len(), rest);
+            parts.push(Part { columns: node.columns().collect(), matrix });
+        }
+        parts
+    }
+    // ANCHOR_END: covariances
+
     /// Whether a pivot is so small that the Jacobian has to decide.
     fn is_suspicious(&self) -> bool {
         self.nodes.iter().zip(&self.memory).any(|(node, memory)| {
@@ -355,7 +380,18 @@ impl LinearSystem for Fronts {
     }
 
     fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
-        Covariance::dense(problem, at)
+        let null_space = problem.null_space_at(at)?;
+        self.linearize(problem, at)?;
+        if null_space.nullity() > 0 || !self.eliminate_all(0.0) {
+            return Err(null_space.undetermined());
+        }
+        let values = problem.values();
+        let columns = |index| {
+            let columns = self.columns.select(values.coordinates_of(index).unwrap_or_default());
+            columns.into_iter().map(|column| self.place[column]).collect()
+        };
+        let of_variable = (0..values.len()).map(columns).collect();
+        Ok(Covariance::of_parts(self.covariances(), of_variable))
     }
 }
 

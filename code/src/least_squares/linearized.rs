@@ -64,6 +64,19 @@ impl Linearized {
         self.jacobians[slot].entries[place].copy_from_slice(rows.as_flattened());
     }
 
+    /// Writes the residuals of all factors.
+    pub fn write_residual_slice(&mut self, residuals: &[f64]) {
+        self.residuals[..residuals.len()].copy_from_slice(residuals);
+    }
+
+    /// Writes a column of the derivatives by the variables in a slot.
+    pub fn write_column(&mut self, slot: usize, column: usize, rows: impl Iterator<Item = f64>) {
+        let Slot { columns, entries } = &mut self.jacobians[slot];
+        for (row, slope) in rows.enumerate() {
+            entries[row * *columns + column] = slope;
+        }
+    }
+
     /// How many factors there are.
     pub fn len(&self) -> usize {
         self.len

@@ -1,6 +1,6 @@
 //! What a problem can move.
 
-use nalgebra::{DMatrix, Isometry3, Rotation3, SVector, Vector3, Vector6};
+use nalgebra::{Isometry3, Rotation3, SMatrix, SVector, Vector3, Vector6};
 
 use crate::manifold::{se3, so3};
 
@@ -18,9 +18,9 @@ pub trait Manifold: Clone + Send + Sync + 'static {
     /// [`Manifold::retract`] where that has one.
     fn local(&self, to: &Self, step: &mut [f64]);
 
-    /// The derivative of `self.local(to)` by a step of `to`, at zero: square, and the identity
-    /// where points are moved by addition.
-    fn local_jacobian(&self, to: &Self) -> DMatrix<f64>;
+    /// Writes the derivative of `self.local(to)` by a step of `to`, at zero, column by column: a
+    /// square matrix, and the identity where points are moved by addition.
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]);
 }
 // ANCHOR_END: manifold
 
@@ -38,8 +38,8 @@ impl<const N: usize> Manifold for SVector<f64, N> {
         step.copy_from_slice((to - self).as_slice());
     }
 
-    fn local_jacobian(&self, _to: &Self) -> DMatrix<f64> {
-        DMatrix::identity(N, N)
+    fn local_jacobian(&self, _to: &Self, into: &mut [f64]) {
+        into.copy_from_slice(SMatrix::<f64, N, N>::identity().as_slice());
     }
 }
 // ANCHOR_END: vector
@@ -59,9 +59,9 @@ impl Manifold for Rotation3<f64> {
         step.copy_from_slice(so3::local(self, to).as_slice());
     }
 
-    fn local_jacobian(&self, to: &Self) -> DMatrix<f64> {
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
         let phi = so3::local(self, to);
-        DMatrix::from_column_slice(3, 3, so3::right_jacobian_inverse(&phi).as_slice())
+        into.copy_from_slice(so3::right_jacobian_inverse(&phi).as_slice());
     }
 }
 
@@ -80,9 +80,9 @@ impl Manifold for Isometry3<f64> {
         step.copy_from_slice(se3::local(self, to).as_slice());
     }
 
-    fn local_jacobian(&self, to: &Self) -> DMatrix<f64> {
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
         let xi = se3::local(self, to);
-        DMatrix::from_column_slice(6, 6, se3::right_jacobian_inverse(&xi).as_slice())
+        into.copy_from_slice(se3::right_jacobian_inverse(&xi).as_slice());
     }
 }
 // ANCHOR_END: rotation

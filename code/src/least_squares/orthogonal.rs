@@ -12,6 +12,7 @@ use super::null_space::{NullSpace, check_gap};
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
 use super::spectrum::scale_of;
+use super::square_root;
 
 /// Weak measurements of zero of every column, far above rounding and far below anything that is
 /// seen, make the triangle regular.
@@ -207,20 +208,21 @@ fn eliminate(rows: &[SparseRow], sizes: &[usize]) -> Vec<Piece> {
     for (number, own) in sizes.iter().enumerate() {
         let mut front = take(&mut fronts[number]);
         front.extend((start..start + own).map(|column| vec![(column, REGULAR)]));
-        let (columns, triangle) = triangular(&front);
-        for row in *own..triangle.nrows() {
-            let entries = (row..columns.len()).map(|at| (columns[at], triangle[(row, at)]));
-            wait(entries.collect(), &mut fronts);
+        let (columns, dense) = dense(&front);
+        let (rows, rest) = square_root::eliminate(dense, *own);
+        for (number, row) in rest.row_iter().enumerate() {
+            let entries = columns[*own..].iter().copied().zip(row.iter().copied());
+            wait(entries.skip(number).collect(), &mut fronts);
         }
-        pieces.push(Piece { columns, rows: triangle.rows(0, *own).into_owned() });
+        pieces.push(Piece { columns, rows });
         start += own;
     }
     pieces
 }
 // ANCHOR_END: eliminate
 
-/// The columns of a front, ascending, and the triangle of its rows.
-fn triangular(front: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
+/// The columns of a front, ascending, and its rows.
+fn dense(front: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
     let mut columns: Vec<usize> = front.iter().flatten().map(|(column, _)| *column).collect();
     columns.sort_unstable();
     columns.dedup();
@@ -230,5 +232,5 @@ fn triangular(front: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
             dense[(number, columns.partition_point(|other| other < column))] = *slope;
         }
     }
-    (columns, dense.qr().unpack_r())
+    (columns, dense)
 }

@@ -161,6 +161,25 @@ impl Problem {
     }
     // ANCHOR_END: add_factor
 
+    /// Adds a group of one factor.
+    pub(super) fn add_group(
+        &mut self,
+        factors: Box<dyn FactorGroup>,
+    ) -> Result<usize, ProblemError> {
+        let number = self.factors;
+        if factors.rows() == 0 {
+            return Err(ProblemError::EmptyFactor { factor: number });
+        }
+        self.groups.push(Group { factors, numbers: vec![number], all: vec![0] });
+        self.factors += 1;
+        Ok(number)
+    }
+
+    /// Whether a variable takes steps of its own.
+    pub(super) fn leads(&self, variable: usize) -> bool {
+        self.leader[variable] == variable
+    }
+
     /// The values the variables begin at.
     pub fn values(&self) -> &Values {
         &self.values

@@ -179,9 +179,62 @@ impl Values {
         for place in &self.variables {
             let kind = place.kind as usize;
             let part = &mut step[place.start..place.start + place.dimension];
-            self.kinds[kind].local(&*to.kinds[kind], place.place as usize, part);
+            let own = place.place as usize;
+            self.kinds[kind].local(own, &*to.kinds[kind], own, part);
         }
         step
+    }
+
+    /// The values of some variables alone, in this order. `None` when one does not exist.
+    pub fn select(&self, variables: &[usize]) -> Option<Self> {
+        let mut kinds: Vec<Box<dyn Kind>> = self.kinds.iter().map(|kind| kind.empty()).collect();
+        let mut selected = Self::new();
+        for variable in variables {
+            let Place { kind, place, dimension, .. } = *self.variables.get(*variable)?;
+            let own = kinds[kind as usize].push(&*self.kinds[kind as usize], place as usize);
+            let start = selected.coordinates;
+            selected.variables.push(Place { kind, place: own, start, dimension });
+            selected.coordinates += dimension;
+        }
+        selected.kinds = kinds;
+        Some(selected)
+    }
+
+    /// Calls with the lists and the places of a variable here and of one elsewhere, when they are of
+    /// one kind and dimension.
+    fn beside<T>(
+        &self,
+        own: usize,
+        (other, variable): (&Self, usize),
+        call: impl FnOnce((&dyn Kind, usize), (&dyn Kind, usize)) -> T,
+    ) -> Option<T> {
+        let (from, to) = (self.variables.get(own)?, other.variables.get(variable)?);
+        let (own, other) = (&*self.kinds[from.kind as usize], &*other.kinds[to.kind as usize]);
+        let is_alike = own.type_id() == other.type_id() && from.dimension == to.dimension;
+        is_alike.then(|| call((own, from.place as usize), (other, to.place as usize)))
+    }
+
+    /// Writes the step from a variable to one of other values. `None` when they are not of one kind
+    /// and dimension.
+    pub(super) fn local_to(
+        &self,
+        own: usize,
+        other: (&Self, usize),
+        step: &mut [f64],
+    ) -> Option<()> {
+        self.beside(own, other, |(own, from), (other, to)| own.local(from, other, to, step))
+    }
+
+    /// Writes the derivative of that step.
+    pub(super) fn local_jacobian_to(
+        &self,
+        own: usize,
+        other: (&Self, usize),
+        into: &mut [f64],
+    ) -> Option<()> {
+        self.beside(own, other, |(own, from), (other, to)| {
+            own.local_jacobian(from, other, to, into)
+        })
     }
 
     /// Copies the value of one variable from values of the same variables.
@@ -214,7 +267,10 @@ trait Kind: Any + Send + Sync {
         step: &[f64],
         into: &mut dyn Kind,
     );
-    fn local(&self, to: &dyn Kind, place: usize, step: &mut [f64]);
+    fn local(&self, place: usize, to: &dyn Kind, to_place: usize, step: &mut [f64]);
+    fn local_jacobian(&self, place: usize, to: &dyn Kind, to_place: usize, into: &mut [f64]);
+    fn empty(&self) -> Box<dyn Kind>;
+    fn push(&mut self, from: &dyn Kind, place: usize) -> u32;
     fn copy(&mut self, from: &dyn Kind, place: usize);
 }
 
@@ -252,10 +308,25 @@ impl<V: Manifold> Kind for Vec<V> {
         }
     }
 
-    fn local(&self, to: &dyn Kind, place: usize, step: &mut [f64]) {
+    fn local(&self, place: usize, to: &dyn Kind, to_place: usize, step: &mut [f64]) {
         if let Some(to) = list::<V>(to) {
-            self[place].local(&to[place], step);
+            self[place].local(&to[to_place], step);
         }
+    }
+
+    fn local_jacobian(&self, place: usize, to: &dyn Kind, to_place: usize, into: &mut [f64]) {
+        if let Some(to) = list::<V>(to) {
+            self[place].local_jacobian(&to[to_place], into);
+        }
+    }
+
+    fn empty(&self) -> Box<dyn Kind> {
+        Box::new(Self::new())
+    }
+
+    fn push(&mut self, from: &dyn Kind, place: usize) -> u32 {
+        self.extend(list::<V>(from).map(|from| from[place].clone()));
+        self.len() as u32 - 1
     }
 
     fn copy(&mut self, from: &dyn Kind, place: usize) {

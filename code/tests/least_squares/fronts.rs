@@ -1,14 +1,9 @@
 //! Elimination in any order.
 
-use nalgebra::{Isometry3, SMatrix, Vector3};
-use vislam::bundle_adjustment::Solver;
-use vislam::bundle_adjustment::scenes::Scene;
+use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector3};
 use vislam::factors::Prior;
 use vislam::inertial::{ImuBias, NavState, Trajectory};
-use vislam::least_squares::{
-    Dense, Fronts, Kernel, Key, LandmarkElimination, LinearSystem, Manifold, Options, Problem,
-    Search, SolveError, Values,
-};
+use vislam::least_squares::{Dense, Fronts, Kernel, Key, LinearSystem, Manifold, Point, Problem};
 use vislam::observability::{BiasAssumption, Flight, UnknownCalibration, landmarks_around};
 
 use super::Draws;
@@ -39,8 +34,7 @@ fn window() -> (Problem, Vec<usize>) {
     let rig = of_kind::<Isometry3<f64>>(&problem)[0];
     hold_near::<_, 6>(&mut problem, rig, 0.01);
     let mut draws = Draws::new(7);
-    let step: Vec<f64> =
-        (0..problem.values().dimension()).map(|_| 2e-3 * draws.number()).collect();
+    let step: Vec<f64> = (0..problem.values().dimension()).map(|_| 2e-3 * draws.number()).collect();
     problem.set_values(problem.values().retract(&step)).unwrap();
     let pairs = states.iter().zip(&biases);
     let trunk = pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect();
@@ -49,7 +43,7 @@ fn window() -> (Problem, Vec<usize>) {
 
 /// One step of a system from where the problem stands, by coordinates, and its prediction.
 fn step(problem: &Problem, mut system: impl LinearSystem, damping: f64) -> (Vec<f64>, [f64; 3]) {
-    let at = vislam::least_squares::Point { values: problem.values(), frozen: None };
+    let at = Point { values: problem.values(), frozen: None };
     system.linearize(problem, at).unwrap();
     let mut step = vec![0.0; problem.values().dimension()];
     let prediction = system.step(problem, at, damping, &mut step).unwrap();
@@ -85,4 +79,40 @@ fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
             }
         }
     }
+}
+
+#[test]
+fn fronts_give_the_covariance_of_the_dense_system() {
+    let (problem, trunk) = window();
+    let dense = problem.covariance(problem.values()).unwrap();
+    let at = Point { values: problem.values(), frozen: None };
+    let condition = {
+        let (jacobian, _) = problem.jacobian(problem.values()).unwrap();
+        let lengths =
+            DVector::from_iterator(jacobian.ncols(), jacobian.column_iter().map(|c| c.norm()));
+        let values =
+            (jacobian * DMatrix::from_diagonal(&lengths.map(f64::recip))).singular_values();
+        (values.max() / values.min()).powi(2)
+    };
+    for order in [Fronts::order_along(&problem, &trunk), shuffled(problem.values().len(), 3)] {
+        let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
+        let mut most: f64 = 0.0;
+        let mut compare = |one: DMatrix<f64>, other: DMatrix<f64>| {
+            most = most.max((&one - &other).norm() / one.norm());
+        };
+        for state in of_kind::<NavState>(&problem) {
+            compare(dense.of(state).unwrap(), fronts.of(state).unwrap());
+        }
+        for landmark in of_kind::<Vector3<f64>>(&problem) {
+            compare(dense.of(landmark).unwrap(), fronts.of(landmark).unwrap());
+        }
+        assert!(most < 10.0 * f64::EPSILON * condition, "{most:e} at a condition of {condition:e}");
+    }
+    let order = Fronts::order_along(&problem, &trunk);
+    let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
+    let states = of_kind::<NavState>(&problem);
+    let met = fronts.between(states[3], states[4]).unwrap();
+    let expected = dense.between(states[3], states[4]).unwrap();
+    assert!((&met - &expected).norm() < 1e-6 * expected.norm());
+    assert_eq!(fronts.between(states[0], states[8]), None);
 }

@@ -128,7 +128,7 @@ impl vislam::least_squares::Manifold for Lengths {
         }
     }
 
-    fn local_jacobian(&self, _to: &Self) -> DMatrix<f64> {
-        DMatrix::identity(self.0.len(), self.0.len())
+    fn local_jacobian(&self, _to: &Self, into: &mut [f64]) {
+        into.copy_from_slice(DMatrix::identity(self.0.len(), self.0.len()).as_slice());
     }
 }

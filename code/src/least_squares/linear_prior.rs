@@ -1,0 +1,258 @@
+//! What some factors have said, kept when they and some of their variables are gone.
+
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
+
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+use super::group::{FactorGroup, Point, Undefined};
+use super::linearized::Linearized;
+use super::problem::{Buffer, Problem};
+use super::solver::SolveError;
+use super::square_root::eliminate;
+use super::{ProblemError, Values};
+
+// ANCHOR: linear_prior
+/// A factor in square-root form, W (x ⊟ a) + d: what linearized factors say of the variables x that
+/// are left when others have been eliminated. The anchors a are where x stood then.
+///
+/// Where a linearization point is frozen at the anchor, its Jacobian is the root W; elsewhere it is W
+/// times the derivative of [`local`](super::Manifold::local).
+#[derive(Debug)]
+pub struct LinearPrior {
+    /// The variables, by number.
+    variables: Vec<usize>,
+    anchors: Values,
+    /// Their dimensions.
+    columns: Vec<usize>,
+    root: DMatrix<f64>,
+    offset: DVector<f64>,
+    /// For steps and derivatives. Factors may be asked from several threads.
+    memory: Mutex<Vec<f64>>,
+}
+// ANCHOR_END: linear_prior
+
+impl LinearPrior {
+    // ANCHOR: marginalize
+    /// Takes variables out of a problem: eliminates them from all factors that name one of them, as
+    /// these are linearized at `values`, and keeps what they say of their other variables.
+    ///
+    /// The problem stays as it is. The one that goes on is made without these variables and factors,
+    /// and with the prior, whose variables [`LinearPrior::renumbered`] calls by their new numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::Order`] when a variable does not exist, [`SolveError::WrongValues`], and what
+    /// linearizing at `values` gives.
+    pub fn marginalize(
+        problem: &Problem,
+        values: &Values,
+        variables: &[usize],
+    ) -> Result<Self, SolveError> {
+        problem.check_values(values)?;
+        let columns = problem.columns();
+        let mut is_out = vec![false; columns.count];
+        let mut out = Vec::new();
+        for &variable in variables {
+            let coordinates = values.coordinates_of(variable);
+            for column in columns.select(coordinates.ok_or(SolveError::Order { variable })?) {
+                if !std::mem::replace(&mut is_out[column], true) {
+                    out.push(column);
+                }
+            }
+        }
+        let (mut rows, mut named) = (Vec::new(), BTreeSet::new());
+        problem.at(values, |at| {
+            problem.each_row(at, &columns, &mut Buffer::default(), |row| {
+                if row.entries.iter().any(|(column, _)| is_out[*column]) {
+                    named.extend(row.entries.iter().map(|entry| entry.0).filter(|c| !is_out[*c]));
+                    rows.push((row.entries.to_vec(), row.residual));
+                }
+            })
+        })?;
+        let eliminated = out.len();
+        let order: Vec<usize> = out.into_iter().chain(named.iter().copied()).collect();
+        let mut dense = DMatrix::zeros(rows.len(), order.len() + 1);
+        let mut place = vec![0; columns.count];
+        order.iter().zip(0..).for_each(|(column, at)| place[*column] = at);
+        for (number, (entries, residual)) in rows.into_iter().enumerate() {
+            entries.iter().for_each(|(column, slope)| dense[(number, place[*column])] = *slope);
+            dense[(number, order.len())] = residual;
+        }
+        let (_, rest) = eliminate(dense, eliminated);
+        let column_place =
+            |column: usize| named.contains(&column).then(|| place[column] - eliminated);
+        Ok(Self::on(problem, values, &columns.of, column_place, rest))
+    }
+    // ANCHOR_END: marginalize
+
+    /// The prior of rows whose columns are those of coordinates that a function names.
+    fn on(
+        problem: &Problem,
+        values: &Values,
+        column_of: &[Option<usize>],
+        place: impl Fn(usize) -> Option<usize>,
+        rows: DMatrix<f64>,
+    ) -> Self {
+        let coordinates = |variable| values.coordinates_of(variable).unwrap_or_default();
+        let place = |coordinate: usize| column_of[coordinate].and_then(&place);
+        let leaders = (0..values.len()).filter(|variable| problem.leads(*variable));
+        let variables: Vec<usize> =
+            leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
+        let whole = variables.iter().flat_map(|variable| coordinates(*variable));
+        let whole: Vec<Option<usize>> = whole.map(place).collect();
+        // A last row, in which nothing but a residual stands, is a constant.
+        let rows = rows.rows(0, rows.nrows().min(rows.ncols() - 1));
+        let root = DMatrix::from_fn(rows.nrows(), whole.len(), |row, at| {
+            whole[at].map_or(0.0, |column| rows[(row, column)])
+        });
+        let offset = rows.column(rows.ncols() - 1).into_owned();
+        let anchors = values.select(&variables).unwrap_or_default();
+        Self::new(variables, anchors, root, offset)
+    }
+
+    fn new(
+        variables: Vec<usize>,
+        anchors: Values,
+        root: DMatrix<f64>,
+        offset: DVector<f64>,
+    ) -> Self {
+        let dimension = |at| anchors.coordinates_of(at).unwrap_or_default().len();
+        let columns: Vec<usize> = (0..variables.len()).map(dimension).collect();
+        let widest = columns.iter().max().map_or(0, |dimension| dimension * dimension);
+        let memory = Mutex::new(vec![0.0; root.ncols() + root.nrows() + widest]);
+        Self { variables, anchors, columns, root, offset, memory }
+    }
+
+    /// The variables, by number, in the order of the columns.
+    pub fn variables(&self) -> &[usize] {
+        &self.variables
+    }
+
+    /// The root W, with a column for each coordinate of each variable.
+    pub fn root(&self) -> &DMatrix<f64> {
+        &self.root
+    }
+
+    /// What the residual is at the anchors.
+    pub fn offset(&self) -> &DVector<f64> {
+        &self.offset
+    }
+
+    /// The same prior in a problem that calls the variables by other numbers.
+    pub fn renumbered(mut self, number: impl Fn(usize) -> usize) -> Self {
+        self.variables.iter_mut().for_each(|variable| *variable = number(*variable));
+        self
+    }
+
+    /// Whether every variable is one of these values, of the same kind and dimension.
+    pub(super) fn misfit(&self, values: &Values) -> Option<usize> {
+        let fits = |(own, variable): (usize, &usize)| {
+            let mut step = vec![0.0; self.columns[own]];
+            self.anchors.local_to(own, (values, *variable), &mut step).is_some()
+        };
+        let misfit = self.variables.iter().enumerate().find(|pair| !fits(*pair));
+        misfit.map(|(_, variable)| *variable)
+    }
+
+    // ANCHOR: prior_residual
+    /// Calls with the residual at values, and with memory for derivatives.
+    fn with_residual<T>(&self, values: &Values, call: impl FnOnce(&[f64], &mut [f64]) -> T) -> T {
+        let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
+        let (step, rest) = memory.split_at_mut(self.root.ncols());
+        let (residual, free) = rest.split_at_mut(self.root.nrows());
+        for (own, variable) in self.variables.iter().enumerate() {
+            let part = self.anchors.coordinates_of(own).unwrap_or_default();
+            // Whether they fit has been asked when the prior was added.
+            let _ = self.anchors.local_to(own, (values, *variable), &mut step[part]);
+        }
+        residual.copy_from_slice(self.offset.as_slice());
+        for (column, step) in self.root.column_iter().zip(step) {
+            residual.iter_mut().zip(column.iter()).for_each(|(sum, slope)| *sum += slope * *step);
+        }
+        call(residual, free)
+    }
+    // ANCHOR_END: prior_residual
+}
+
+impl FactorGroup for LinearPrior {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn rows(&self) -> usize {
+        self.root.nrows()
+    }
+
+    fn columns(&self) -> &[usize] {
+        &self.columns
+    }
+
+    fn variables(&self, _factor: usize, visit: &mut dyn FnMut(usize)) {
+        self.variables.iter().for_each(|variable| visit(*variable));
+    }
+
+    fn cost(&self, factors: &[u32], values: &Values) -> f64 {
+        let square = |residual: &[f64]| 0.5 * residual.iter().map(|r| r * r).sum::<f64>();
+        factors.iter().map(|_| self.with_residual(values, |residual, _| square(residual))).sum()
+    }
+
+    fn residuals(
+        &self,
+        factors: &[u32],
+        values: &Values,
+        into: &mut Vec<f64>,
+    ) -> Result<(), Undefined> {
+        factors.iter().for_each(|_| {
+            self.with_residual(values, |residual, _| into.extend_from_slice(residual))
+        });
+        Ok(())
+    }
+
+    // ANCHOR: prior_linearize
+    fn linearize(
+        &self,
+        factors: &[u32],
+        at: Point,
+        into: &mut Linearized,
+    ) -> Result<(), Undefined> {
+        into.begin(factors.len(), self.rows(), &self.columns);
+        let point = at.frozen.unwrap_or(at.values);
+        self.with_residual(at.values, |residual, free| {
+            into.cost += 0.5 * residual.iter().map(|r| r * r).sum::<f64>();
+            into.write_residual_slice(residual);
+            for (slot, variable) in self.variables.iter().enumerate() {
+                let part = self.anchors.coordinates_of(slot).unwrap_or_default();
+                let by_step = &mut free[..part.len() * part.len()];
+                let _ = self.anchors.local_jacobian_to(slot, (point, *variable), by_step);
+                let root = self.root.columns_range(part.clone());
+                for column in 0..part.len() {
+                    let by_step = &by_step[column * part.len()..(column + 1) * part.len()];
+                    let by_step = DVectorView::from_slice(by_step, part.len());
+                    into.write_column(
+                        slot,
+                        column,
+                        root.row_iter().map(|row| row.tr_dot(&by_step)),
+                    );
+                }
+            }
+        });
+        Ok(())
+    }
+    // ANCHOR_END: prior_linearize
+}
+
+impl Problem {
+    /// Adds what has been kept of other factors, and gives its number.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`] when a variable does not exist or is of another kind, and
+    /// [`ProblemError::EmptyFactor`] when nothing was said.
+    pub fn add_prior(&mut self, prior: LinearPrior) -> Result<usize, ProblemError> {
+        if let Some(variable) = prior.misfit(self.values()) {
+            return Err(ProblemError::NoSuchVariable { variable, variables: self.values().len() });
+        }
+        self.add_group(Box::new(prior))
+    }
+}

@@ -1,0 +1,199 @@
+//! Variables that are taken out, and what is kept of what their factors said.
+
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Vector3};
+use vislam::factors::Prior;
+use vislam::least_squares::{
+    Kernel, Key, LinearPrior, Options, Problem, ProblemError, SolveError, Values, eliminate,
+};
+use vislam::manifold::se3;
+
+use super::{Between, Draws};
+
+/// Poses, and which of them were measured against each other: neighbours and a few far apart.
+struct Graph {
+    poses: Vec<Isometry3<f64>>,
+    measured: Vec<(usize, usize, Isometry3<f64>)>,
+}
+
+impl Graph {
+    fn new(count: usize) -> Self {
+        let mut draws = Draws::new(40);
+        let truth: Vec<_> = (0..count).map(|_| se3::exp(&(2.0 * draws.vector::<6>()))).collect();
+        let neighbours = (1..count).map(|second| (second - 1, second));
+        let far = (0..count / 2).map(|first| (first, first + count / 2));
+        let measure = |(first, second): (usize, usize)| {
+            let between = truth[first].inv_mul(&truth[second]);
+            (first, second, se3::retract(&between, &(0.02 * draws.vector::<6>())))
+        };
+        let measured = neighbours.chain(far).map(measure).collect();
+        Self { poses: truth, measured }
+    }
+
+    /// The problem of these poses, with the measurements between them, and the keys by pose. The
+    /// first pose has a prior as long as it is there.
+    fn problem(
+        &self,
+        start: &[Isometry3<f64>],
+        which: impl Fn(usize) -> bool,
+    ) -> (Problem, Vec<Option<Key<Isometry3<f64>>>>) {
+        let mut problem = Problem::new();
+        let add = |(index, pose)| which(index).then(|| problem.add_variable(pose));
+        let keys: Vec<_> = start.iter().copied().enumerate().map(add).collect();
+        if let Some(variable) = keys[0] {
+            let sqrt_information = 10.0 * Matrix6::identity();
+            let prior = Prior { variable, anchor: self.poses[0], sqrt_information };
+            problem.add_factor(prior, Kernel::Squared).unwrap();
+        }
+        for (first, second, measured) in &self.measured {
+            if let (Some(first), Some(second)) = (keys[*first], keys[*second]) {
+                let between = Between { poses: [first, second], measured: *measured };
+                problem.add_factor(between, Kernel::Squared).unwrap();
+            }
+        }
+        (problem, keys)
+    }
+}
+
+/// The estimate of all poses, and the condition number of its Hessian.
+fn solved(graph: &Graph) -> (Values, f64) {
+    let (problem, _) = graph.problem(&graph.poses, |_| true);
+    let values = problem.solve(&Options::default()).unwrap().values;
+    let (jacobian, _) = problem.jacobian(&values).unwrap();
+    let singular = jacobian.singular_values();
+    (values, (singular.max() / singular.min()).powi(2))
+}
+
+fn start_of(values: &Values) -> Vec<Isometry3<f64>> {
+    values.of_kind().to_vec()
+}
+
+#[test]
+fn poses_that_are_taken_out_in_any_order_leave_the_marginals_of_the_others() {
+    let graph = Graph::new(12);
+    let (values, condition) = solved(&graph);
+    let (whole, keys) = graph.problem(&start_of(&values), |_| true);
+    let expected = whole.covariance(&values).unwrap();
+    let out = [vec![0, 1, 2], vec![7, 3, 0, 10], vec![11], vec![4, 5, 6, 7, 8, 9, 10, 11]];
+    for out in &out {
+        let prior = LinearPrior::marginalize(&whole, &values, out).unwrap();
+        let stays = |index: usize| !out.contains(&index);
+        let (mut rest, new) = graph.problem(&start_of(&values), stays);
+        let number = |old: usize| new[old].expect("it stays").index();
+        rest.add_prior(prior.renumbered(number)).unwrap();
+        let found = rest.covariance(rest.values()).unwrap();
+        for index in (0..12).filter(|index| stays(*index)) {
+            let one = expected.of(keys[index].unwrap()).unwrap();
+            let other = found.of(new[index].unwrap()).unwrap();
+            let off = (&one - other).norm() / one.norm();
+            assert!(off < 10.0 * f64::EPSILON * condition, "pose {index}: {off:e}");
+        }
+        let gradient = rest.linearize(rest.values()).unwrap().gradient_norm();
+        assert!(gradient < 1e-6, "the estimate is that of the whole: {gradient:e}");
+    }
+}
+
+#[test]
+fn one_after_the_other_is_as_good_as_all_at_once() {
+    let graph = Graph::new(10);
+    let (values, _) = solved(&graph);
+    let (whole, _) = graph.problem(&start_of(&values), |_| true);
+    let at_once = LinearPrior::marginalize(&whole, &values, &[0, 1, 2, 3]).unwrap();
+
+    let mut prior: Option<LinearPrior> = None;
+    for gone in 0..4 {
+        // The graph without what has gone, and with what was kept of it.
+        let (mut problem, keys) = graph.problem(&start_of(&values), |index| index >= gone);
+        if let Some(prior) = prior.take() {
+            problem.add_prior(prior.renumbered(|old| keys[old].unwrap().index())).unwrap();
+        }
+        let number = keys[gone].unwrap().index();
+        let kept = LinearPrior::marginalize(&problem, problem.values(), &[number]).unwrap();
+        prior = Some(kept.renumbered(|new| new + gone));
+    }
+    let stepwise = prior.unwrap();
+    assert_eq!(at_once.variables(), stepwise.variables());
+    let information = |prior: &LinearPrior| prior.root().tr_mul(prior.root());
+    let gradient = |prior: &LinearPrior| prior.root().tr_mul(prior.offset());
+    let (one, other) = (information(&at_once), information(&stepwise));
+    assert!((&one - &other).norm() < 1e-9 * one.norm());
+    assert!((gradient(&at_once) - gradient(&stepwise)).norm() < 1e-9 * one.norm());
+}
+
+/// The prior that two poses leave to their neighbours, and the problem of these.
+fn prior_alone(freeze: bool) -> (Problem, DMatrix<f64>, Vec<Key<Isometry3<f64>>>) {
+    let graph = Graph::new(6);
+    let (values, _) = solved(&graph);
+    let (whole, _) = graph.problem(&start_of(&values), |_| true);
+    let prior = LinearPrior::marginalize(&whole, &values, &[0, 1]).unwrap();
+    let root = prior.root().clone();
+    let mut problem = Problem::new();
+    let anchors: Vec<Isometry3<f64>> = start_of(&values);
+    let old = prior.variables().to_vec();
+    let keys: Vec<_> = old.iter().map(|old| problem.add_variable(anchors[*old])).collect();
+    problem.add_prior(prior.renumbered(|v| old.iter().position(|o| *o == v).unwrap())).unwrap();
+    if freeze {
+        for (key, old) in keys.iter().zip(&old) {
+            problem.freeze(*key, anchors[*old]).unwrap();
+        }
+    }
+    (problem, root, keys)
+}
+
+#[test]
+fn its_jacobian_is_its_derivative_and_its_root_where_it_is_frozen() {
+    let mut draws = Draws::new(41);
+    let (problem, root, keys) = prior_alone(false);
+    let (frozen, ..) = prior_alone(true);
+    for _ in 0..1000 {
+        let step: Vec<f64> = (0..6 * keys.len()).map(|_| 0.8 * draws.number()).collect();
+        let values = problem.values().retract(&step);
+        let (jacobian, residual) = problem.jacobian(&values).unwrap();
+        assert_eq!(residual, problem.residual(&values).unwrap());
+        for column in 0..step.len() {
+            let moved = |size: f64| {
+                let mut one = vec![0.0; step.len()];
+                one[column] = size;
+                problem.residual(&values.retract(&one)).unwrap()
+            };
+            let slope: DVector<f64> = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            assert!((slope - jacobian.column(column)).norm() < 1e-6);
+        }
+        let (jacobian, also) = frozen.jacobian(&values).unwrap();
+        assert!((jacobian - &root).norm() < 1e-12 * root.norm());
+        assert_eq!(residual, also);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_number() {
+    let graph = Graph::new(4);
+    let (values, _) = solved(&graph);
+    let (whole, _) = graph.problem(&start_of(&values), |_| true);
+    let beyond = LinearPrior::marginalize(&whole, &values, &[9]).unwrap_err();
+    assert_eq!(beyond, SolveError::Order { variable: 9 });
+    let prior = || LinearPrior::marginalize(&whole, &values, &[0]).unwrap();
+    let mut other = Problem::new();
+    for _ in 0..4 {
+        other.add_variable(Vector3::<f64>::zeros());
+    }
+    let refused = other.add_prior(prior()).unwrap_err();
+    assert_eq!(refused, ProblemError::NoSuchVariable { variable: 1, variables: 4 });
+    let all = LinearPrior::marginalize(&whole, &values, &[0, 1, 2, 3]).unwrap();
+    assert!(all.variables().is_empty());
+    assert!(matches!(other.add_prior(all), Err(ProblemError::EmptyFactor { .. })));
+}
+
+#[test]
+fn elimination_leaves_what_the_rows_say_of_the_rest_and_nothing_of_what_is_gone() {
+    let mut draws = Draws::new(42);
+    for (rows, gone) in [(2, 3), (9, 3), (30, 5), (8, 0), (5, 7)] {
+        let matrix = DMatrix::from_fn(rows, 8, |_, _| draws.number());
+        let (own, rest) = eliminate(matrix.clone(), gone);
+        assert_eq!(own.ncols(), 8);
+        assert_eq!(rest.ncols(), 8 - gone);
+        let mut all = DMatrix::zeros(own.nrows() + rest.nrows(), 8);
+        all.rows_mut(0, own.nrows()).copy_from(&own);
+        all.view_mut((own.nrows(), gone), rest.shape()).copy_from(&rest);
+        assert!((all.tr_mul(&all) - matrix.tr_mul(&matrix)).norm() < 1e-12);
+    }
+}
