@@ -32,32 +32,59 @@ pub fn eliminate(
         own.iter_mut().for_each(|entry| *entry *= reciprocal);
     }
     let (done, rest) = front.split_at_mut(columns * order);
-    for (column, row) in rest.chunks_exact_mut(order).zip(columns..) {
-        subtract_products(done, order, row, &mut column[row..]);
+    for (pair, row) in rest.chunks_mut(2 * order).zip((columns..).step_by(2)) {
+        subtract_from_pair(done, order, row, pair);
     }
     Ok(())
 }
 // ANCHOR_END: eliminate
 
 // ANCHOR: subtract_products
-/// Subtracts from a column, of which the part from `row` on is given, its products with columns
-/// that have been eliminated: four of them at a time, so that it is loaded and stored less often.
+/// Subtracts from a column, of which the part from `row` on is given, its products with columns that
+/// have been eliminated.
 #[inline(always)]
 fn subtract_products(done: &[f64], order: usize, row: usize, column: &mut [f64]) {
-    let len = column.len();
-    let mut fours = done.chunks_exact(4 * order);
-    for four in &mut fours {
-        let part = |which: usize| &four[which * order + row..][..len];
-        let (a, b, c, d) = (part(0), part(1), part(2), part(3));
-        let (fa, fb, fc, fd) = (a[0], b[0], c[0], d[0]);
-        for (at, entry) in column.iter_mut().enumerate() {
-            *entry -= (fa * a[at] + fb * b[at]) + (fc * c[at] + fd * d[at]);
-        }
-    }
-    for one in fours.remainder().chunks_exact(order) {
-        let part = &one[row..][..len];
+    for one in done.chunks_exact(order) {
+        let part = &one[row..][..column.len()];
         let factor = part[0];
         column.iter_mut().zip(part).for_each(|(entry, other)| *entry -= factor * other);
+    }
+}
+
+/// The same for two columns that stand side by side, the first of which is that of `row`: four
+/// eliminated columns at a time, so that nothing is loaded and stored more often than it must be.
+#[inline(always)]
+fn subtract_from_pair(done: &[f64], order: usize, row: usize, pair: &mut [f64]) {
+    let (first, second) = pair.split_at_mut(order);
+    if second.is_empty() {
+        return subtract_products(done, order, row, &mut first[row..]);
+    }
+    let len = order - row - 1;
+    let (diagonal, first) = first[row..].split_at_mut(1);
+    let (first, second) = (&mut first[..len], &mut second[row + 1..][..len]);
+    let mut fours = done.chunks_exact(4 * order);
+    for four in &mut fours {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|which| &four[which * order + row..][..len + 1]);
+        let (by, next) = ([a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]);
+        diagonal[0] -= by.iter().map(|factor| factor * factor).sum::<f64>();
+        let [a, b, c, d] = [&a[1..], &b[1..], &c[1..], &d[1..]];
+        for at in 0..len {
+            let others = [a[at], b[at], c[at], d[at]];
+            let product = |by: &[f64; 4]| {
+                (by[0] * others[0] + by[1] * others[1]) + (by[2] * others[2] + by[3] * others[3])
+            };
+            first[at] -= product(&by);
+            second[at] -= product(&next);
+        }
+    }
+    let left = fours.remainder();
+    subtract_products(left, order, row, diagonal);
+    for one in left.chunks_exact(order) {
+        let (by, next, others) = (one[row], one[row + 1], &one[row + 1..][..len]);
+        for at in 0..len {
+            first[at] -= by * others[at];
+            second[at] -= next * others[at];
+        }
     }
 }
 // ANCHOR_END: subtract_products
