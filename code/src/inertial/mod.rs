@@ -8,12 +8,14 @@
 
 mod camera;
 pub mod euroc;
+mod gravity;
 mod noise;
 mod sample;
 mod state;
 mod trajectory;
 
 pub use camera::CameraImu;
+pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
 pub use state::{GRAVITY, NavState};

@@ -6,7 +6,7 @@ use nalgebra::{
 };
 use vislam::bundle_adjustment::{BalCamera, Posed, PosedPinhole};
 use vislam::factors::{MovingCamera, Prior};
-use vislam::inertial::{ImuBias, NavState};
+use vislam::inertial::{Gravity, ImuBias, NavState};
 use vislam::least_squares::{
     Factor, Kernel, Key, Manifold, Options, Problem, ProblemError, SolveError, Values,
 };
@@ -51,6 +51,26 @@ fn is_a_manifold<V: Manifold>(draw: impl Fn(&mut Draws) -> V) {
             };
             let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
             assert_abs_diff_eq!(slope, jacobian.column(axis).into_owned(), epsilon = 1e-7);
+        }
+    }
+}
+
+#[test]
+fn gravity_keeps_its_length_and_local_undoes_its_retract() {
+    is_a_manifold(|draws| Gravity(9.81 * draws.vector::<3>().normalize()));
+    let mut draws = Draws::new(21);
+    for _ in 0..100 {
+        let gravity = Gravity(9.81 * draws.vector::<3>().normalize());
+        let moved = gravity.retract(draws.vector::<2>().as_slice());
+        assert_abs_diff_eq!(moved.0.norm(), 9.81, epsilon = 1e-13);
+        let slope = |axis: usize, size: f64| {
+            let mut step = [0.0; 2];
+            step[axis] = size;
+            gravity.retract(&step).0
+        };
+        for axis in 0..2 {
+            let slope = (slope(axis, 1e-5) - slope(axis, -1e-5)) / 2e-5;
+            assert_abs_diff_eq!(slope, gravity.by_step().column(axis).into_owned(), epsilon = 1e-8);
         }
     }
 }
