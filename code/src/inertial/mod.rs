@@ -11,10 +11,8 @@ pub mod euroc;
 mod noise;
 mod sample;
 mod state;
-mod trajectory;
 
 pub use camera::CameraImu;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
 pub use state::{GRAVITY, NavState};
-pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};

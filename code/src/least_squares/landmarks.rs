@@ -700,8 +700,8 @@ fn added(damping: f64, curvature: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::bundle_adjustment::Solver;
-    use crate::bundle_adjustment::scenes::Scene;
     use crate::least_squares::Options;
+    use crate::simulation::Scene;
 
     #[test]
     fn wide_registers_round_as_narrow_ones_do() {
