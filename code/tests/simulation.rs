@@ -86,7 +86,7 @@ fn the_clocks_tick_at_their_rates_and_the_readings_cover_the_pictures() {
 fn a_reading_without_noise_is_what_is_felt_at_its_time_plus_the_bias() {
     let flight = Flight { noise: QUIET, ..flight() };
     for reading in recorded(&flight, 1).readings {
-        let felt = flight.motion.at(1e-9 * reading.nanoseconds as f64).sample(&flight.gravity);
+        let felt = flight.motion.at(reading.nanoseconds as f64 / 1e9).sample(&flight.gravity);
         assert_eq!(reading.sample, felt.biased(&BIAS));
     }
 }
@@ -123,7 +123,7 @@ fn the_noise_of_readings_has_the_variance_of_its_density() {
     let readings = flight.record(&[], 3).unwrap().readings;
     let six = |ImuSample { gyro, accelerometer }| ImuBias { gyro, accelerometer }.vector();
     let whitened = readings.iter().map(|reading| {
-        let felt = flight.motion.at(1e-9 * reading.nanoseconds as f64).sample(&flight.gravity);
+        let felt = flight.motion.at(reading.nanoseconds as f64 / 1e9).sample(&flight.gravity);
         (six(reading.sample) - six(felt.biased(&BIAS))).component_div(&sigmas)
     });
     for sensor in [0, 3] {
@@ -169,7 +169,7 @@ fn a_pixel_without_noise_is_the_projection_of_its_landmark() {
     }
     for (picture, state) in recording.pictures.iter().zip(&recording.truth.states) {
         let motion = recording.flight.motion;
-        assert_eq!(*state, motion.at(1e-9 * picture.nanoseconds as f64).state);
+        assert_eq!(*state, motion.at(picture.nanoseconds as f64 / 1e9).state);
     }
 }
 

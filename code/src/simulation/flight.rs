@@ -7,7 +7,6 @@ use super::Trajectory;
 use crate::inertial::{CameraImu, GRAVITY, ImuBias, ImuNoise, NoiseError};
 use crate::reprojection::Pinhole;
 
-// ANCHOR: flight
 /// A motion with a camera and an inertial sensor on board. The numbers by which readings and pixels
 /// are disturbed are those by which an estimator whitens them.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +46,6 @@ pub struct Flight {
     /// From when to when readings are lost, in seconds, if any are.
     pub gap: Option<[f64; 2]>,
 }
-// ANCHOR_END: flight
 
 impl Flight {
     /// Half a minute of a motion: readings at 200 Hz by the EuRoC sensor, pictures at 20 Hz by a
@@ -96,7 +94,7 @@ impl Flight {
     }
 
     /// How many pictures are taken.
-    pub(crate) fn pictures(&self) -> usize {
+    pub fn pictures(&self) -> usize {
         // As many as fit; a product that is whole but for its rounding counts as whole.
         ((self.seconds * self.picture_rate + 1e-9) as usize).saturating_add(1)
     }
@@ -108,7 +106,7 @@ impl Flight {
 
     /// When a picture is taken, in seconds.
     pub(super) fn picture_seconds(&self, index: usize) -> f64 {
-        1e-9 * nanoseconds(index, self.picture_rate) as f64
+        nanoseconds(index, self.picture_rate) as f64 / 1e9
     }
 
     /// The pixel of a point in camera coordinates, if it is in the image.

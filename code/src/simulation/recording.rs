@@ -10,7 +10,6 @@ use super::{Flight, FlightError, Kinematics};
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::manifold::se3;
 
-// ANCHOR: recording
 /// What the sensors of a flight bring home.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
@@ -48,7 +47,7 @@ pub struct Observation {
 }
 
 /// The truth about a recording.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Truth {
     /// The state of the body at each picture.
     pub states: Vec<NavState>,
@@ -61,7 +60,6 @@ pub struct Truth {
     /// The observations that are outliers, ascending: the index of the picture and the track.
     pub outliers: Vec<(usize, usize)>,
 }
-// ANCHOR_END: recording
 
 impl Flight {
     // ANCHOR: record
@@ -76,36 +74,26 @@ impl Flight {
         self.check()?;
         let walk = self.walk(seed);
         let readings = self.read(&walk, seed)?;
-        let mut eyes = Eyes::new(self, landmarks, seed);
-        let mut recording = Recording {
-            flight: self.clone(),
-            readings,
-            pictures: Vec::new(),
-            truth: Truth {
-                states: Vec::new(),
-                biases: Vec::new(),
-                landmarks: landmarks.to_vec(),
-                landmark_of_track: Vec::new(),
-                outliers: Vec::new(),
-            },
-        };
+        let mut truth = Truth { landmarks: landmarks.to_vec(), ..Truth::default() };
+        let mut tracker = Tracker::new(self, landmarks, seed);
+        let mut pictures = Vec::new();
         for k in 0..self.pictures() {
             let time = nanoseconds(k, self.picture_rate);
             let state = self.at(time)?.state;
-            let observations = eyes.look(k, &state, &mut recording.truth);
+            let observations = tracker.follow(k, &state, &mut truth);
             let nanoseconds = self.rig.camera_nanoseconds(time);
-            recording.pictures.push(Picture { nanoseconds, observations });
-            recording.truth.states.push(state);
+            pictures.push(Picture { nanoseconds, observations });
+            truth.states.push(state);
             let until = walk.partition_point(|(read, _)| *read <= time);
-            recording.truth.biases.push(walk[until.saturating_sub(1)].1);
+            truth.biases.push(walk[until.saturating_sub(1)].1);
         }
-        Ok(recording)
+        Ok(Recording { flight: self.clone(), readings, pictures, truth })
     }
     // ANCHOR_END: record
 
     /// The motion at a time.
     fn at(&self, nanoseconds: i64) -> Result<Kinematics, FlightError> {
-        let seconds = 1e-9 * nanoseconds as f64;
+        let seconds = nanoseconds as f64 / 1e9;
         let kinematics = self.motion.at(seconds);
         let NavState { velocity, position, .. } = kinematics.state;
         let finite = kinematics.sample(&self.gravity).is_finite()
@@ -132,7 +120,7 @@ impl Flight {
         for (nanoseconds, bias) in walk {
             let perfect = self.at(*nanoseconds)?.sample(&self.gravity);
             let sample = self.noise.corrupt(&perfect, bias, self.step(), || normal(&mut random));
-            let seconds = 1e-9 * *nanoseconds as f64;
+            let seconds = *nanoseconds as f64 / 1e9;
             if !self.gap.is_some_and(|[from, to]| (from..to).contains(&seconds)) {
                 readings.push(StampedSample { nanoseconds: *nanoseconds, sample });
             }
@@ -141,8 +129,8 @@ impl Flight {
     }
 }
 
-/// Looks at the landmarks, picture by picture.
-struct Eyes<'a> {
+/// Follows the landmarks from picture to picture.
+struct Tracker<'a> {
     flight: &'a Flight,
     landmarks: &'a [Vector3<f64>],
     /// The track of each landmark that the last picture showed.
@@ -159,15 +147,15 @@ struct Sight {
     is_outlier: bool,
 }
 
-impl<'a> Eyes<'a> {
+impl<'a> Tracker<'a> {
     fn new(flight: &'a Flight, landmarks: &'a [Vector3<f64>], seed: u64) -> Self {
         let [pixels, outliers] =
-            [Purpose::Pixels, Purpose::Outliers].map(|use_| random(seed, use_));
+            [Purpose::Pixels, Purpose::Outliers].map(|purpose| random(seed, purpose));
         Self { flight, landmarks, tracks: vec![None; landmarks.len()], pixels, outliers }
     }
 
     /// What picture `index`, taken from this state, shows.
-    fn look(&mut self, index: usize, state: &NavState, truth: &mut Truth) -> Vec<Observation> {
+    fn follow(&mut self, index: usize, state: &NavState, truth: &mut Truth) -> Vec<Observation> {
         let camera_from_world = self.flight.rig.camera_from_world(state);
         let places = self.landmarks.iter().map(|place| se3::transform(&camera_from_world, place));
         let mut sights: Vec<Sight> =

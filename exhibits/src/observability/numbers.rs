@@ -41,7 +41,7 @@ pub fn numbers(chapter: &mut Chapter) {
 fn size(chapter: &mut Chapter) {
     let flight = Flight::brief(Trajectory::figure_eight());
     let window = window(flight.motion, BiasAssumption::CONSTANT);
-    chapter.number("states", flight.states as f64, "", 0);
+    chapter.number("states", flight.pictures() as f64, "", 0);
     let jacobian = window.linearize().expect("the figure-eight has a window").0;
     chapter.number("rows", jacobian.nrows() as f64, "", 0);
     chapter.number("columns", jacobian.ncols() as f64, "", 0);
