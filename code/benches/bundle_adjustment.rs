@@ -4,8 +4,8 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use vislam::bundle_adjustment::Solver;
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::least_squares::Options;
+use vislam::simulation::Scene;
 
 fn iterations(criterion: &mut Criterion) {
     let scenes = [

@@ -9,10 +9,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::{
     Preintegrated, Preintegrator, Rule, correct_for_bias, linearize, preintegrate,
 };
+use vislam::simulation::Trajectory;
 
 const WINDOW: usize = 200;
 

@@ -8,8 +8,8 @@ use std::error::Error;
 use std::time::Instant;
 
 use vislam::bundle_adjustment::Solver;
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::least_squares::Options;
+use vislam::simulation::Scene;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut observations, mut times, mut bytes) = (Vec::new(), Vec::new(), Vec::new());

@@ -24,4 +24,5 @@ pub mod observability;
 pub mod preintegration;
 mod registers;
 pub mod reprojection;
+pub mod simulation;
 pub mod two_views;

@@ -6,7 +6,6 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
 };
-use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::bundle_adjustment::{
     BaError, BalCamera, BalError, BalFault, Camera, GaugeFreedom, LinearizedPixel, Posed,
     PosedPinhole, Solver, TinyBa, read_bal,
@@ -18,6 +17,7 @@ use vislam::least_squares::{
 };
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential, ReprojFactor};
+use vislam::simulation::{Scene, at_true_scale};
 
 type Ba = TinyBa<PosedPinhole, 6>;
 

@@ -4,12 +4,13 @@ use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
 use vislam::inertial::euroc::{EurocError, EurocFault, read_ground_truth, read_imu};
 use vislam::inertial::{
-    CameraImu, EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError,
-    ScalarTrajectory, StampedSample, Trajectory, WindowError, between,
+    CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample,
+    WindowError, between,
 };
 use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
 use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
+use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
 // ANCHOR: at_rest
 #[test]

@@ -4,13 +4,13 @@
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
 use vislam::factors::{pixel_by_state, twist_by_state};
-use vislam::inertial::{EulerAngles, GRAVITY, ImuBias, ImuNoise, ScalarTrajectory, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::{Manifold, NullSpaceError, Spectrum};
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
-    BiasAssumption, Direction, Flight, ObservabilityError, Similarity, UnknownCalibration, Window,
-    landmarks_around,
+    BiasAssumption, Direction, ObservabilityError, Similarity, UnknownCalibration, Window,
 };
+use vislam::simulation::{EulerAngles, Flight, ScalarTrajectory, Trajectory, landmarks_around};
 
 const ACCELERATION: Vector3<f64> = Vector3::new(0.7, -0.3, 0.4);
 const LEVEL: Vector3<f64> = Vector3::new(0.7, -0.3, 0.0);
@@ -18,7 +18,7 @@ const VELOCITY: Vector3<f64> = Vector3::new(1.0, 0.5, 0.2);
 const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.03);
 
 fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
-    Flight::new(motion).window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap()
+    Flight::brief(motion).window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap()
 }
 
 /// About all axes.
@@ -150,7 +150,7 @@ fn pictures_alone_leave_seven_directions_free() {
 #[test]
 fn calibration_is_free_where_the_motion_does_not_excite_it() {
     let free = |trajectory, calibration| {
-        let flight = Flight::new(trajectory).with_lever(LEVER);
+        let flight = Flight::brief(trajectory).with_lever(LEVER);
         let landmarks = landmarks_around(&Vector3::zeros(), 60);
         let mut window = flight.window(&landmarks, BiasAssumption::KNOWN).unwrap();
         window.calibration = calibration;
@@ -190,7 +190,7 @@ fn an_unknown_gyroscope_bias_frees_nothing() {
 #[test]
 fn it_is_the_camera_whose_acceleration_counts() {
     let free = |motion, assumption| {
-        let flight = Flight::new(motion).with_lever(LEVER);
+        let flight = Flight::brief(motion).with_lever(LEVER);
         let window = flight.window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap();
         window.free_directions().unwrap().to_string()
     };
@@ -207,7 +207,7 @@ fn it_is_the_camera_whose_acceleration_counts() {
 
 #[test]
 fn without_gravity_acceleration_still_fixes_scale() {
-    let mut flight = Flight::new(Trajectory::figure_eight());
+    let mut flight = Flight::brief(Trajectory::figure_eight());
     flight.gravity = Vector3::zeros();
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     for assumption in [BiasAssumption::CONSTANT, BiasAssumption::KNOWN] {
@@ -219,7 +219,10 @@ fn without_gravity_acceleration_still_fixes_scale() {
 #[test]
 fn three_pictures_are_enough_with_known_biases_and_four_without() {
     let count = |states, assumption| {
-        let flight = Flight { states, ..Flight::new(Trajectory::figure_eight()) };
+        let flight = Flight {
+            seconds: 0.25 * f64::from(states - 1),
+            ..Flight::brief(Trajectory::figure_eight())
+        };
         let window = flight.window(&landmarks_around(&Vector3::zeros(), 90), assumption).unwrap();
         window.free_directions().unwrap().count()
     };
@@ -230,7 +233,7 @@ fn three_pictures_are_enough_with_known_biases_and_four_without() {
 // ANCHOR: worked_example
 #[test]
 fn a_level_turn_of_another_size_reads_the_same_with_another_bias() {
-    let flight = Flight::new(Trajectory::level_turn(1.0, 0.5));
+    let flight = Flight::brief(Trajectory::level_turn(1.0, 0.5));
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     let larger = Similarity { scale: 1.1, ..Similarity::identity() };
 
@@ -251,7 +254,7 @@ fn a_level_turn_of_another_size_reads_the_same_with_another_bias() {
 
 /// A window moved off the truth, so that no residual is zero.
 fn disturbed(motion: Trajectory, assumption: BiasAssumption) -> Window {
-    let flight = Flight::new(motion).with_lever(LEVER);
+    let flight = Flight::brief(motion).with_lever(LEVER);
     let window = flight.window(&landmarks_around(&Vector3::zeros(), 60), assumption).unwrap();
     let step: Vec<f64> = (0..window.dimension()).map(|i| 0.02 * (1.7 * i as f64).sin()).collect();
     window.retract(&step)

@@ -5,8 +5,7 @@ use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::inertial::{
-    EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, ScalarTrajectory,
-    StampedSample, Trajectory,
+    GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample,
 };
 use vislam::least_squares::{Manifold, WhiteningError};
 use vislam::manifold::so3;
@@ -15,6 +14,7 @@ use vislam::preintegration::{
     Preintegrator, Rule, Vector9, correct_for_bias, error_dynamics, imu_residual, linearize,
     preintegrate, preintegrate_stamped,
 };
+use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
 // ANCHOR: worked_example
 fn constant_yaw_rate() -> Vec<ImuSample> {

@@ -60,6 +60,25 @@ fn passes(texts: &[&str]) {
 }
 
 #[test]
+fn a_simulated_world_is_refused_wherever_what_works_on_it_is() {
+    let solves = |item: &&str| ["bundle_adjustment", "observability"].contains(item);
+    let refusing = EXERCISES.iter().filter(|exercise| exercise.forbidden.iter().any(solves));
+    let slugs: Vec<&str> = refusing.map(|exercise| exercise.slug).collect();
+    assert_eq!(slugs.len(), 9, "{slugs:?}");
+    for slug in slugs {
+        for item in ["Scene", "at_true_scale", "Flight", "landmarks_around"] {
+            for text in [
+                format!("use vislam::simulation::{item};"),
+                format!("fn f() {{ vislam::simulation::{item}::f() }}"),
+            ] {
+                let refusal = screen(slug, &text).expect_err(&text);
+                assert_eq!(refusal, the_librarys("simulation"), "{slug}: {text}");
+            }
+        }
+    }
+}
+
+#[test]
 fn reference_answers_and_skeletons_pass() {
     let root = grader::repository();
     for exercise in EXERCISES {

@@ -13,7 +13,6 @@ mod bal;
 mod camera;
 mod covariance;
 mod gauge;
-pub mod scenes;
 mod solver;
 
 use nalgebra::Vector3;

@@ -58,7 +58,16 @@ impl CameraImu {
 
     /// Time on the sensor's clock of a time on the camera's, both in nanoseconds.
     pub fn imu_nanoseconds(&self, camera_nanoseconds: i64) -> i64 {
-        camera_nanoseconds.saturating_add((1e9 * self.time_offset).round() as i64)
+        camera_nanoseconds.saturating_add(self.offset_nanoseconds())
+    }
+
+    /// Time on the camera's clock of a time on the sensor's, both in nanoseconds.
+    pub fn camera_nanoseconds(&self, imu_nanoseconds: i64) -> i64 {
+        imu_nanoseconds.saturating_sub(self.offset_nanoseconds())
+    }
+
+    fn offset_nanoseconds(&self) -> i64 {
+        (1e9 * self.time_offset).round() as i64
     }
 
     // ANCHOR: lever_arm

@@ -12,11 +12,9 @@ mod gravity;
 mod noise;
 mod sample;
 mod state;
-mod trajectory;
 
 pub use camera::CameraImu;
 pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
 pub use state::{GRAVITY, NavState};
-pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};

@@ -1,7 +1,9 @@
 //! How noisy an inertial measurement unit is.
 
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 use thiserror::Error;
+
+use super::{ImuBias, ImuSample};
 
 // ANCHOR: noise
 /// Noise as continuous densities, the same along all axes. The variance of a reading depends on
@@ -70,6 +72,33 @@ impl ImuNoise {
         bad.map_or(Ok(()), |(name, value)| Err(NoiseError { name, value }))
     }
 }
+
+// ANCHOR: corrupt
+impl ImuNoise {
+    /// A perfect reading as a sensor with this noise and a bias gives it, for a step of `dt`
+    /// seconds. `normal` draws with mean zero and variance one. Implements {eq:inertial-model}.
+    pub fn corrupt(
+        &self,
+        sample: &ImuSample,
+        bias: &ImuBias,
+        dt: f64,
+        mut normal: impl FnMut() -> f64,
+    ) -> ImuSample {
+        let root = dt.sqrt();
+        let mut noise = |density: f64| Vector3::from_fn(|_, _| density / root * normal());
+        let (gyro, accelerometer) = (noise(self.gyro), noise(self.accelerometer));
+        sample.biased(bias).biased(&ImuBias { gyro, accelerometer })
+    }
+
+    /// The bias `seconds` later, after its random walk.
+    pub fn walk(&self, bias: &ImuBias, seconds: f64, mut normal: impl FnMut() -> f64) -> ImuBias {
+        let root = seconds.sqrt();
+        let mut step = |density: f64| Vector3::from_fn(|_, _| density * root * normal());
+        let (gyro, accelerometer) = (step(self.gyro_walk), step(self.accelerometer_walk));
+        ImuBias { gyro: bias.gyro + gyro, accelerometer: bias.accelerometer + accelerometer }
+    }
+}
+// ANCHOR_END: corrupt
 
 /// A density is none.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

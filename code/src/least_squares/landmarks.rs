@@ -684,8 +684,8 @@ fn inverse_factor(h: &Matrix3<f64>, smallest: f64) -> Option<Matrix3<f64>> {
 mod tests {
     use super::*;
     use crate::bundle_adjustment::Solver;
-    use crate::bundle_adjustment::scenes::Scene;
     use crate::least_squares::Options;
+    use crate::simulation::Scene;
 
     #[test]
     fn wide_registers_round_as_narrow_ones_do() {

@@ -9,9 +9,9 @@
 //! an inertial sensor does, unless the motion is of a kind that lets a bias hide it.
 
 mod direction;
+mod flight;
 mod nullity;
 mod similarity;
-mod simulation;
 mod window;
 
 use thiserror::Error;
@@ -19,12 +19,12 @@ use thiserror::Error;
 pub use direction::Direction;
 pub use nullity::{FreeDirections, Mixture};
 pub use similarity::Similarity;
-pub use simulation::{Flight, landmarks_around};
 pub use window::{BiasAssumption, UnknownCalibration, Window};
 
 use crate::least_squares::{NullSpaceError, ProblemError, SolveError, WhiteningError};
 use crate::preintegration::PreintegrationError;
 use crate::reprojection::ReprojFactorError;
+use crate::simulation::FlightError;
 
 /// Why nothing can be said about a window.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -112,6 +112,9 @@ pub enum ObservabilityError {
     /// Readings cannot be summed up.
     #[error(transparent)]
     Preintegration(#[from] PreintegrationError),
+    /// A flight cannot be flown.
+    #[error(transparent)]
+    Flight(#[from] FlightError),
     /// A covariance cannot be inverted.
     #[error(transparent)]
     Whitening(#[from] WhiteningError),

@@ -1,8 +1,8 @@
 //! What pixels leave open, and how sure the rest is.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, SMatrix, Vector2, Vector3};
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
+use vislam::simulation::Scene;
 
 use super::gauge::{changed, seven};
 use super::stereo::{right_depths, scale_information};

@@ -1,9 +1,9 @@
 //! Are errors as large as their covariances say?
 
 use nalgebra::DVector;
-use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::least_squares::Options;
 use vislam::manifold::se3;
+use vislam::simulation::{Scene, at_true_scale};
 
 use super::whole::{Ba, at_truth, solver};
 use crate::chapter::Chapter;

@@ -1,9 +1,9 @@
 //! Small bundle adjustments as dense matrices, with nothing eliminated.
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver};
 use vislam::least_squares::Options;
+use vislam::simulation::Scene;
 
 use super::whole::{Ba, Whole};
 use crate::random::Random;

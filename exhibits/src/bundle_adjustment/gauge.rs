@@ -3,10 +3,10 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector3};
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
 use vislam::least_squares::Options;
 use vislam::manifold::so3;
+use vislam::simulation::Scene;
 use vislam::two_views::scale_direction;
 
 use super::whole::{Ba, at_truth, solver};

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use vislam::bundle_adjustment::Solver;
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::least_squares::{Options, Stop};
+use vislam::simulation::Scene;
 
 use crate::chapter::Chapter;
 use crate::record::{RecordValue, accepted};

@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use vislam::bundle_adjustment::Camera;
-use vislam::bundle_adjustment::scenes::{Scene, at_true_scale};
 use vislam::least_squares::Options;
+use vislam::simulation::{Scene, at_true_scale};
 
 use super::certainty::expected_cost;
 use super::whole::{Ba, solver};

@@ -6,10 +6,10 @@
 use nalgebra::{
     DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3,
 };
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BalCamera, Camera, Solver};
 use vislam::least_squares::{Options, Stop};
 use vislam::reprojection::ReprojFactor;
+use vislam::simulation::Scene;
 
 use super::dense::{Case, best_step, damped, inverse};
 use super::whole::Ba;

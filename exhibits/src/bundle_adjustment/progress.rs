@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{BaReport, Camera, Solver};
 use vislam::least_squares::{Method, Options, Stop};
+use vislam::simulation::Scene;
 
 use super::whole::Ba;
 

@@ -1,7 +1,7 @@
 //! What a stereo camera fixes.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::bundle_adjustment::scenes::Scene;
+use vislam::simulation::Scene;
 
 use super::whole::{Ba, Whole, at_truth, solver};
 use crate::chapter::Chapter;

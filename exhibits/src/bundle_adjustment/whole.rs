@@ -1,9 +1,9 @@
 //! The whole system, cameras and points, without elimination.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::bundle_adjustment::scenes::Scene;
 use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver, TinyBa};
 use vislam::least_squares::{Options, Spectrum};
+use vislam::simulation::Scene;
 
 pub type Ba = TinyBa<PosedPinhole, 6>;
 

@@ -1,7 +1,8 @@
 //! What a wrong calibration costs in pixels.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use vislam::inertial::{CameraImu, Trajectory};
+use vislam::inertial::CameraImu;
+use vislam::simulation::Trajectory;
 
 use super::clock::{offset_error_at, pixel_error, rig};
 use crate::chapter::Chapter;

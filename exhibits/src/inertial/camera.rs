@@ -1,7 +1,8 @@
 //! A camera at the end of a lever arm.
 
 use nalgebra::Vector3;
-use vislam::inertial::{CameraImu, Kinematics};
+use vislam::inertial::CameraImu;
+use vislam::simulation::Kinematics;
 
 use super::STATES;
 use super::oracle::{bend, camera, motion, slope};

@@ -1,9 +1,10 @@
 //! Two clocks that disagree, and what that does to pixels.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Vector2, Vector3, Vector6};
-use vislam::inertial::{CameraImu, EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
+use vislam::inertial::CameraImu;
 use vislam::manifold::se3;
 use vislam::reprojection::Pinhole;
+use vislam::simulation::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
 
 use super::oracle::{camera, motion, slope};
 use super::{STATES, oracle};

@@ -1,7 +1,8 @@
 //! Where a sensor ends up that nobody corrects.
 
 use nalgebra::Vector3;
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
+use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;

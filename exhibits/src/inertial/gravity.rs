@@ -1,8 +1,9 @@
 //! What an accelerometer feels, and how gravity shows which way is up.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{EulerAngles, GRAVITY, ImuNoise, Kinematics, ScalarTrajectory, Trajectory};
+use vislam::inertial::{GRAVITY, ImuNoise};
 use vislam::manifold::so3;
+use vislam::simulation::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
 
 use super::STATES;
 use super::oracle::{bend, motion};

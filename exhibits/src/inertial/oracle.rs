@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
-use vislam::inertial::{CameraImu, EulerAngles, ScalarTrajectory, Trajectory};
+use vislam::inertial::CameraImu;
+use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
 use crate::random::Random;
 

@@ -1,8 +1,9 @@
 //! How wrong the two rules are, in one step and after many.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuSample, NavState};
 use vislam::manifold::so3;
+use vislam::simulation::Trajectory;
 
 use super::noise::STEP;
 use super::oracle::{bend, motion, slope};

@@ -1,8 +1,9 @@
 //! Random states, rigs and windows.
 
 use nalgebra::{Isometry3, Vector3};
-use vislam::inertial::{CameraImu, EulerAngles, GRAVITY, NavState, ScalarTrajectory, Trajectory};
-use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
+use vislam::inertial::{CameraImu, GRAVITY, NavState};
+use vislam::observability::{BiasAssumption, Similarity, Window};
+use vislam::simulation::{EulerAngles, Flight, ScalarTrajectory, Trajectory};
 
 use super::worked::of_flight;
 use crate::random::Random;
@@ -59,7 +60,7 @@ pub fn motion(random: &mut Random) -> Trajectory {
 
 /// Four pictures of a motion at the truth, with known biases.
 pub fn short_window(motion: Trajectory, lever: Vector3<f64>) -> Window {
-    let flight = Flight { states: 4, ..Flight::new(motion) }.with_lever(lever);
+    let flight = Flight { seconds: 0.75, ..Flight::brief(motion) }.with_lever(lever);
     of_flight(&flight, BiasAssumption::KNOWN)
 }
 

@@ -3,9 +3,9 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use vislam::inertial::{ScalarTrajectory, Trajectory};
 use vislam::least_squares::Spectrum;
-use vislam::observability::{BiasAssumption, Direction, Flight, Window};
+use vislam::observability::{BiasAssumption, Direction, Window};
+use vislam::simulation::{Flight, ScalarTrajectory, Trajectory};
 
 use super::certainty::scale_information;
 use super::worked::{VELOCITY, log_distance, of_flight, spectrum, turning, window};
@@ -61,7 +61,7 @@ pub fn swayed() -> &'static Swayed {
 /// At constant velocity of the body, with the camera on a lever arm, in metres.
 pub fn lever_percent(lever: f64, assumption: BiasAssumption) -> f64 {
     let motion = Trajectory::constant_velocity(&VELOCITY, turning());
-    let flight = Flight::new(motion).with_lever(lever * Vector3::x());
+    let flight = Flight::brief(motion).with_lever(lever * Vector3::x());
     distance_percent(&of_flight(&flight, assumption))
 }
 

@@ -1,8 +1,9 @@
 //! The numbers that the chapter quotes.
 
 use nalgebra::Vector3;
-use vislam::inertial::{GRAVITY, Trajectory};
-use vislam::observability::{BiasAssumption, Flight, Similarity, UnknownCalibration, Window};
+use vislam::inertial::GRAVITY;
+use vislam::observability::{BiasAssumption, Similarity, UnknownCalibration, Window};
+use vislam::simulation::{Flight, Trajectory};
 
 use super::near::{self, AMPLITUDES};
 use super::readings::{inertial_residuals, other_scale};
@@ -38,9 +39,9 @@ pub fn numbers(chapter: &mut Chapter) {
 }
 
 fn size(chapter: &mut Chapter) {
-    let flight = Flight::new(Trajectory::figure_eight());
+    let flight = Flight::brief(Trajectory::figure_eight());
     let window = window(flight.motion, BiasAssumption::CONSTANT);
-    chapter.number("states", flight.states as f64, "", 0);
+    chapter.number("states", flight.pictures() as f64, "", 0);
     let jacobian = window.linearize().expect("the figure-eight has a window").0;
     chapter.number("rows", jacobian.nrows() as f64, "", 0);
     chapter.number("columns", jacobian.ncols() as f64, "", 0);
@@ -67,7 +68,7 @@ fn table(chapter: &mut Chapter) {
     let gyro = BiasAssumption { accelerometer_known: true, ..BiasAssumption::CONSTANT };
     let turn = Trajectory::level_turn(TURN.0, TURN.1);
     chapter.number("turn_gyro", free(&window(turn, gyro)).count() as f64, "", 0);
-    let mut weightless = Flight::new(Trajectory::figure_eight());
+    let mut weightless = Flight::brief(Trajectory::figure_eight());
     weightless.gravity = Vector3::zeros();
     let weightless = worked::of_flight(&weightless, BiasAssumption::KNOWN);
     chapter.number("weightless", free(&weightless).count() as f64, "", 0);
@@ -77,7 +78,7 @@ fn table(chapter: &mut Chapter) {
 fn calibration(chapter: &mut Chapter) {
     let lever = Vector3::new(0.1, 0.05, -0.03);
     let count = |motion, extrinsics| {
-        let flight = Flight::new(motion).with_lever(lever);
+        let flight = Flight::brief(motion).with_lever(lever);
         let mut window = worked::of_flight(&flight, BiasAssumption::KNOWN);
         window.calibration = UnknownCalibration { extrinsics, time_offset: !extrinsics };
         free(&window).count() as f64
@@ -98,7 +99,10 @@ fn calibration(chapter: &mut Chapter) {
 
 fn pictures(chapter: &mut Chapter) {
     let count = |states, assumption| {
-        let flight = Flight { states, ..Flight::new(Trajectory::figure_eight()) };
+        let flight = Flight {
+            seconds: 0.25 * f64::from(states - 1),
+            ..Flight::brief(Trajectory::figure_eight())
+        };
         free(&worked::of_flight(&flight, assumption)).count() as f64
     };
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);

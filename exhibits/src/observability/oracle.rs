@@ -1,10 +1,11 @@
 //! Ways to the chapter's results that do not use its formulas.
 
 use nalgebra::{Matrix4, Rotation3, Vector2, Vector3};
-use vislam::inertial::{CameraImu, NavState, Trajectory};
+use vislam::inertial::{CameraImu, NavState};
 use vislam::manifold::so3;
 use vislam::observability::Similarity;
 use vislam::reprojection::Pinhole;
+use vislam::simulation::Trajectory;
 
 /// A landmark in camera coordinates, by matrices of homogeneous coordinates.
 pub fn in_camera(rig: &CameraImu, state: &NavState, landmark: &Vector3<f64>) -> Vector3<f64> {

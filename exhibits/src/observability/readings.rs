@@ -1,10 +1,11 @@
 //! What the inertial sensor says to a similarity.
 
 use nalgebra::{Rotation3, SMatrix, Vector3};
-use vislam::inertial::{EulerAngles, GRAVITY, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, NavState};
 use vislam::manifold::so3;
-use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
+use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::{Preintegrated, imu_residual};
+use vislam::simulation::{EulerAngles, Flight, Trajectory};
 
 use super::oracle::{force_on, path_of, similar_path};
 use super::worked::{of_flight, swaying};
@@ -190,7 +191,7 @@ fn hidden_by_bias(formula: Hidden) -> Comparison {
     let mut random = Random::new(12);
     for state in 0..WINDOWS {
         let (motion, similarity) = degenerate(&mut random, state % 3);
-        let flight = Flight { states: 4, ..Flight::new(motion) };
+        let flight = Flight { seconds: 0.75, ..Flight::brief(motion) };
         let window = of_flight(&flight, BiasAssumption::KNOWN);
         let kinematics = motion.at(0.0);
         let reading = Reading {
@@ -214,8 +215,8 @@ fn degenerate(random: &mut Random, kind: usize) -> (Trajectory, Similarity) {
     let acceleration = random.direction(1.5);
     // A body that does not turn stands in any way.
     let standing = || EulerAngles {
-        yaw: vislam::inertial::ScalarTrajectory::constant(0.4),
-        roll: vislam::inertial::ScalarTrajectory::constant(-0.7),
+        yaw: vislam::simulation::ScalarTrajectory::constant(0.4),
+        roll: vislam::simulation::ScalarTrajectory::constant(-0.7),
         ..EulerAngles::default()
     };
     match kind {

@@ -3,9 +3,10 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DVector, Vector3};
-use vislam::inertial::{EulerAngles, ImuNoise, ScalarTrajectory, Trajectory};
+use vislam::inertial::ImuNoise;
 use vislam::least_squares::Spectrum;
-use vislam::observability::{BiasAssumption, Flight, FreeDirections, Window, landmarks_around};
+use vislam::observability::{BiasAssumption, FreeDirections, Window};
+use vislam::simulation::{EulerAngles, Flight, ScalarTrajectory, Trajectory, landmarks_around};
 
 /// Landmarks on all sides, of which a camera that looks ahead sees a part.
 const LANDMARKS: usize = 100;
@@ -88,7 +89,7 @@ pub fn of_flight(flight: &Flight, assumption: BiasAssumption) -> Window {
 
 /// The window of a motion, the camera at the sensor.
 pub fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
-    of_flight(&Flight::new(motion), assumption)
+    of_flight(&Flight::brief(motion), assumption)
 }
 
 /// What the motions leave free with constant, walking and known biases, in the order of the cases.

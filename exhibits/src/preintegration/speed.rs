@@ -3,8 +3,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::{Preintegrated, Preintegrator, Rule, correct_for_bias};
+use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
 use crate::record::RecordValue;

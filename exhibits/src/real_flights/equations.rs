@@ -3,10 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Preintegrator, imu_residual};
+use vislam::simulation::Trajectory;
 
 use super::budget::{FromTruth, from_truth};
 use super::wander::{Wander, correlation};

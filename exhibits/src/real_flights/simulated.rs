@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::euroc::GroundTruth;
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample};
 use vislam::manifold::so3;
+use vislam::simulation::Trajectory;
 
 use super::intervals::Flight;
 use super::wander::Wander;

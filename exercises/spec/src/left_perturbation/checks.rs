@@ -25,6 +25,7 @@ pub const EXERCISE: Exercise = Exercise {
         "jacobians",
         "observability",
         "project_with_jacobians",
+        "simulation",
     ],
     hints: include_str!("hints.md"),
     checks,

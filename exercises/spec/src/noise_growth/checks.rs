@@ -21,7 +21,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Densities", "Exponents", "Reading", "Source"],
-    forbidden: &["observability", "preintegration"],
+    forbidden: &["observability", "preintegration", "simulation"],
     hints: include_str!("hints.md"),
     checks,
 };

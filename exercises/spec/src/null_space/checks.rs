@@ -42,6 +42,7 @@ pub const EXERCISE: Exercise = Exercise {
         "pseudo_inverse",
         "qr",
         "schur",
+        "simulation",
         "svd",
         "svd_unordered",
         "symmetric_eigen",

@@ -31,6 +31,7 @@ pub const EXERCISE: Exercise = Exercise {
         "bundle_adjustment",
         "factors",
         "observability",
+        "simulation",
     ],
     hints: include_str!("hints.md"),
     checks,

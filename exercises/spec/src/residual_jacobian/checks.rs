@@ -19,7 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Deltas", "Matrix9", "State", "Vector9"],
-    forbidden: &["factors", "imu_residual", "linearize", "observability", "predict"],
+    forbidden: &["factors", "imu_residual", "linearize", "observability", "predict", "simulation"],
     hints: include_str!("hints.md"),
     checks,
 };

@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::{
     DMatrix, Matrix3, Point3, Rotation3, SMatrix, Similarity3, UnitQuaternion, Vector3,
 };
-use vislam::inertial::{EulerAngles, GRAVITY, ImuBias, ScalarTrajectory, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias};
 use vislam::manifold::so3;
 use vislam::preintegration::imu_residual;
+use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
 use super::*;
 use crate::Exercise;
@@ -32,6 +33,7 @@ pub const EXERCISE: Exercise = Exercise {
         "linearize",
         "observability",
         "predict",
+        "simulation",
     ],
     hints: include_str!("hints.md"),
     checks,

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use plotters::element::{PathElement, Polygon, Rectangle, Text};
 use plotters::style::Color;
-use vislam::inertial::{EulerAngles, GRAVITY, Trajectory};
+use vislam::inertial::GRAVITY;
+use vislam::simulation::{EulerAngles, Trajectory};
 
 use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, MEASURED, SERIES, letters_around};
 

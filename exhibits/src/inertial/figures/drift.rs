@@ -4,7 +4,7 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::Trajectory;
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 use crate::inertial::drift::{SOURCES, TIMES, drifted, expected};

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuSample};
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
 

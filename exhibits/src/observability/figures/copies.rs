@@ -4,9 +4,9 @@ use nalgebra::{Rotation3, Vector3};
 use plotters::element::{EmptyElement, Rectangle, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::Trajectory;
-use vislam::observability::{BiasAssumption, Flight, Similarity, Window};
+use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::imu_residual;
+use vislam::simulation::{Flight, Trajectory};
 
 use crate::figure::{
     self, Drawing, Drawn, Figure, INK, SERIES, letters_around, letters_right_of, marker,
@@ -33,7 +33,7 @@ fn similarities() -> [Similarity; 4] {
 
 fn windows() -> [Window; 4] {
     // One whole eight.
-    let flight = Flight { states: 33, ..Flight::new(Trajectory::figure_eight()) };
+    let flight = Flight { seconds: 8.0, ..Flight::brief(Trajectory::figure_eight()) };
     let window = of_flight(&flight, BiasAssumption::KNOWN);
     similarities().map(|similarity| window.transformed(&similarity))
 }

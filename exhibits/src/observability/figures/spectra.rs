@@ -2,8 +2,8 @@
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::Color;
-use vislam::inertial::Trajectory;
 use vislam::observability::{BiasAssumption, Direction, FreeDirections};
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Figure, GRID, INK, SERIES, letters_right_of};
 use crate::observability::worked::{cases, free, table, window};

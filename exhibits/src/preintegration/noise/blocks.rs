@@ -1,8 +1,9 @@
 //! How the nine errors hang together, and what is lost when their blocks are kept apart.
 
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen};
-use vislam::inertial::{GRAVITY, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuNoise, ImuSample};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
+use vislam::simulation::Trajectory;
 
 use super::runs::{DT, SECOND, at_rest, by_rule, of_readings};
 use crate::bundle_adjustment::consistency::chi_square_quantile;

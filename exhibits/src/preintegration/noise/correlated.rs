@@ -1,7 +1,8 @@
 //! Noise that remembers, and other things that a density does not say.
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::Rule;
+use vislam::simulation::Trajectory;
 
 use super::growth::G;
 use super::runs::{DT, SECOND, at_rest, by_rule, errors, rest};

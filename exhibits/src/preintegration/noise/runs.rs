@@ -2,11 +2,12 @@
 
 use std::sync::LazyLock;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{
     Deltas, Matrix9, Preintegrated, Preintegrator, Rule, Vector9, preintegrate,
 };
+use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
 use crate::random::Random;

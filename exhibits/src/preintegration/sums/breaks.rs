@@ -1,8 +1,9 @@
 //! What breaks, in numbers.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::preintegration::{Preintegrator, imu_residual};
+use vislam::simulation::Trajectory;
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
 use crate::chapter::Chapter;

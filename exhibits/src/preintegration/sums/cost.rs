@@ -3,8 +3,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::preintegration::{Preintegrated, imu_residual, linearize, preintegrate};
+use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
 use crate::record::{RecordValue, accepted};

@@ -2,9 +2,10 @@
 //! estimates, and the rules.
 
 use nalgebra::{Matrix3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Preintegrated, Rule, correct_for_bias, preintegrate};
+use vislam::simulation::Trajectory;
 
 use super::bias::correction_error_term;
 use super::figures::{at_guess, left_by, unaware};

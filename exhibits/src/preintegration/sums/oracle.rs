@@ -1,10 +1,9 @@
 //! Random readings, and what they lead to by ways that are not those of the library.
 
 use nalgebra::{Rotation3, SMatrix, UnitQuaternion, Vector3};
-use vislam::inertial::{
-    EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, ScalarTrajectory, Trajectory,
-};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9, preintegrate};
+use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
 use crate::random::Random;
 

@@ -1,9 +1,10 @@
 //! When a first-order correction is no longer good enough.
 
 use nalgebra::{Matrix3, SMatrix};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::sqrt_information;
 use vislam::preintegration::{Matrix9, Preintegrated, Vector9, preintegrate};
+use vislam::simulation::Trajectory;
 
 use super::oracle::{Readings, bias, difference, stack};
 use crate::chapter::Chapter;

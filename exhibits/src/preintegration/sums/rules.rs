@@ -1,8 +1,9 @@
 //! The rules of summing, against the continuous equations.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuSample};
 use vislam::preintegration::{Deltas, Rule};
+use vislam::simulation::Trajectory;
 
 use super::oracle::{difference, motion, summed_by, true_deltas};
 use crate::chapter::Chapter;

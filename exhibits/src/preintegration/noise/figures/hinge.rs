@@ -6,8 +6,9 @@ use nalgebra::{Rotation3, Vector3};
 use plotters::element::{Circle, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, Trajectory};
+use vislam::inertial::{GRAVITY, ImuSample};
 use vislam::preintegration::Deltas;
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around};
 use crate::preintegration::noise::growth::HINGE_ANGLE;

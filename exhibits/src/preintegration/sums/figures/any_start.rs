@@ -4,7 +4,8 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuSample, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuSample, NavState};
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, SERIES, letters, letters_right_of, marker};
 use crate::preintegration::sums::oracle::deltas_of_states;

@@ -5,7 +5,8 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuBias, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias};
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Figure, INK, SERIES, letters_right_of, marker};
 use crate::preintegration::sums::bias::after_correction;

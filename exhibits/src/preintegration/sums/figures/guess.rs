@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 use plotters::element::{EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{GRAVITY, ImuBias, NavState, Trajectory};
+use vislam::inertial::{GRAVITY, ImuBias, NavState};
 use vislam::preintegration::{Preintegrated, imu_residual};
+use vislam::simulation::Trajectory;
 
 use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around, marker};
 use crate::preintegration::sums::oracle::summed;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3};
 
-use super::{Camera, PosedPinhole, TinyBa};
+use crate::bundle_adjustment::{Camera, PosedPinhole, TinyBa};
 use crate::reprojection::{Pinhole, ReprojFactor};
 
 // ANCHOR: scene

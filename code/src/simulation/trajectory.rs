@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{ImuBias, ImuNoise, ImuSample, NavState};
+use crate::inertial::{ImuSample, NavState};
 
 // ANCHOR: scalar_trajectory
 /// One coordinate as a function of time, c + r t + a t²/2 + A sin(ω t + θ), with its derivatives.
@@ -204,30 +204,3 @@ impl Trajectory {
     }
     // ANCHOR_END: body_acceleration
 }
-
-// ANCHOR: corrupt
-impl ImuNoise {
-    /// A perfect reading as a sensor with this noise and a bias gives it, for a step of `dt`
-    /// seconds. `normal` draws with mean zero and variance one. Implements {eq:inertial-model}.
-    pub fn corrupt(
-        &self,
-        sample: &ImuSample,
-        bias: &ImuBias,
-        dt: f64,
-        mut normal: impl FnMut() -> f64,
-    ) -> ImuSample {
-        let root = dt.sqrt();
-        let mut noise = |density: f64| Vector3::from_fn(|_, _| density / root * normal());
-        let (gyro, accelerometer) = (noise(self.gyro), noise(self.accelerometer));
-        sample.biased(bias).biased(&ImuBias { gyro, accelerometer })
-    }
-
-    /// The bias `seconds` later, after its random walk.
-    pub fn walk(&self, bias: &ImuBias, seconds: f64, mut normal: impl FnMut() -> f64) -> ImuBias {
-        let root = seconds.sqrt();
-        let mut step = |density: f64| Vector3::from_fn(|_, _| density * root * normal());
-        let (gyro, accelerometer) = (step(self.gyro_walk), step(self.accelerometer_walk));
-        ImuBias { gyro: bias.gyro + gyro, accelerometer: bias.accelerometer + accelerometer }
-    }
-}
-// ANCHOR_END: corrupt

@@ -1,0 +1,20 @@
+//! Where readings, pixels and truth come from when nothing has flown: worlds and flights that are
+//! known exactly.
+//!
+//! A [`Trajectory`] is a motion by formula, and what a perfect sensor reads on it. A [`Flight`] adds
+//! the sensors and their faults, and [`Flight::record`] makes the [`Recording`] that they bring
+//! home, with the [`Truth`] beside it. A [`Scene`] has cameras alone. What is drawn depends on
+//! nothing but the seed.
+
+mod flight;
+mod landmarks;
+mod random;
+mod recording;
+mod scenes;
+mod trajectory;
+
+pub use flight::{Flight, FlightError};
+pub use landmarks::landmarks_around;
+pub use recording::{Observation, Picture, Recording, Truth};
+pub use scenes::{Scene, at_true_scale};
+pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
