@@ -19,7 +19,14 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Scene"],
-    forbidden: &["bundle_adjustment", "factors", "least_squares", "observability", "two_views"],
+    forbidden: &[
+        "bal",
+        "bundle_adjustment",
+        "factors",
+        "least_squares",
+        "observability",
+        "two_views",
+    ],
     hints: include_str!("hints.md"),
     checks,
 };
