@@ -13,7 +13,8 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use vislam::bundle_adjustment::{Camera, Solver, TinyBa, read_bal};
+use vislam::bundle_adjustment::{Camera, Solver, TinyBa};
+use vislam::datasets::bal::{BalError, read_bal};
 use vislam::least_squares::Options;
 
 const USAGE: &str = "usage: bal FILE [--fix-intrinsics] [--huber D] [--iterations N]";
@@ -32,12 +33,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
+    let in_file = |error: BalError| format!("{file}: {error}");
     if fix_intrinsics {
-        let mut problem = read_bal::<6>(&text)?;
+        let mut problem = read_bal::<6>(&text).map_err(in_file)?;
         problem.fixed.iter_mut().take(1).for_each(|fixed| *fixed = true);
         solve(TinyBa { huber, ..problem }, &options)
     } else {
-        solve(TinyBa { huber, ..read_bal::<9>(&text)? }, &options)
+        solve(TinyBa { huber, ..read_bal::<9>(&text).map_err(in_file)? }, &options)
     }
 }
 

@@ -19,7 +19,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use vislam::inertial::euroc::{GroundTruth, read_ground_truth, read_imu};
+use vislam::datasets::euroc::{GroundTruth, read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample, WindowError, between};
 use vislam::preintegration::{
     LONGEST_STEP, Preintegrated, Preintegrator, Rule, imu_residual, preintegrate_stamped,

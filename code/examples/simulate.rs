@@ -206,7 +206,7 @@ fn calibration(flight: &Flight) -> String {
 
 #[cfg(test)]
 mod tests {
-    use vislam::inertial::euroc::{read_ground_truth, read_imu};
+    use vislam::datasets::euroc::{read_ground_truth, read_imu};
 
     use super::*;
 

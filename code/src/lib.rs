@@ -1,5 +1,5 @@
 //! The theory of the book *Visual-Inertial SLAM, Derived and Tested*, one module per
-//! chapter.
+//! chapter, and [`datasets`], where recorded data come from.
 //!
 //! Lengths are in metres, angles in radians, image coordinates in pixels. A camera
 //! looks along its +z axis, x points to the right of the image and y down. A transform
@@ -16,6 +16,7 @@
 
 pub mod bearing;
 pub mod bundle_adjustment;
+pub mod datasets;
 pub mod factors;
 pub mod inertial;
 pub mod least_squares;

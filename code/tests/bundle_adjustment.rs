@@ -7,8 +7,7 @@ use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
 };
 use vislam::bundle_adjustment::{
-    BaError, BalCamera, BalError, BalFault, Camera, GaugeFreedom, LinearizedPixel, Posed,
-    PosedPinhole, Solver, TinyBa, read_bal,
+    BaError, BalCamera, Camera, GaugeFreedom, LinearizedPixel, Posed, PosedPinhole, Solver, TinyBa,
 };
 use vislam::factors::{MovingCamera, PixelByCamera, Prior};
 use vislam::least_squares::{
@@ -1223,62 +1222,4 @@ fn scenes_depend_on_their_seed_only() {
     let pixels = |seed| Scene::street(10, 3.0, 1.0, seed).problem.factors;
     assert_eq!(pixels(1), pixels(1));
     assert_ne!(pixels(1), pixels(2));
-}
-
-/// Two cameras, two points, four observations.
-const BAL: &str = "2 2 4\n0 0 1.5 -2.5\n1 0 2 3\n0 1 4e0 5\n1 1 6 7\n\
-    0\n0\n0\n0\n0\n0\n500\n0.1\n0.01\n0.1\n0.2\n0.3\n1\n2\n3\n600\n0\n0\n\
-    0.5\n-0.5\n-5\n1\n0\n-6\n";
-
-#[test]
-fn a_bal_file_is_read_as_it_stands() {
-    let problem: TinyBa<BalCamera, 9> = read_bal(BAL).unwrap();
-    assert_eq!((problem.cameras.len(), problem.points.len(), problem.factors.len()), (2, 2, 4));
-    assert_eq!(problem.factors[2].pixel, Vector2::new(4.0, 5.0));
-    assert_eq!((problem.factors[2].keyframe, problem.factors[2].point), (0, 1));
-    assert_eq!(problem.cameras[1].focal_length, 600.0);
-    assert_eq!(problem.cameras[0].radial, [0.1, 0.01]);
-    assert_eq!(problem.points[1], Vector3::new(1.0, 0.0, -6.0));
-    // x = y = 0.1 without the sign of y, r² = 0.02.
-    let pixel = problem.cameras[0].project(&problem.points[0]).unwrap();
-    let scale = 500.0 * (1.0 + 0.02 * 0.1 + 0.02 * 0.02 * 0.01);
-    assert_abs_diff_eq!(pixel, scale * Vector2::new(0.1, -0.1), epsilon = 1e-12);
-    assert!(read_bal::<6>(&BAL.replace('\n', "\r\n")).is_ok());
-}
-
-#[test]
-fn a_bal_camera_has_pixels_behind_it_too() {
-    let problem: TinyBa<BalCamera, 9> = read_bal(BAL).unwrap();
-    assert!(problem.cameras[0].project(&Vector3::new(0.1, 0.1, 5.0)).is_some());
-    assert_eq!(problem.cameras[0].project(&Vector3::new(0.1, 0.1, 0.0)), None);
-}
-
-#[test]
-fn every_malformed_line_of_a_bal_file_is_named() {
-    let fault = |text: &str| read_bal::<9>(text).unwrap_err();
-    let lines: Vec<&str> = BAL.lines().collect();
-    for number in 1..=lines.len() {
-        // The file ends early.
-        let error = fault(&lines[..number - 1].join("\n"));
-        assert!(matches!(error, BalError { line, fault: BalFault::End { .. } } if line == number));
-        for bad in ["x", "nan nan nan nan", "1 2", ""] {
-            let mut changed = lines.clone();
-            changed[number - 1] = bad;
-            let error = fault(&changed.join("\n"));
-            assert_eq!(error.line, number, "{error}");
-            assert!(error.to_string().starts_with(&format!("line {number}: ")));
-        }
-    }
-    assert_eq!(
-        fault(&BAL.replace("1 1 6 7", "1 2 6 7")).to_string(),
-        "line 5: there is no point 2, the header announces 2; they count from zero"
-    );
-    assert_eq!(
-        fault(&BAL.replace("500", "inf")).to_string(),
-        "line 12: `inf` is not a finite number"
-    );
-    assert_eq!(fault(&BAL.replace("2 2 4", "2 -2 4")).line, 1);
-    assert_eq!(fault(&format!("{BAL}7\n")).line, lines.len() + 1);
-    assert_eq!(fault("99999999999999999 1 99999999999999999\n").line, 2);
-    assert_eq!(fault("").line, 1);
 }

@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
-use vislam::inertial::euroc::{EurocError, EurocFault, read_ground_truth, read_imu};
+use vislam::datasets::euroc::{read_ground_truth, read_imu};
 use vislam::inertial::{
     CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample,
     WindowError, between,
@@ -437,102 +437,10 @@ fn an_interval_must_have_length_and_readings() {
     assert_eq!(error, WindowError::Unsorted { nanoseconds: 5_000_000 });
 }
 
-const IMU_HEADER: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],\
-    w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]";
-const LONG_HEADER: &str = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], \
-    q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], \
-    b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], \
-    b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]";
-const SHORT_HEADER: &str = "#time(ns),px,py,pz,qw,qx,qy,qz,vx,vy,vz,bwx,bwy,bwz,bax,bay,baz";
-
-#[test]
-fn readings_are_read_from_text() {
-    let text = format!(
-        "{IMU_HEADER}\r\n1403715273262142976,1,2,3,4,5,6e0\r\n\r\n\
-        1403715273267142912, -1, 0.5, 0, 0, 0, 9.81\r\n"
-    );
-    let samples = read_imu(&text).unwrap();
-    assert_eq!(samples.len(), 2);
-    assert_eq!(samples[0].nanoseconds, 1_403_715_273_262_142_976);
-    assert_eq!(samples[0].sample.gyro, Vector3::new(1.0, 2.0, 3.0));
-    assert_eq!(samples[0].sample.accelerometer, Vector3::new(4.0, 5.0, 6.0));
-    assert_abs_diff_eq!(samples[0].seconds_to(&samples[1]), 0.004999936, epsilon = 1e-15);
-}
-
-#[test]
-fn ground_truth_is_read_with_either_header() {
-    let line = "100,1,2,3,0.7071,0,0,0.7071,4,5,6,0.1,0.2,0.3,0.4,0.5,0.6";
-    for header in [LONG_HEADER, SHORT_HEADER] {
-        let rows = read_ground_truth(&format!("{header}\n{line}\n")).unwrap();
-        let row = &rows[0];
-        assert_eq!((rows.len(), row.nanoseconds), (1, 100));
-        assert_eq!(row.state.position, Vector3::new(1.0, 2.0, 3.0));
-        assert_eq!(row.state.velocity, Vector3::new(4.0, 5.0, 6.0));
-        // A quarter turn to the left, w first: the body's x axis points along the world's y.
-        let quarter = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
-        assert_abs_diff_eq!(row.state.world_from_body, quarter, epsilon = 1e-12);
-        assert_eq!(row.bias.vector(), Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6));
-    }
-}
-
-#[test]
-fn a_fault_in_a_file_is_told_with_its_line() {
-    let imu = |lines: &str| read_imu(&format!("{IMU_HEADER}\n{lines}")).unwrap_err();
-    let fault = |line, fault| EurocError { line, fault };
-    let text = |text: &str| text.to_string();
-    assert_eq!(imu(""), fault(1, EurocFault::Empty));
-    assert_eq!(imu("1,2,3,4,5,6"), fault(2, EurocFault::Fields { wanted: 7, found: 6 }));
-    assert_eq!(imu("1,2,3,4,5,6,7,8"), fault(2, EurocFault::Fields { wanted: 7, found: 8 }));
-    let good = "1,0,0,0,0,0,0\n";
-    let bad = |line: &str| imu(&format!("{good}{line}"));
-    assert_eq!(bad("1.5,0,0,0,0,0,0"), fault(3, EurocFault::Time { text: text("1.5") }));
-    for word in ["x", "NaN", "inf", "1e999", ""] {
-        let found = bad(&format!("2,0,0,{word},0,0,0"));
-        assert_eq!(found, fault(3, EurocFault::Number { text: text(word) }));
-    }
-    let order = EurocFault::Order { before: 1, nanoseconds: 1 };
-    assert_eq!(bad("1,0,0,0,0,0,0"), fault(3, order));
-    assert_eq!(bad("2,0,0,x,0,0,0").to_string(), "line 3: `x` is not a finite number");
-}
-
-#[test]
-fn a_file_with_other_columns_is_refused() {
-    for header in ["", "1,0,0,0,0,0,0", "#t,x,y,z,a,b,c", SHORT_HEADER] {
-        let error = read_imu(&format!("{header}\n1,0,0,0,0,0,0\n")).unwrap_err();
-        assert_eq!(error.line, 1);
-        assert!(matches!(error.fault, EurocFault::Header { .. }), "{error}");
-    }
-    assert!(read_ground_truth(&format!("{IMU_HEADER}\n")).is_err());
-    assert!(read_imu("").is_err());
-    // Quaternions with the scalar last would be read wrongly.
-    let swapped = SHORT_HEADER.replace("qw,qx,qy,qz", "qx,qy,qz,qw");
-    assert!(read_ground_truth(&format!("{swapped}\n")).is_err());
-}
-
-#[test]
-fn a_quaternion_that_is_no_rotation_is_told_with_its_line() {
-    let line = "100,1,2,3,0.9,0,0,0.9,4,5,6,0,0,0,0,0,0";
-    let error = read_ground_truth(&format!("{SHORT_HEADER}\n{line}\n")).unwrap_err();
-    assert_eq!(error.line, 2);
-    assert!(matches!(error.fault, EurocFault::Quaternion { norm } if norm > 1.2), "{error}");
-}
-
 /// A file of the folder that `VISLAM_DATA` names.
 fn data(file: &str) -> String {
     let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
     std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
-}
-
-#[test]
-#[ignore = "needs the EuRoC flights in the folder that VISLAM_DATA names"]
-fn both_flights_are_read_whole() {
-    for (imu, truth, readings, states) in [
-        ("V1_01_imu0.csv", "V1_01_groundtruth_20hz.csv", 29_120, 2_895),
-        ("MH_05_imu0.csv", "MH_05_groundtruth.csv", 22_721, 22_212),
-    ] {
-        assert_eq!(read_imu(&data(imu)).unwrap().len(), readings);
-        assert_eq!(read_ground_truth(&data(truth)).unwrap().len(), states);
-    }
 }
 
 #[test]

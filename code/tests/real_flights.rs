@@ -2,7 +2,7 @@
 //! in which `euroc/` holds them, and `cargo test --test real_flights -- --ignored` runs these tests.
 
 use nalgebra::Vector3;
-use vislam::inertial::euroc::{GroundTruth, read_ground_truth, read_imu};
+use vislam::datasets::euroc::{GroundTruth, read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuNoise, between};
 use vislam::preintegration::{
     LONGEST_STEP, Preintegrated, Rule, imu_residual, preintegrate_stamped,

@@ -464,6 +464,12 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
         ),
         ("null_space", "use vislam::least_squares::Spectrum;", "least_squares"),
         ("null_space", "fn f() { vislam::bundle_adjustment::Solver::new(); }", "bundle_adjustment"),
+        ("fill_in", "use vislam::datasets::bal::read_bal;", "bal"),
+        ("left_perturbation", "use vislam::datasets::bal as b;", "bal"),
+        ("null_space", "fn f() { vislam::datasets::bal::read_bal::<6>(text); }", "bal"),
+        ("outlier_rescue", "use vislam::datasets::{bal::read_bal, tracks};", "bal"),
+        ("scale_null_space", "use vislam::datasets::*; fn f() { bal::read_bal(); }", "bal"),
+        ("stereo_gauge", "use vislam::datasets::bal::*;", "bal"),
         ("noise_growth", "use vislam::preintegration::{Block, Turning};", "preintegration"),
         (
             "noise_growth",

@@ -9,7 +9,6 @@
 //! that eliminates the points: [`LandmarkElimination`](crate::least_squares::LandmarkElimination).
 
 mod assembly;
-mod bal;
 mod camera;
 mod covariance;
 mod gauge;
@@ -22,7 +21,6 @@ use crate::least_squares::{Iteration, Options, SolveError, Stop};
 use crate::reprojection::ReprojFactor;
 
 pub use assembly::Dropped;
-pub use bal::{BalError, BalFault, read_bal};
 pub use camera::{BalCamera, Camera, LinearizedPixel, Posed, PosedPinhole};
 pub use covariance::BaCovariance;
 pub use gauge::GaugeFreedom;

@@ -7,7 +7,6 @@
 //! +9.81 upward at rest. Where two sensors stand in one vector, the gyroscope comes first.
 
 mod camera;
-pub mod euroc;
 mod gravity;
 mod noise;
 mod sample;

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector3};
 use vislam::factors::Prior;
-use vislam::inertial::{ImuBias, NavState, Trajectory};
+use vislam::inertial::{ImuBias, NavState};
 use vislam::least_squares::{Dense, Fronts, Kernel, Key, LinearSystem, Manifold, Point, Problem};
-use vislam::observability::{BiasAssumption, Flight, UnknownCalibration, landmarks_around};
+use vislam::observability::{BiasAssumption, UnknownCalibration};
+use vislam::simulation::{Flight, Trajectory, landmarks_around};
 
 use super::Draws;
 
@@ -22,7 +23,7 @@ fn hold_near<V: Manifold, const N: usize>(problem: &mut Problem, variable: Key<V
 /// A flight with biases that walk and a calibration that is unknown, away from the truth, and its
 /// states and biases in order.
 fn window() -> (Problem, Vec<usize>) {
-    let flight = Flight { pixel_sigma: 0.5, ..Flight::new(Trajectory::figure_eight()) };
+    let flight = Flight { pixel_sigma: 0.5, ..Flight::brief(Trajectory::figure_eight()) };
     let assumption = BiasAssumption { walk: Some(flight.noise), ..BiasAssumption::CONSTANT };
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     let mut window = flight.window(&landmarks, assumption).unwrap();

@@ -1,7 +1,7 @@
 //! Intervals of a flight, preintegrated and compared with its ground truth.
 
 use nalgebra::Vector3;
-use vislam::inertial::euroc::GroundTruth;
+use vislam::datasets::euroc::GroundTruth;
 use vislam::inertial::{ImuNoise, StampedSample, between};
 use vislam::preintegration::{
     LONGEST_STEP, Preintegrated, Rule, Vector9, imu_residual, preintegrate_stamped,

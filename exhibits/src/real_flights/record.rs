@@ -1,7 +1,7 @@
 //! The record of two flights.
 
 use nalgebra::Vector3;
-use vislam::inertial::euroc::{read_ground_truth, read_imu};
+use vislam::datasets::euroc::{read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuNoise};
 use vislam::preintegration::Rule;
 

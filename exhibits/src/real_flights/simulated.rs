@@ -1,7 +1,7 @@
 //! Flights whose truth is known: the figure-eight, with a ground truth as good or bad as asked for.
 
 use nalgebra::Vector3;
-use vislam::inertial::euroc::GroundTruth;
+use vislam::datasets::euroc::GroundTruth;
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, StampedSample};
 use vislam::manifold::so3;
 use vislam::simulation::Trajectory;

@@ -19,7 +19,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Layout"],
-    forbidden: &["bundle_adjustment", "least_squares", "marginalize", "simulation"],
+    forbidden: &["bal", "bundle_adjustment", "least_squares", "marginalize", "simulation"],
     hints: include_str!("hints.md"),
     checks,
 };

@@ -20,6 +20,7 @@ pub const EXERCISE: Exercise = Exercise {
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Side"],
     forbidden: &[
+        "bal",
         "bundle_adjustment",
         "factors",
         "jacobians",

@@ -28,6 +28,7 @@ pub const EXERCISE: Exercise = Exercise {
         "Schur",
         "SymmetricEigen",
         "SymmetricTridiagonal",
+        "bal",
         "bidiagonalize",
         "bundle_adjustment",
         "col_piv_qr",

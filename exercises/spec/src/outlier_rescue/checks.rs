@@ -28,6 +28,7 @@ pub const EXERCISE: Exercise = Exercise {
         "Kernel",
         "Problem",
         "ReprojFactor",
+        "bal",
         "bundle_adjustment",
         "factors",
         "observability",

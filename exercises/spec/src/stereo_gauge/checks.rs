@@ -20,6 +20,7 @@ pub const EXERCISE: Exercise = Exercise {
     misconceptions: MISCONCEPTIONS,
     types: &["Camera", "Scene"],
     forbidden: &[
+        "bal",
         "bundle_adjustment",
         "factors",
         "least_squares",

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use nalgebra::{Vector2, Vector3};
 use thiserror::Error;
 
-use super::{BalCamera, Camera, TinyBa};
+use crate::bundle_adjustment::{BalCamera, Camera, TinyBa};
 use crate::manifold::so3;
 use crate::reprojection::ReprojFactor;
 
