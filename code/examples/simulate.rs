@@ -51,7 +51,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         baseline: Some(0.11),
         ..Flight::new(motion).with_lever(Vector3::new(0.1, 0.05, -0.02))
     };
-    let recording = flight.record(&flight.room(3.0, LANDMARKS, seed)?, seed)?;
+    let landmarks = flight.room(3.0, LANDMARKS, seed);
+    let recording = landmarks.and_then(|landmarks| flight.record(&landmarks, seed));
+    let recording = recording.map_err(|error| error.to_string())?;
     fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
     for (name, text) in [
         ("imu.csv", imu(&recording)),
