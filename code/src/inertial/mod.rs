@@ -6,6 +6,7 @@
 //! *specific force* in the body frame, in m/s²: acceleration less gravity, so that it reads
 //! +9.81 upward at rest. Where two sensors stand in one vector, the gyroscope comes first.
 
+mod axis_noise;
 mod camera;
 pub mod euroc;
 mod noise;
@@ -13,6 +14,7 @@ mod sample;
 mod state;
 mod trajectory;
 
+pub use axis_noise::AxisNoise;
 pub use camera::CameraImu;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
