@@ -6,11 +6,15 @@ use nalgebra::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vislam::factors::{BiasWalkFactor, InertialFactor, PixelByBody, Prior, StereoByPose};
+use vislam::factors::{
+    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, Prior, StereoByPose,
+};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
 use vislam::manifold::{se3, so3};
-use vislam::preintegration::{Preintegrated, preintegrate};
+use vislam::preintegration::{
+    CombinedPreintegrated, CombinedPreintegrator, Matrix9x6, Preintegrated, preintegrate,
+};
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
 use vislam::two_views::{StereoFactor, StereoPinhole};
 
@@ -242,6 +246,71 @@ fn a_walk_of_the_bias_has_the_slopes_of_its_residual() {
         };
         compare(&mut problem, freeze, &frozen.values, 1e-7);
     }
+}
+
+/// Readings of half a second whose bias walks.
+fn walking(draws: &mut Draws) -> CombinedPreintegrated {
+    let mut sums = CombinedPreintegrator::new(&draws.bias(), &ImuNoise::mems()).unwrap();
+    for _ in 0..20 {
+        let (gyro, accelerometer) = (draws.vector(1.0), draws.vector(5.0) - GRAVITY);
+        sums.integrate(&ImuSample { gyro, accelerometer }, 0.025).unwrap();
+    }
+    sums.finish().unwrap()
+}
+
+#[test]
+fn readings_whose_bias_walks_have_the_slopes_of_their_residual() {
+    let mut draws = Draws::new(13);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let preintegrated = walking(&mut draws);
+        let (state, value) = (draws.state(), draws.bias());
+        let next = draws.nearby(&preintegrated.sums.predict(&state, &GRAVITY, &value));
+        let first = frozen.add(&mut draws, &mut problem, state);
+        let second = frozen.add(&mut draws, &mut problem, next);
+        let bias = frozen.add(&mut draws, &mut problem, value);
+        let value = draws.bias();
+        let later = frozen.add(&mut draws, &mut problem, value);
+        let (states, biases) = ([first, second], [bias, later]);
+        let factor = CombinedInertialFactor::new(states, biases, &preintegrated, GRAVITY).unwrap();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, first);
+            frozen.freeze(problem, second);
+            frozen.freeze(problem, bias);
+            frozen.freeze(problem, later);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-6);
+    }
+}
+
+#[test]
+fn without_covariance_between_them_deltas_and_walk_are_two_factors() {
+    let mut draws = Draws::new(14);
+    let (mut apart, mut together) = (Problem::new(), Problem::new());
+    let (values, biases) = ([draws.state(), draws.state()], [draws.bias(), draws.bias()]);
+    let combined = walking(&mut draws);
+    let sums = combined.sums;
+    let states = values.map(|state| apart.add_variable(state));
+    let keys = biases.map(|bias| apart.add_variable(bias));
+    let readings = InertialFactor::new(states, keys[0], sums, GRAVITY).unwrap();
+    apart.add_factor(readings, Kernel::Squared).unwrap();
+    let walk = BiasWalkFactor::new(keys, &ImuNoise::mems(), sums.duration).unwrap();
+    apart.add_factor(walk, Kernel::Squared).unwrap();
+
+    let states = values.map(|state| together.add_variable(state));
+    let keys = biases.map(|bias| together.add_variable(bias));
+    let with_bias = Matrix9x6::zeros();
+    let dropped = CombinedPreintegrated { with_bias, ..combined };
+    let factor = CombinedInertialFactor::new(states, keys, &dropped, GRAVITY).unwrap();
+    together.add_factor(factor, Kernel::Squared).unwrap();
+    let [(one, first), (two, second)] =
+        [&apart, &together].map(|problem| problem.jacobian(problem.values()).unwrap());
+    assert!((&one - &two).amax() < 1e-12 * one.amax());
+    assert!((&first - &second).amax() < 1e-12 * first.amax());
+    let factor = CombinedInertialFactor::new(states, keys, &combined, GRAVITY).unwrap();
+    let found = factor.residual((&values[0], &biases[0], &values[1], &biases[1])).unwrap();
+    assert!((found.norm() / first.norm() - 1.0).abs() > 1e-3, "the covariance between them counts");
 }
 
 fn prior_of<V: Manifold, const N: usize>(draw: impl Fn(&mut Draws) -> V, seed: u64) {

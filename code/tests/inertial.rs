@@ -309,7 +309,7 @@ fn a_density_is_not_negative_and_finite() {
     let zero = ImuNoise { gyro: 0.0, accelerometer: 0.0, gyro_walk: 0.0, accelerometer_walk: 0.0 };
     assert_eq!(zero.check(), Ok(()));
     let error = ImuNoise { gyro_walk: -1.0, ..zero }.check().unwrap_err();
-    assert_eq!(error, NoiseError { name: "gyro_walk", value: -1.0 });
+    assert_eq!(error, NoiseError { name: "gyro_walk", axis: None, value: -1.0 });
     assert_eq!(
         error.to_string(),
         "the noise density `gyro_walk` is -1; give a finite number that is not negative"

@@ -1,11 +1,18 @@
 //! Worked examples of preintegration, its order, its covariance and its derivatives.
 
+#[path = "preintegration/axes.rs"]
+mod axes;
+#[path = "preintegration/combined.rs"]
+mod combined;
+#[path = "preintegration/joining.rs"]
+mod joining;
+
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::inertial::{
-    GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample,
+    AxisNoise, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample,
 };
 use vislam::least_squares::{Manifold, WhiteningError};
 use vislam::manifold::so3;
@@ -144,7 +151,7 @@ fn summed(
     rule: Rule,
     dt: f64,
     bias: &ImuBias,
-    noise: &ImuNoise,
+    noise: impl Into<AxisNoise>,
 ) -> Preintegrated {
     let mut integrator = Preintegrator::new(bias, noise).unwrap();
     for pair in samples.windows(2) {
@@ -310,8 +317,9 @@ fn dense(
     rule: Rule,
     dt: f64,
     bias: &ImuBias,
-    noise: &ImuNoise,
+    noise: impl Into<AxisNoise>,
 ) -> (Matrix9, Matrix9x6) {
+    let noise = noise.into();
     let (mut covariance, mut jacobian) = (Matrix9::zeros(), Matrix9x6::zeros());
     let mut rotation = Rotation3::identity();
     for pair in samples.windows(2) {

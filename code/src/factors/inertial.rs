@@ -1,11 +1,13 @@
-//! Preintegrated readings by the states at both ends and the bias, and a bias by the one before it.
+//! Preintegrated readings by the states at both ends and the bias, a bias by the one before it, and
+//! both in one when they are correlated.
 
-use nalgebra::{Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix6, SMatrix, SVector, Vector3, Vector6};
 
-use crate::inertial::{ImuBias, ImuNoise, NavState};
+use crate::inertial::{AxisNoise, ImuBias, NavState};
 use crate::least_squares::{Factor, Key, WhiteningError};
 use crate::preintegration::{
-    BiasWalk, Matrix9, Matrix9x6, Preintegrated, Vector9, imu_residual, linearize,
+    BiasWalk, CombinedPreintegrated, Matrix9, Matrix9x6, Matrix15, Preintegrated, Vector9,
+    imu_residual, linearize,
 };
 
 // ANCHOR: inertial_factor
@@ -81,7 +83,7 @@ impl BiasWalkFactor {
     /// [`WhiteningError`] as [`BiasWalk::new`].
     pub fn new(
         [first, second]: [Key<ImuBias>; 2],
-        noise: &ImuNoise,
+        noise: impl Into<AxisNoise>,
         duration: f64,
     ) -> Result<Self, WhiteningError> {
         Ok(Self { first, second, walk: BiasWalk::new(noise, duration)? })
@@ -109,3 +111,76 @@ impl Factor<6> for BiasWalkFactor {
     }
 }
 // ANCHOR_END: bias_walk_factor
+
+/// The readings of an interval in which the bias walks, between two states with a bias each. The
+/// residual is that of [`InertialFactor`] at the first bias, then that of [`BiasWalkFactor`], and
+/// whitened together. Those two are its special case without covariance between them.
+#[derive(Debug, Clone, Copy)]
+pub struct CombinedInertialFactor {
+    states: [Key<NavState>; 2],
+    biases: [Key<ImuBias>; 2],
+    sums: Preintegrated,
+    gravity: Vector3<f64>,
+    sqrt_information: Matrix15,
+}
+
+impl CombinedInertialFactor {
+    /// Readings that say how the second state follows from the first, and how far the second bias
+    /// may be from the first. Gravity is that of the world, in m/s². The covariance is factored
+    /// here, once.
+    ///
+    /// # Errors
+    ///
+    /// [`WhiteningError`] as [`CombinedPreintegrated::sqrt_information`].
+    pub fn new(
+        states: [Key<NavState>; 2],
+        biases: [Key<ImuBias>; 2],
+        preintegrated: &CombinedPreintegrated,
+        gravity: Vector3<f64>,
+    ) -> Result<Self, WhiteningError> {
+        let sqrt_information = preintegrated.sqrt_information()?;
+        Ok(Self { states, biases, sums: preintegrated.sums, gravity, sqrt_information })
+    }
+
+    /// Whitens what the deltas and the walk of the bias say.
+    fn whitened<const N: usize>(
+        &self,
+        deltas: &SMatrix<f64, 9, N>,
+        walk: &SMatrix<f64, 6, N>,
+    ) -> SMatrix<f64, 15, N> {
+        self.sqrt_information.fixed_columns::<9>(0) * deltas
+            + self.sqrt_information.fixed_columns::<6>(9) * walk
+    }
+}
+
+impl Factor<15> for CombinedInertialFactor {
+    type Variables = (NavState, ImuBias, NavState, ImuBias);
+    type Jacobians =
+        (SMatrix<f64, 15, 9>, SMatrix<f64, 15, 6>, SMatrix<f64, 15, 9>, SMatrix<f64, 15, 6>);
+
+    fn variables(&self) -> (Key<NavState>, Key<ImuBias>, Key<NavState>, Key<ImuBias>) {
+        (self.states[0], self.biases[0], self.states[1], self.biases[1])
+    }
+
+    fn residual(
+        &self,
+        (first, bias, second, later): (&NavState, &ImuBias, &NavState, &ImuBias),
+    ) -> Option<SVector<f64, 15>> {
+        let deltas = imu_residual(&self.sums, first, second, &self.gravity, bias);
+        Some(self.whitened(&deltas, &(later.vector() - bias.vector())))
+    }
+
+    fn linearize(
+        &self,
+        (first, bias, second, later): (&NavState, &ImuBias, &NavState, &ImuBias),
+    ) -> Option<(SVector<f64, 15>, Self::Jacobians)> {
+        let linear = linearize(&self.sums, first, second, &self.gravity, bias);
+        let walk = later.vector() - bias.vector();
+        let by_first = self.whitened(&linear.by_first, &SMatrix::zeros());
+        let by_bias = self.whitened(&linear.by_bias, &-Matrix6::identity());
+        let by_second = self.whitened(&linear.by_second, &SMatrix::zeros());
+        let by_later = self.whitened(&SMatrix::zeros(), &Matrix6::identity());
+        let residual = self.whitened(&linear.residual, &walk);
+        Some((residual, (by_first, by_bias, by_second, by_later)))
+    }
+}

@@ -8,7 +8,7 @@ mod pixel_by_camera;
 mod prior;
 mod stereo;
 
-pub use inertial::{BiasWalkFactor, InertialFactor};
+pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_body::{PixelByBody, pixel_by_state, twist_by_state};
 pub use pixel_by_camera::{MovingCamera, PixelByCamera};
 pub use prior::Prior;

@@ -6,12 +6,14 @@
 //! *specific force* in the body frame, in m/s²: acceleration less gravity, so that it reads
 //! +9.81 upward at rest. Where two sensors stand in one vector, the gyroscope comes first.
 
+mod axis_noise;
 mod camera;
 mod gravity;
 mod noise;
 mod sample;
 mod state;
 
+pub use axis_noise::AxisNoise;
 pub use camera::CameraImu;
 pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};

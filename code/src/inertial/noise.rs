@@ -3,11 +3,11 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 use thiserror::Error;
 
-use super::{ImuBias, ImuSample};
+use super::{AxisNoise, ImuBias, ImuSample};
 
 // ANCHOR: noise
 /// Noise as continuous densities, the same along all axes. The variance of a reading depends on
-/// the step it stands for; the density does not.
+/// the step it stands for; the density does not. See [`AxisNoise`] for axes that differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuNoise {
     /// White noise of the gyroscope, in rad/s/√Hz.
@@ -62,14 +62,7 @@ impl ImuNoise {
     ///
     /// [`NoiseError`] names the first density that is negative or not finite.
     pub fn check(&self) -> Result<(), NoiseError> {
-        let named = [
-            ("gyro", self.gyro),
-            ("accelerometer", self.accelerometer),
-            ("gyro_walk", self.gyro_walk),
-            ("accelerometer_walk", self.accelerometer_walk),
-        ];
-        let bad = named.into_iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite()));
-        bad.map_or(Ok(()), |(name, value)| Err(NoiseError { name, value }))
+        AxisNoise::from(self).check()
     }
 }
 
@@ -102,10 +95,15 @@ impl ImuNoise {
 
 /// A density is none.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("the noise density `{name}` is {value}; give a finite number that is not negative")]
+#[error(
+    "the noise density `{name}`{} is {value}; give a finite number that is not negative",
+    .axis.map(|axis| format!(" along {axis}")).unwrap_or_default()
+)]
 pub struct NoiseError {
-    /// Its field in [`ImuNoise`].
+    /// Its field in [`ImuNoise`] or [`AxisNoise`].
     pub name: &'static str,
+    /// Its axis, `x`, `y` or `z`, or `None` where all axes have the same.
+    pub axis: Option<char>,
     /// The value given.
     pub value: f64,
 }

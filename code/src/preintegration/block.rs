@@ -52,6 +52,16 @@ impl Block {
         ])
     }
     // ANCHOR_END: times_hat
+
+    /// The matrix times a diagonal one times the transpose of another one: the second moment of
+    /// what two matrices make of the same noise, independent along its axes.
+    #[inline(always)]
+    pub fn moment(&self, variances: &Vector3<f64>, other: &Self) -> Self {
+        let [x, y, z] = &self.0;
+        let v = variances;
+        let scaled = [x.map(|e| v.x * e), y.map(|e| v.y * e), z.map(|e| v.z * e)];
+        Self(scaled) * other.transpose()
+    }
 }
 
 impl Add for Block {

@@ -9,9 +9,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::block::Block;
 use super::turning::{Turn, Turning};
+use super::white::{White, wide_either};
 use super::{Deltas, LONGEST_STEP, Matrix9, Matrix9x6, Preintegrated, PreintegrationError};
-use crate::inertial::{ImuBias, ImuNoise, ImuSample};
-use crate::registers::wide;
+use crate::inertial::{AxisNoise, ImuBias, ImuSample};
 
 // ANCHOR: preintegrator
 /// Sums up readings one by one. [`Preintegrator::finish`] gives the result so far, and more
@@ -20,78 +20,84 @@ use crate::registers::wide;
 pub struct Preintegrator {
     /// Steps longer than this, in seconds, are refused as gaps. At first [`LONGEST_STEP`].
     pub longest_step: f64,
-    bias: ImuBias,
-    noise: ImuNoise,
-    duration: f64,
+    pub(super) bias: ImuBias,
+    pub(super) noise: White,
+    pub(super) duration: f64,
     steps: usize,
     greatest_force_squared: f64,
     rotation: Block,
     velocity: Vector3<f64>,
     position: Vector3<f64>,
-    covariance: Moments,
-    jacobian: Jacobian,
+    pub(super) covariance: Moments,
+    pub(super) jacobian: Jacobian,
 }
 // ANCHOR_END: preintegrator
 
 /// Second moments of the errors θ, v and p; the blocks on and below the diagonal.
 #[derive(Debug, Clone, Default)]
-struct Moments {
-    tt: Block,
-    vt: Block,
-    vv: Block,
-    pt: Block,
-    pv: Block,
-    pp: Block,
+pub(super) struct Moments {
+    pub(super) tt: Block,
+    pub(super) vt: Block,
+    pub(super) vv: Block,
+    pub(super) pt: Block,
+    pub(super) pv: Block,
+    pub(super) pp: Block,
 }
 
 /// Derivatives of θ, v and p by the biases of gyroscope and accelerometer. Those by the
 /// gyroscope's are transposed, as their recursion wants them.
-#[derive(Debug, Clone, Default)]
-struct Jacobian {
-    theta_gyro: Block,
-    velocity_gyro: Block,
-    position_gyro: Block,
-    velocity_accelerometer: Block,
-    position_accelerometer: Block,
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Jacobian {
+    pub(super) theta_gyro: Block,
+    pub(super) velocity_gyro: Block,
+    pub(super) position_gyro: Block,
+    pub(super) velocity_accelerometer: Block,
+    pub(super) position_accelerometer: Block,
 }
 
 // ANCHOR: step
 /// What one step adds, by whichever rule.
-struct Increment {
-    dt: f64,
+pub(super) struct Increment {
+    pub(super) dt: f64,
     /// The rotation at its end.
-    rotation: Block,
+    pub(super) rotation: Block,
     /// The rotation that turns the force into the first frame.
-    along: Block,
+    pub(super) along: Block,
     /// The force, in the frame that `along` turns.
-    force: Vector3<f64>,
+    pub(super) force: Vector3<f64>,
     /// Derivative of θ at the end of the step by the angular velocity.
-    turned: Block,
+    pub(super) turned: Block,
     /// Covariance of what the gyroscope's noise adds to θ until the end of the step.
-    end_and_end: Block,
+    pub(super) end_and_end: Block,
     /// What has come of it where the force acts, if that is not the beginning.
-    halfway: Option<Halfway>,
+    pub(super) halfway: Option<Halfway>,
 }
 
 /// What an error of the angular velocity has done to θ in half a step.
-struct Halfway {
+pub(super) struct Halfway {
     /// Derivative by the angular velocity.
-    turned: Block,
+    pub(super) turned: Block,
     /// Covariance of what the noise adds until the end and until here.
-    end_and_halfway: Block,
-    halfway_and_halfway: Block,
+    pub(super) end_and_halfway: Block,
+    pub(super) halfway_and_halfway: Block,
 }
 // ANCHOR_END: step
 
 impl Increment {
+    /// What velocity gains.
+    #[inline(always)]
+    pub(super) fn gain(&self) -> Vector3<f64> {
+        self.dt * (self.along * self.force)
+    }
+
     // ANCHOR: step_euler
     /// The Euler rule. The turn φ is that of the step; R exp(φ) and R J(φ), with the left
     /// Jacobian J, are both R times a polynomial in φ^.
     #[inline(always)]
-    fn euler(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+    fn euler(rotation: &Block, reading: &ImuSample, dt: f64, gyro: f64) -> Self {
         let turning = Turning::new(rotation, &(dt * reading.gyro));
         let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
-        let variance = noise.gyro * noise.gyro * dt;
+        let variance = gyro * gyro * dt;
         Self {
             dt,
             rotation: turning.times(s, c),
@@ -108,12 +114,12 @@ impl Increment {
     /// The midpoint rule. The turn φ is that of half the step, and what belongs to the whole of
     /// it is again a polynomial in φ^, by the formulas for the double angle.
     #[inline(always)]
-    fn midpoint(rotation: &Block, reading: &ImuSample, dt: f64, noise: &ImuNoise) -> Self {
+    fn midpoint(rotation: &Block, reading: &ImuSample, dt: f64, gyro: f64) -> Self {
         let half = 0.5 * dt;
         let turning = Turning::new(rotation, &(half * reading.gyro));
         let Turn { sinc: s, cosc: c, sinc_remainder: r } = turning.coefficients;
         let (cosine, whole) = (1.0 - c * turning.square, r * (1.0 + s));
-        let variance = noise.gyro * noise.gyro * dt;
+        let variance = gyro * gyro * dt;
         let skew = turning.skew(0.5 * variance * s * c);
         Self {
             dt,
@@ -138,7 +144,8 @@ impl Preintegrator {
     /// # Errors
     ///
     /// [`PreintegrationError::Bias`] or [`PreintegrationError::Noise`] when these cannot be used.
-    pub fn new(bias: &ImuBias, noise: &ImuNoise) -> Result<Self, PreintegrationError> {
+    pub fn new(bias: &ImuBias, noise: impl Into<AxisNoise>) -> Result<Self, PreintegrationError> {
+        let noise = noise.into();
         noise.check()?;
         if !bias.is_finite() {
             let (gyro, accelerometer) = (bias.gyro.into(), bias.accelerometer.into());
@@ -147,7 +154,7 @@ impl Preintegrator {
         Ok(Self {
             longest_step: LONGEST_STEP,
             bias: *bias,
-            noise: *noise,
+            noise: White::new(&noise),
             duration: 0.0,
             steps: 0,
             greatest_force_squared: 0.0,
@@ -169,9 +176,10 @@ impl Preintegrator {
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         self.check(sample, dt)?;
         let reading = sample.corrected(&self.bias);
-        wide(
+        wide_either(
+            self.noise.isotropic,
             #[inline(always)]
-            || self.advance(&Increment::euler(&self.rotation, &reading, dt, &self.noise)),
+            |isotropic| self.advance(&self.euler(&reading, dt), isotropic),
         );
         Ok(())
     }
@@ -196,16 +204,29 @@ impl Preintegrator {
         self.check(start, dt)?;
         self.check(end, dt)?;
         let mean = ImuSample::mean(start, end).corrected(&self.bias);
-        wide(
+        wide_either(
+            self.noise.isotropic,
             #[inline(always)]
-            || self.advance(&Increment::midpoint(&self.rotation, &mean, dt, &self.noise)),
+            |isotropic| self.advance(&self.midpoint(&mean, dt), isotropic),
         );
         Ok(())
     }
     // ANCHOR_END: integrate_midpoint
 
+    /// The step by the Euler rule in which a reading, free of bias, holds.
+    #[inline(always)]
+    pub(super) fn euler(&self, reading: &ImuSample, dt: f64) -> Increment {
+        Increment::euler(&self.rotation, reading, dt, self.noise.gyro.x)
+    }
+
+    /// The step by the midpoint rule in which the mean of two readings, free of bias, holds.
+    #[inline(always)]
+    pub(super) fn midpoint(&self, mean: &ImuSample, dt: f64) -> Increment {
+        Increment::midpoint(&self.rotation, mean, dt, self.noise.gyro.x)
+    }
+
     /// Whether a reading and the step it stands for can be used.
-    fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
+    pub(super) fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         let (step, longest) = (self.steps, self.longest_step);
         if dt > 0.0 && dt <= longest && sample.is_finite() {
             return Ok(());
@@ -224,11 +245,13 @@ impl Preintegrator {
     /// Covariance and Jacobians use the deltas and one another as they are before the step, so
     /// the order of the lines matters.
     #[inline(always)]
-    fn advance(&mut self, step: &Increment) {
-        let dt = step.dt;
-        let gain = dt * (step.along * step.force);
-        self.covariance.advance(step, &gain, &self.noise);
-        self.jacobian.advance(step, &gain);
+    pub(super) fn advance(&mut self, step: &Increment, isotropic: bool) {
+        let noise = White { isotropic, ..self.noise };
+        let by_axis = noise.turning(step);
+        let step = by_axis.as_ref().unwrap_or(step);
+        let (dt, gain) = (step.dt, step.gain());
+        self.covariance.advance(step, &gain, &noise);
+        self.jacobian.advance(step, &gain, 1.0);
         self.position += dt * (self.velocity + 0.5 * gain);
         self.velocity += gain;
         self.rotation = step.rotation;
@@ -256,15 +279,11 @@ impl Preintegrator {
         let bias_jacobian = self.jacobian.assemble(&body_from_first);
         let greatest_force = self.greatest_force_squared.sqrt();
         let deltas = Deltas { rotation, velocity, position };
-        let entries = covariance.iter().chain(&bias_jacobian).chain(&position);
-        if !entries.chain([&greatest_force]).all(|entry| entry.is_finite()) {
-            return Err(PreintegrationError::Overflow { steps });
-        }
         #[rustfmt::skip]
         let sums = Preintegrated {
             duration, steps, deltas, covariance, bias_jacobian, bias, greatest_force,
         };
-        Ok(sums)
+        sums.checked()
     }
     // ANCHOR_END: finish
 }
@@ -275,9 +294,9 @@ impl Moments {
     /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
     #[inline(always)]
     // ANCHOR: advance_covariance
-    fn advance(&mut self, step: &Increment, c: &Vector3<f64>, noise: &ImuNoise) {
+    fn advance(&mut self, step: &Increment, c: &Vector3<f64>, noise: &White) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
-        let white = Block::diagonal(noise.accelerometer * noise.accelerometer * dt);
+        let white = noise.pushing(&step.along, dt);
         let (mut acting, mut across) = (self.tt, self.tt);
         if let Some(halfway) = &step.halfway {
             acting = acting + halfway.halfway_and_halfway;
@@ -323,18 +342,19 @@ impl Moments {
 
 impl Jacobian {
     // ANCHOR: advance_jacobian
-    /// A bias enters like an angular velocity and a force of the opposite sign.
+    /// A bias enters like an angular velocity and a force of the opposite sign. `share` is how
+    /// much of it acts in this step.
     #[inline(always)]
-    fn advance(&mut self, step: &Increment, c: &Vector3<f64>) {
+    pub(super) fn advance(&mut self, step: &Increment, c: &Vector3<f64>, share: f64) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
         let theta = match &step.halfway {
-            Some(halfway) => self.theta_gyro - halfway.turned.transpose(),
+            Some(halfway) => self.theta_gyro - share * halfway.turned.transpose(),
             None => self.theta_gyro,
         };
-        let (by_gyro, by_force) = (theta.times_hat(c), dt * step.along);
+        let (by_gyro, by_force) = (theta.times_hat(c), (share * dt) * step.along);
         self.position_gyro = self.position_gyro + dt * self.velocity_gyro + half * by_gyro;
         self.velocity_gyro = self.velocity_gyro + by_gyro;
-        self.theta_gyro = self.theta_gyro - step.turned.transpose();
+        self.theta_gyro = self.theta_gyro - share * step.turned.transpose();
         self.position_accelerometer =
             self.position_accelerometer + dt * self.velocity_accelerometer - half * by_force;
         self.velocity_accelerometer = self.velocity_accelerometer - by_force;
@@ -342,7 +362,7 @@ impl Jacobian {
     // ANCHOR_END: advance_jacobian
 
     /// The derivative of (φ, v, p): φ is θ seen from the last body frame.
-    fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9x6 {
+    pub(super) fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9x6 {
         let mut jacobian = Matrix9x6::zeros();
         let mut put = |row, column, block: &Matrix3<f64>| {
             jacobian.fixed_view_mut::<3, 3>(row, column).copy_from(block);
@@ -359,23 +379,28 @@ impl Jacobian {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inertial::ImuNoise;
 
     #[test]
     fn wide_registers_round_as_narrow_ones_do() {
-        let noise = ImuNoise::euroc();
-        let mut wide = Preintegrator::new(&ImuBias::default(), &noise).unwrap();
-        let mut narrow = wide.clone();
-        let (gyro, accelerometer) = (Vector3::new(0.3, -0.7, 0.2), Vector3::new(0.5, 9.0, -2.0));
-        let reading = ImuSample { gyro, accelerometer };
-        for _ in 0..200 {
-            wide.integrate(&reading, 5e-3).unwrap();
-            narrow.advance(&Increment::euler(&narrow.rotation, &reading, 5e-3, &noise));
-            wide.integrate_midpoint(&reading, &reading, 5e-3).unwrap();
-            narrow.advance(&Increment::midpoint(&narrow.rotation, &reading, 5e-3, &noise));
+        let same = AxisNoise::from(&ImuNoise::euroc());
+        let differing = AxisNoise { gyro: Vector3::new(1e-4, 2e-4, 3e-4), ..same };
+        for noise in [same, differing] {
+            let mut wide = Preintegrator::new(&ImuBias::default(), &noise).unwrap();
+            let mut narrow = wide.clone();
+            let isotropic = wide.noise.isotropic;
+            let gyro = Vector3::new(0.3, -0.7, 0.2);
+            let reading = ImuSample { gyro, accelerometer: Vector3::new(0.5, 9.0, -2.0) };
+            for _ in 0..200 {
+                wide.integrate(&reading, 5e-3).unwrap();
+                narrow.advance(&narrow.euler(&reading, 5e-3), isotropic);
+                wide.integrate_midpoint(&reading, &reading, 5e-3).unwrap();
+                narrow.advance(&narrow.midpoint(&reading, 5e-3), isotropic);
+            }
+            let [wide, narrow] = [wide, narrow].map(|sums| sums.finish().unwrap());
+            assert_eq!(wide.covariance, narrow.covariance);
+            assert_eq!(wide.bias_jacobian, narrow.bias_jacobian);
+            assert_eq!(wide.deltas, narrow.deltas);
         }
-        let [wide, narrow] = [wide, narrow].map(|sums| sums.finish().unwrap());
-        assert_eq!(wide.covariance, narrow.covariance);
-        assert_eq!(wide.bias_jacobian, narrow.bias_jacobian);
-        assert_eq!(wide.deltas, narrow.deltas);
     }
 }

@@ -10,19 +10,23 @@
 //! Biases are ordered gyroscope, accelerometer.
 
 mod block;
+mod combined;
 mod dynamics;
 mod integrator;
+mod joining;
 mod residual;
 mod turning;
+mod white;
 
 use nalgebra::{Rotation3, SMatrix, Vector3, Vector6};
 use thiserror::Error;
 
+pub use combined::{CombinedPreintegrated, CombinedPreintegrator, Matrix15};
 pub use dynamics::{ErrorDynamics, error_dynamics};
 pub use integrator::Preintegrator;
 pub use residual::{BiasWalk, LinearizedBiasWalk, LinearizedImu, imu_residual, linearize};
 
-use crate::inertial::{ImuBias, ImuNoise, ImuSample, NavState, NoiseError, StampedSample};
+use crate::inertial::{AxisNoise, ImuBias, ImuSample, NavState, NoiseError, StampedSample};
 use crate::least_squares::{WhiteningError, sqrt_information};
 use crate::manifold::so3;
 
@@ -85,7 +89,7 @@ pub fn preintegrate(
     samples: &[ImuSample],
     dt: f64,
     bias: &ImuBias,
-    noise: &ImuNoise,
+    noise: impl Into<AxisNoise>,
 ) -> Result<Preintegrated, PreintegrationError> {
     let mut integrator = Preintegrator::new(bias, noise)?;
     for sample in samples {
@@ -119,7 +123,7 @@ pub fn preintegrate_stamped(
     rule: Rule,
     longest_step: f64,
     bias: &ImuBias,
-    noise: &ImuNoise,
+    noise: impl Into<AxisNoise>,
 ) -> Result<Preintegrated, PreintegrationError> {
     let mut integrator = Preintegrator::new(bias, noise)?;
     integrator.longest_step = longest_step;
@@ -164,6 +168,14 @@ pub struct LinearizationErrorBound {
 // ANCHOR_END: linearization_error_bound
 
 impl Preintegrated {
+    /// The same, if its numbers are finite.
+    fn checked(self) -> Result<Self, PreintegrationError> {
+        let entries = self.covariance.iter().chain(&self.bias_jacobian);
+        let mut entries = entries.chain(&self.deltas.position).chain([&self.greatest_force]);
+        let overflow = PreintegrationError::Overflow { steps: self.steps };
+        if entries.all(|entry| entry.is_finite()) { Ok(self) } else { Err(overflow) }
+    }
+
     /// How far a bias is from that of the deltas, gyroscope first.
     pub(crate) fn bias_step(&self, bias: &ImuBias) -> Vector6<f64> {
         bias.vector() - self.bias.vector()
@@ -309,6 +321,17 @@ pub enum PreintegrationError {
         gyro: [f64; 3],
         /// The bias, in m/s².
         accelerometer: [f64; 3],
+    },
+    /// Two intervals that are to be joined were summed with different biases.
+    #[error(
+        "the first interval was summed with the bias {first:?}, the later one with {later:?}, \
+         gyroscope first; sum one of them up again"
+    )]
+    BiasesDiffer {
+        /// Of the first interval, in rad/s and m/s².
+        first: [f64; 6],
+        /// Of the later interval, in rad/s and m/s².
+        later: [f64; 6],
     },
     /// A noise density is none.
     #[error(transparent)]

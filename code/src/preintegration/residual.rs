@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 use super::{Deltas, Matrix9, Matrix9x6, Preintegrated, Vector9, correct_for_bias};
-use crate::inertial::{ImuBias, ImuNoise, NavState};
+use crate::inertial::{AxisNoise, ImuBias, NavState};
 use crate::least_squares::{WhiteningError, sqrt_information};
 use crate::manifold::so3;
 
@@ -183,8 +183,8 @@ impl BiasWalk {
     ///
     /// [`WhiteningError`] when the interval has no length or a bias does not walk. A bias that
     /// stays constant is one variable, not two.
-    pub fn new(noise: &ImuNoise, duration: f64) -> Result<Self, WhiteningError> {
-        Ok(Self { sqrt_information: sqrt_information(&noise.bias_walk(duration))? })
+    pub fn new(noise: impl Into<AxisNoise>, duration: f64) -> Result<Self, WhiteningError> {
+        Ok(Self { sqrt_information: sqrt_information(&noise.into().bias_walk(duration))? })
     }
 
     /// The whitened residual and its Jacobians.

@@ -86,22 +86,22 @@ fn sums(chapter: &mut Chapter) {
     chapter.equation("preintegrated-sums", preintegrated_sums, formula, &mutants);
 
     let mutants: [(_, Composition); 4] = [
-        ("velocity not carried on", |first, second, _| composed(first, second, 0.0)),
+        ("velocity not carried on", |first, second, _| first.then(second, 0.0)),
         ("second one not turned", |first, second, t| Deltas {
             velocity: first.velocity + second.velocity,
             position: first.position + t * first.velocity + second.position,
-            ..composed(first, second, t)
+            ..first.then(second, t)
         }),
         ("rotations exchanged", |first, second, t| Deltas {
             rotation: second.rotation * first.rotation,
-            ..composed(first, second, t)
+            ..first.then(second, t)
         }),
         ("turned by the second", |first, second, t| {
             let turned = Deltas { rotation: second.rotation, ..*first };
-            Deltas { rotation: first.rotation * second.rotation, ..composed(&turned, second, t) }
+            Deltas { rotation: first.rotation * second.rotation, ..turned.then(second, t) }
         }),
     ];
-    chapter.equation("delta-composition", delta_composition, composed, &mutants);
+    chapter.equation("delta-composition", delta_composition, Deltas::then, &mutants);
 }
 
 fn preintegrated_sums(formula: Sums) -> Comparison {
@@ -122,14 +122,6 @@ fn preintegrated_sums(formula: Sums) -> Comparison {
 
 /// Takes the deltas of two intervals in a row and the duration of the second.
 type Composition = fn(&Deltas, &Deltas, f64) -> Deltas;
-
-fn composed(first: &Deltas, second: &Deltas, t: f64) -> Deltas {
-    Deltas {
-        rotation: first.rotation * second.rotation,
-        velocity: first.velocity + first.rotation * second.velocity,
-        position: first.position + t * first.velocity + first.rotation * second.position,
-    }
-}
 
 fn delta_composition(formula: Composition) -> Comparison {
     let against = "a walk without gravity through all readings at once";
