@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use vislam::factors::{
     BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, Prior, StereoByPose,
 };
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
+use vislam::inertial::{GRAVITY, Gravity, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
 use vislam::manifold::{se3, so3};
 use vislam::preintegration::{
@@ -218,12 +218,14 @@ fn readings_have_the_slopes_of_their_residual() {
         let first = frozen.add(&mut draws, &mut problem, state);
         let second = frozen.add(&mut draws, &mut problem, next);
         let bias = frozen.add(&mut draws, &mut problem, bias);
-        let factor = InertialFactor::new([first, second], bias, preintegrated, GRAVITY).unwrap();
+        let gravity = frozen.add(&mut draws, &mut problem, Gravity(GRAVITY));
+        let factor = InertialFactor::new([first, second], bias, gravity, preintegrated).unwrap();
         problem.add_factor(factor, Kernel::Squared).unwrap();
         let freeze = |problem: &mut Problem| {
             frozen.freeze(problem, first);
             frozen.freeze(problem, second);
             frozen.freeze(problem, bias);
+            frozen.freeze(problem, gravity);
         };
         compare(&mut problem, freeze, &frozen.values, 1e-6);
     }
@@ -272,13 +274,15 @@ fn readings_whose_bias_walks_have_the_slopes_of_their_residual() {
         let value = draws.bias();
         let later = frozen.add(&mut draws, &mut problem, value);
         let (states, biases) = ([first, second], [bias, later]);
-        let factor = CombinedInertialFactor::new(states, biases, &preintegrated, GRAVITY).unwrap();
+        let gravity = frozen.add(&mut draws, &mut problem, Gravity(GRAVITY));
+        let factor = CombinedInertialFactor::new(states, biases, gravity, &preintegrated).unwrap();
         problem.add_factor(factor, Kernel::Squared).unwrap();
         let freeze = |problem: &mut Problem| {
             frozen.freeze(problem, first);
             frozen.freeze(problem, second);
             frozen.freeze(problem, bias);
             frozen.freeze(problem, later);
+            frozen.freeze(problem, gravity);
         };
         compare(&mut problem, freeze, &frozen.values, 1e-6);
     }
@@ -293,7 +297,8 @@ fn without_covariance_between_them_deltas_and_walk_are_two_factors() {
     let sums = combined.sums;
     let states = values.map(|state| apart.add_variable(state));
     let keys = biases.map(|bias| apart.add_variable(bias));
-    let readings = InertialFactor::new(states, keys[0], sums, GRAVITY).unwrap();
+    let apart_gravity = apart.add_variable(Gravity(GRAVITY));
+    let readings = InertialFactor::new(states, keys[0], apart_gravity, sums).unwrap();
     apart.add_factor(readings, Kernel::Squared).unwrap();
     let walk = BiasWalkFactor::new(keys, &ImuNoise::mems(), sums.duration).unwrap();
     apart.add_factor(walk, Kernel::Squared).unwrap();
@@ -302,14 +307,16 @@ fn without_covariance_between_them_deltas_and_walk_are_two_factors() {
     let keys = biases.map(|bias| together.add_variable(bias));
     let with_bias = Matrix9x6::zeros();
     let dropped = CombinedPreintegrated { with_bias, ..combined };
-    let factor = CombinedInertialFactor::new(states, keys, &dropped, GRAVITY).unwrap();
+    let gravity = together.add_variable(Gravity(GRAVITY));
+    let factor = CombinedInertialFactor::new(states, keys, gravity, &dropped).unwrap();
     together.add_factor(factor, Kernel::Squared).unwrap();
     let [(one, first), (two, second)] =
         [&apart, &together].map(|problem| problem.jacobian(problem.values()).unwrap());
     assert!((&one - &two).amax() < 1e-12 * one.amax());
     assert!((&first - &second).amax() < 1e-12 * first.amax());
-    let factor = CombinedInertialFactor::new(states, keys, &combined, GRAVITY).unwrap();
-    let found = factor.residual((&values[0], &biases[0], &values[1], &biases[1])).unwrap();
+    let factor = CombinedInertialFactor::new(states, keys, gravity, &combined).unwrap();
+    let fall = Gravity(GRAVITY);
+    let found = factor.residual((&values[0], &biases[0], &values[1], &biases[1], &fall)).unwrap();
     assert!((found.norm() / first.norm() - 1.0).abs() > 1e-3, "the covariance between them counts");
 }
 
@@ -354,7 +361,9 @@ fn a_state_and_a_bias_are_found_from_pixels_and_readings_together() {
     problem.hold(first).unwrap();
     problem.hold(extrinsics).unwrap();
     problem.hold(time_offset).unwrap();
-    let readings = InertialFactor::new([first, second], bias_key, preintegrated, GRAVITY).unwrap();
+    let gravity = problem.add_variable(Gravity(GRAVITY));
+    problem.hold(gravity).unwrap();
+    let readings = InertialFactor::new([first, second], bias_key, gravity, preintegrated).unwrap();
     problem.add_factor(readings, Kernel::Squared).unwrap();
     let sqrt_information = Matrix6::from_diagonal(&Vector6::new(1e3, 1e3, 1e3, 1e2, 1e2, 1e2));
     let known = Prior { variable: bias_key, anchor: bias, sqrt_information };

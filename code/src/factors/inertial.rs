@@ -1,13 +1,13 @@
 //! Preintegrated readings by the states at both ends and the bias, a bias by the one before it, and
 //! both in one when they are correlated.
 
-use nalgebra::{Matrix6, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 
-use crate::inertial::{AxisNoise, ImuBias, NavState};
+use crate::inertial::{AxisNoise, Gravity, ImuBias, NavState};
 use crate::least_squares::{Factor, Key, WhiteningError};
 use crate::preintegration::{
     BiasWalk, CombinedPreintegrated, Matrix9, Matrix9x6, Matrix15, Preintegrated, Vector9,
-    imu_residual, linearize,
+    by_gravity, imu_residual, linearize,
 };
 
 // ANCHOR: inertial_factor
@@ -17,15 +17,16 @@ pub struct InertialFactor {
     first: Key<NavState>,
     bias: Key<ImuBias>,
     second: Key<NavState>,
+    gravity: Key<Gravity>,
     preintegrated: Preintegrated,
-    gravity: Vector3<f64>,
     sqrt_information: Matrix9,
 }
 // ANCHOR_END: inertial_factor
 
 impl InertialFactor {
     /// Readings that say how `second` follows from `first`, with the bias that holds in between.
-    /// Gravity is that of the world, in m/s². The covariance is factored here, once.
+    /// Gravity is that of the world; where it is known, it is held. The covariance is factored here,
+    /// once.
     ///
     /// # Errors
     ///
@@ -33,35 +34,40 @@ impl InertialFactor {
     pub fn new(
         [first, second]: [Key<NavState>; 2],
         bias: Key<ImuBias>,
+        gravity: Key<Gravity>,
         preintegrated: Preintegrated,
-        gravity: Vector3<f64>,
     ) -> Result<Self, WhiteningError> {
         let sqrt_information = preintegrated.sqrt_information()?;
-        Ok(Self { first, bias, second, preintegrated, gravity, sqrt_information })
+        Ok(Self { first, bias, second, gravity, preintegrated, sqrt_information })
     }
 }
 
+/// Values of the variables of an [`InertialFactor`].
+type Interval<'a> = (&'a NavState, &'a ImuBias, &'a NavState, &'a Gravity);
+
 // ANCHOR: inertial_linearize
 impl Factor<9> for InertialFactor {
-    type Variables = (NavState, ImuBias, NavState);
-    type Jacobians = (Matrix9, Matrix9x6, Matrix9);
+    type Variables = (NavState, ImuBias, NavState, Gravity);
+    type Jacobians = (Matrix9, Matrix9x6, Matrix9, SMatrix<f64, 9, 2>);
 
-    fn variables(&self) -> (Key<NavState>, Key<ImuBias>, Key<NavState>) {
-        (self.first, self.bias, self.second)
+    fn variables(&self) -> (Key<NavState>, Key<ImuBias>, Key<NavState>, Key<Gravity>) {
+        (self.first, self.bias, self.second, self.gravity)
     }
 
-    fn residual(&self, (first, bias, second): (&NavState, &ImuBias, &NavState)) -> Option<Vector9> {
-        let residual = imu_residual(&self.preintegrated, first, second, &self.gravity, bias);
+    fn residual(&self, (first, bias, second, gravity): Interval) -> Option<Vector9> {
+        let residual = imu_residual(&self.preintegrated, first, second, &gravity.0, bias);
         Some(self.sqrt_information * residual)
     }
 
     fn linearize(
         &self,
-        (first, bias, second): (&NavState, &ImuBias, &NavState),
+        (first, bias, second, gravity): Interval,
     ) -> Option<(Vector9, Self::Jacobians)> {
-        let linear = linearize(&self.preintegrated, first, second, &self.gravity, bias)
+        let linear = linearize(&self.preintegrated, first, second, &gravity.0, bias)
             .whitened(&self.sqrt_information);
-        Some((linear.residual, (linear.by_first, linear.by_bias, linear.by_second)))
+        let by_gravity = by_gravity(self.preintegrated.duration, first) * gravity.by_step();
+        let by_gravity = self.sqrt_information * by_gravity;
+        Some((linear.residual, (linear.by_first, linear.by_bias, linear.by_second, by_gravity)))
     }
 }
 // ANCHOR_END: inertial_linearize
@@ -119,15 +125,15 @@ impl Factor<6> for BiasWalkFactor {
 pub struct CombinedInertialFactor {
     states: [Key<NavState>; 2],
     biases: [Key<ImuBias>; 2],
+    gravity: Key<Gravity>,
     sums: Preintegrated,
-    gravity: Vector3<f64>,
     sqrt_information: Matrix15,
 }
 
 impl CombinedInertialFactor {
     /// Readings that say how the second state follows from the first, and how far the second bias
-    /// may be from the first. Gravity is that of the world, in m/s². The covariance is factored
-    /// here, once.
+    /// may be from the first. Gravity is that of the world; where it is known, it is held. The
+    /// covariance is factored here, once.
     ///
     /// # Errors
     ///
@@ -135,11 +141,11 @@ impl CombinedInertialFactor {
     pub fn new(
         states: [Key<NavState>; 2],
         biases: [Key<ImuBias>; 2],
+        gravity: Key<Gravity>,
         preintegrated: &CombinedPreintegrated,
-        gravity: Vector3<f64>,
     ) -> Result<Self, WhiteningError> {
         let sqrt_information = preintegrated.sqrt_information()?;
-        Ok(Self { states, biases, sums: preintegrated.sums, gravity, sqrt_information })
+        Ok(Self { states, biases, gravity, sums: preintegrated.sums, sqrt_information })
     }
 
     /// Whitens what the deltas and the walk of the bias say.
@@ -153,34 +159,43 @@ impl CombinedInertialFactor {
     }
 }
 
-impl Factor<15> for CombinedInertialFactor {
-    type Variables = (NavState, ImuBias, NavState, ImuBias);
-    type Jacobians =
-        (SMatrix<f64, 15, 9>, SMatrix<f64, 15, 6>, SMatrix<f64, 15, 9>, SMatrix<f64, 15, 6>);
+/// Values of the variables of a [`CombinedInertialFactor`].
+type Walked<'a> = (&'a NavState, &'a ImuBias, &'a NavState, &'a ImuBias, &'a Gravity);
 
-    fn variables(&self) -> (Key<NavState>, Key<ImuBias>, Key<NavState>, Key<ImuBias>) {
-        (self.states[0], self.biases[0], self.states[1], self.biases[1])
+impl Factor<15> for CombinedInertialFactor {
+    type Variables = (NavState, ImuBias, NavState, ImuBias, Gravity);
+    type Jacobians = (
+        SMatrix<f64, 15, 9>,
+        SMatrix<f64, 15, 6>,
+        SMatrix<f64, 15, 9>,
+        SMatrix<f64, 15, 6>,
+        SMatrix<f64, 15, 2>,
+    );
+
+    fn variables(
+        &self,
+    ) -> (Key<NavState>, Key<ImuBias>, Key<NavState>, Key<ImuBias>, Key<Gravity>) {
+        (self.states[0], self.biases[0], self.states[1], self.biases[1], self.gravity)
     }
 
-    fn residual(
-        &self,
-        (first, bias, second, later): (&NavState, &ImuBias, &NavState, &ImuBias),
-    ) -> Option<SVector<f64, 15>> {
-        let deltas = imu_residual(&self.sums, first, second, &self.gravity, bias);
+    fn residual(&self, (first, bias, second, later, gravity): Walked) -> Option<SVector<f64, 15>> {
+        let deltas = imu_residual(&self.sums, first, second, &gravity.0, bias);
         Some(self.whitened(&deltas, &(later.vector() - bias.vector())))
     }
 
     fn linearize(
         &self,
-        (first, bias, second, later): (&NavState, &ImuBias, &NavState, &ImuBias),
+        (first, bias, second, later, gravity): Walked,
     ) -> Option<(SVector<f64, 15>, Self::Jacobians)> {
-        let linear = linearize(&self.sums, first, second, &self.gravity, bias);
+        let linear = linearize(&self.sums, first, second, &gravity.0, bias);
         let walk = later.vector() - bias.vector();
         let by_first = self.whitened(&linear.by_first, &SMatrix::zeros());
         let by_bias = self.whitened(&linear.by_bias, &-Matrix6::identity());
         let by_second = self.whitened(&linear.by_second, &SMatrix::zeros());
         let by_later = self.whitened(&SMatrix::zeros(), &Matrix6::identity());
+        let by_gravity = by_gravity(self.sums.duration, first) * gravity.by_step();
+        let by_gravity = self.whitened(&by_gravity, &SMatrix::zeros());
         let residual = self.whitened(&linear.residual, &walk);
-        Some((residual, (by_first, by_bias, by_second, by_later)))
+        Some((residual, (by_first, by_bias, by_second, by_later, by_gravity)))
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Vector1, Vector3};
 
 use super::ObservabilityError;
 use crate::factors::{BiasWalkFactor, InertialFactor, PixelByBody};
-use crate::inertial::{CameraImu, ImuBias, ImuNoise, NavState};
+use crate::inertial::{CameraImu, Gravity, ImuBias, ImuNoise, NavState};
 use crate::least_squares::{Columns, Kernel, Key, Problem, ProblemError, SolveError};
 use crate::preintegration::Preintegrated;
 use crate::reprojection::{Pinhole, ReprojFactor};
@@ -124,6 +124,7 @@ impl Window {
                 problem.hold_coordinates(*bias, 3..6)?;
             }
         }
+        problem.hold(variables.gravity)?;
         if !self.calibration.extrinsics {
             problem.hold(variables.extrinsics)?;
         }
@@ -165,7 +166,7 @@ impl Window {
         for (i, interval) in self.intervals.iter().enumerate() {
             let states = [variables.states[i], variables.states[i + 1]];
             let bias = variables.biases[self.bias_index(i)];
-            let factor = InertialFactor::new(states, bias, *interval, self.gravity)?;
+            let factor = InertialFactor::new(states, bias, variables.gravity, *interval)?;
             problem.add_factor(factor, Kernel::Squared)?;
             if let Some(noise) = &self.assumption.walk {
                 let biases = [variables.biases[i], variables.biases[i + 1]];
@@ -271,6 +272,7 @@ struct Variables {
     landmarks: Vec<Key<Vector3<f64>>>,
     extrinsics: Key<Isometry3<f64>>,
     time_offset: Key<Vector1<f64>>,
+    gravity: Key<Gravity>,
 }
 
 impl Variables {
@@ -281,6 +283,7 @@ impl Variables {
             landmarks: window.landmarks.iter().map(|point| problem.add_variable(*point)).collect(),
             extrinsics: problem.add_variable(window.rig.body_from_camera),
             time_offset: problem.add_variable(Vector1::new(window.rig.time_offset)),
+            gravity: problem.add_variable(Gravity(window.gravity)),
         }
     }
 }

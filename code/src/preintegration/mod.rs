@@ -24,7 +24,9 @@ use thiserror::Error;
 pub use combined::{CombinedPreintegrated, CombinedPreintegrator, Matrix15};
 pub use dynamics::{ErrorDynamics, error_dynamics};
 pub use integrator::Preintegrator;
-pub use residual::{BiasWalk, LinearizedBiasWalk, LinearizedImu, imu_residual, linearize};
+pub use residual::{
+    BiasWalk, LinearizedBiasWalk, LinearizedImu, by_gravity, imu_residual, linearize,
+};
 
 use crate::inertial::{AxisNoise, ImuBias, ImuSample, NavState, NoiseError, StampedSample};
 use crate::least_squares::{WhiteningError, sqrt_information};

@@ -1,6 +1,6 @@
 //! Preintegrated readings against two states, and one bias against the next.
 
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
 use super::{Deltas, Matrix9, Matrix9x6, Preintegrated, Vector9, correct_for_bias};
 use crate::inertial::{AxisNoise, ImuBias, NavState};
@@ -139,6 +139,17 @@ fn by_bias(preintegrated: &Preintegrated, bias: &ImuBias, phi: &Vector3<f64>) ->
     jacobian
 }
 // ANCHOR_END: by_bias
+
+/// The 9×3 derivative of the residual by the acceleration of free fall, for a first state: what fell
+/// for an interval has −g t in its velocity and −½ g t² in its position.
+pub fn by_gravity(duration: f64, first: &NavState) -> SMatrix<f64, 9, 3> {
+    let body_from_world = first.world_from_body.matrix().transpose();
+    let mut jacobian = SMatrix::<f64, 9, 3>::zeros();
+    jacobian.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-duration * body_from_world));
+    let fallen = -0.5 * duration * duration * body_from_world;
+    jacobian.fixed_view_mut::<3, 3>(6, 0).copy_from(&fallen);
+    jacobian
+}
 
 impl LinearizedImu {
     /// Residual and Jacobians times the matrix that whitens them, from
