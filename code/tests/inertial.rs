@@ -1,7 +1,7 @@
 //! What an inertial sensor reads on known motions, and the states that follow from it.
 
 use approx::assert_abs_diff_eq;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
 use vislam::datasets::euroc::{read_ground_truth, read_imu};
 use vislam::inertial::{
     CameraImu, EulerAngles, GRAVITY, ImuBias, ImuNoise, ImuSample, NavState, NoiseError,
