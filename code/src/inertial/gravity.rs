@@ -15,11 +15,12 @@ use crate::manifold::so3;
 pub struct Gravity(pub Vector3<f64>);
 
 impl Gravity {
-    /// The matrix B.
+    /// The matrix B. Where nothing falls, there is no direction to turn, and any two axes do.
     pub fn basis(&self) -> Matrix3x2<f64> {
-        let axis = Vector3::ith(self.0.map(f64::abs).imin(), 1.0);
-        let first = self.0.cross(&axis).normalize();
-        Matrix3x2::from_columns(&[first, self.0.normalize().cross(&first)])
+        let along = self.0.try_normalize(0.0).unwrap_or_else(Vector3::z);
+        let axis = Vector3::ith(along.map(f64::abs).imin(), 1.0);
+        let first = along.cross(&axis).normalize();
+        Matrix3x2::from_columns(&[first, along.cross(&first)])
     }
 
     /// The 3×2 derivative of the vector by a step: −g^ B.

@@ -58,6 +58,8 @@ fn is_a_manifold<V: Manifold>(draw: impl Fn(&mut Draws) -> V) {
 #[test]
 fn gravity_keeps_its_length_and_local_undoes_its_retract() {
     is_a_manifold(|draws| Gravity(9.81 * draws.vector::<3>().normalize()));
+    assert_eq!(Gravity(Vector3::zeros()).retract(&[0.1, 0.2]), Gravity(Vector3::zeros()));
+    assert_eq!(Gravity(Vector3::zeros()).by_step().amax(), 0.0);
     let mut draws = Draws::new(21);
     for _ in 0..100 {
         let gravity = Gravity(9.81 * draws.vector::<3>().normalize());
