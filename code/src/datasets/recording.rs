@@ -72,6 +72,10 @@ mod at {
 /// The recording in the text of a file. Times are rounded as the file has them, to a quarter of a
 /// microsecond: those of the data set had more digits than a float.
 ///
+/// There must be the keys `measurement_space`, whose value is `normalized`; `T_ci_tx`, `T_ci_ty`,
+/// `T_ci_tz` in metres; `T_ci_qw`, `T_ci_qx`, `T_ci_qy`, `T_ci_qz`; and `camera_fx`, `camera_fy`,
+/// `camera_cx`, `camera_cy` in pixels.
+///
 /// The keys `T_ci_*` are the camera's pose on the body, [`Recording::body_from_camera`], and not
 /// the inverse that the letters suggest: for EuRoC's flights they are the `T_BS` of its left
 /// camera.
