@@ -114,7 +114,7 @@ pub enum ObservabilityError {
     Preintegration(#[from] PreintegrationError),
     /// A flight cannot be flown.
     #[error(transparent)]
-    Flight(#[from] FlightError),
+    Simulation(#[from] FlightError),
     /// A covariance cannot be inverted.
     #[error(transparent)]
     Whitening(#[from] WhiteningError),
