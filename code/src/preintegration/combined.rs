@@ -65,7 +65,7 @@ impl CombinedPreintegrator {
     pub fn new(bias: &ImuBias, noise: impl Into<AxisNoise>) -> Result<Self, PreintegrationError> {
         let noise = noise.into();
         let walk = [noise.gyro_walk, noise.accelerometer_walk].map(|v| v.component_mul(&v));
-        Ok(Self { sums: Preintegrator::new(bias, &noise)?, by_time: Jacobian::default(), walk })
+        Ok(Self { sums: Preintegrator::new(bias, noise)?, by_time: Jacobian::default(), walk })
     }
 
     /// Steps longer than this, in seconds, are refused as gaps. At first

@@ -386,7 +386,7 @@ mod tests {
         let same = AxisNoise::from(&ImuNoise::euroc());
         let differing = AxisNoise { gyro: Vector3::new(1e-4, 2e-4, 3e-4), ..same };
         for noise in [same, differing] {
-            let mut wide = Preintegrator::new(&ImuBias::default(), &noise).unwrap();
+            let mut wide = Preintegrator::new(&ImuBias::default(), noise).unwrap();
             let mut narrow = wide.clone();
             let isotropic = wide.noise.isotropic;
             let gyro = Vector3::new(0.3, -0.7, 0.2);

@@ -43,8 +43,8 @@ fn axes_of_the_same_noise_have_the_isotropic_covariance() {
             let samples = random.motion().samples(&GRAVITY, DT, 101);
             let bias = random.bias(0.1, 0.5);
             let isotropic = summed(&samples, rule, DT, &bias, &noise);
-            assert_eq!(summed(&samples, rule, DT, &bias, &same), isotropic);
-            let general = summed(&samples, rule, DT, &bias, &nearly);
+            assert_eq!(summed(&samples, rule, DT, &bias, same), isotropic);
+            let general = summed(&samples, rule, DT, &bias, nearly);
             let found = whitened(&general.covariance, &isotropic);
             assert_abs_diff_eq!(found, Matrix9::identity(), epsilon = 1e-9);
             assert_eq!(general.deltas, isotropic.deltas);
@@ -63,13 +63,13 @@ fn axes_of_other_noise_have_the_covariance_of_the_dense_recursion() {
         for _ in 0..20 {
             let samples = random.motion().samples(&GRAVITY, DT, 101);
             let bias = random.bias(0.1, 0.5);
-            let sums = summed(&samples, rule, DT, &bias, &noise);
-            let (covariance, _) = dense(&samples, rule, DT, &bias, &noise);
+            let sums = summed(&samples, rule, DT, &bias, noise);
+            let (covariance, _) = dense(&samples, rule, DT, &bias, noise);
             let found = whitened(&covariance, &sums);
             assert_abs_diff_eq!(found, Matrix9::identity(), epsilon = 1e-9);
             // Axes that change places make another covariance.
             let turned = AxisNoise { gyro: noise.gyro.yzx(), ..noise };
-            let (covariance, _) = dense(&samples, rule, DT, &bias, &turned);
+            let (covariance, _) = dense(&samples, rule, DT, &bias, turned);
             assert!((whitened(&covariance, &sums) - Matrix9::identity()).amax() > 0.1);
         }
     }
@@ -80,7 +80,7 @@ fn axes_of_other_noise_have_the_covariance_of_two_thousand_noisy_runs() {
     let (noise, bias) = (uneven(), ImuBias::default());
     let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, 101);
     let sigmas = noise.discrete(DT).diagonal().map(f64::sqrt);
-    let clean = summed(&samples, Rule::Euler, DT, &bias, &noise);
+    let clean = summed(&samples, Rule::Euler, DT, &bias, noise);
     let (mut random, mut scatter) = (Random::new(43), Matrix9::zeros());
     for _ in 0..2000 {
         let mut noisy = samples.clone();
@@ -88,7 +88,7 @@ fn axes_of_other_noise_have_the_covariance_of_two_thousand_noisy_runs() {
             let error = sigmas.map(|sigma| sigma * random.normal());
             *sample = sample.biased(&ImuBias::from_vector(&error));
         }
-        let run = summed(&noisy, Rule::Euler, DT, &bias, &noise);
+        let run = summed(&noisy, Rule::Euler, DT, &bias, noise);
         let error = difference(&clean.deltas, &run.deltas);
         scatter += error * error.transpose() / 2000.0;
     }
@@ -101,14 +101,14 @@ fn axes_of_other_noise_have_the_covariance_of_two_thousand_noisy_runs() {
 fn a_silent_axis_stays_silent_while_the_body_does_not_turn() {
     let still = [Trajectory::hover().at(0.0).sample(&GRAVITY); 51];
     let only_z = AxisNoise { gyro: Vector3::new(0.0, 0.0, 1e-3), ..uneven() };
-    let sums = summed(&still, Rule::Euler, DT, &ImuBias::default(), &only_z);
+    let sums = summed(&still, Rule::Euler, DT, &ImuBias::default(), only_z);
     let attitude = sums.covariance.fixed_view::<3, 3>(0, 0).diagonal();
     assert_abs_diff_eq!(attitude, Vector3::new(0.0, 0.0, 0.5e-6), epsilon = 1e-18);
 }
 
 #[test]
 fn the_walk_of_each_axis_is_whitened_by_its_own_density() {
-    let walk = BiasWalk::new(&uneven(), 4.0).unwrap().sqrt_information.diagonal();
+    let walk = BiasWalk::new(uneven(), 4.0).unwrap().sqrt_information.diagonal();
     let expected = [2e-4, 1e-4, 5e-4, 1e-2, 2e-2, 3e-3].map(|density| 0.5 / density);
     assert_abs_diff_eq!(walk, expected.into(), epsilon = 1e-9);
 }
@@ -127,8 +127,8 @@ fn a_density_that_is_none_is_named_with_its_axis() {
                 assert_eq!((error.name, error.axis), (name, Some(axis)));
                 assert!(error.to_string().contains(&format!("`{name}` along {axis}")), "{error}");
                 let errors = [
-                    Preintegrator::new(&ImuBias::default(), &noise).err(),
-                    CombinedPreintegrator::new(&ImuBias::default(), &noise).err(),
+                    Preintegrator::new(&ImuBias::default(), noise).err(),
+                    CombinedPreintegrator::new(&ImuBias::default(), noise).err(),
                 ];
                 for error in errors {
                     let named = |e: &NoiseError| (e.name, e.axis) == (name, Some(axis));

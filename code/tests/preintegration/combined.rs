@@ -89,7 +89,7 @@ fn sums_with_a_walking_bias_are_those_of_the_dense_recursion() {
             for _ in 0..20 {
                 let samples = random.motion().samples(&GRAVITY, DT, 101);
                 let bias = random.bias(0.1, 0.5);
-                let sums = combined(&samples, rule, DT, &bias, &noise);
+                let sums = combined(&samples, rule, DT, &bias, noise);
                 let expected = dense(&samples, rule, DT, &bias, &noise);
                 assert!(apart(&expected, &sums) < 1e-9);
                 // The rules differ in which walk a reading has seen.
@@ -111,8 +111,8 @@ fn a_bias_that_stays_gives_the_usual_sums() {
     for rule in [Rule::Euler, Rule::Midpoint] {
         let samples = random.motion().samples(&GRAVITY, DT, 101);
         let bias = random.bias(0.1, 0.5);
-        let found = combined(&samples, rule, DT, &bias, &constant);
-        let usual = summed(&samples, rule, DT, &bias, &constant);
+        let found = combined(&samples, rule, DT, &bias, constant);
+        let usual = summed(&samples, rule, DT, &bias, constant);
         let whiten = usual.sqrt_information().unwrap();
         let whitened = whiten * found.sums.covariance * whiten.transpose();
         assert_abs_diff_eq!(whitened, Matrix9::identity(), epsilon = 1e-9);
@@ -121,7 +121,7 @@ fn a_bias_that_stays_gives_the_usual_sums() {
         assert_eq!(found.with_bias, Matrix9x6::zeros());
         assert_eq!(found.walk, Matrix6::zeros());
         assert_eq!(found.sqrt_information(), Err(WhiteningError::NotPositiveDefinite));
-        let walking = combined(&samples, rule, DT, &bias, &restless());
+        let walking = combined(&samples, rule, DT, &bias, restless());
         assert_eq!(walking.walk, restless().bias_walk(walking.sums.duration));
         assert!(walking.sums.sigmas().iter().zip(usual.sigmas()).all(|(more, less)| *more > less));
     }
@@ -161,7 +161,7 @@ fn every_block_of_the_covariance_is_that_of_four_thousand_runs() {
     let (count, noise) = (4000, restless());
     let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, 101);
     for rule in [Rule::Euler, Rule::Midpoint] {
-        let sums = combined(&samples, rule, DT, &ImuBias::default(), &noise);
+        let sums = combined(&samples, rule, DT, &ImuBias::default(), noise);
         let runs = runs(&samples, rule, &noise, count);
         let scatter = runs.iter().map(|run| run * run.transpose()).sum::<Matrix15>() / count as f64;
         // Each block alone has a mean square of its dimension, with a known scatter.
@@ -190,7 +190,7 @@ fn every_block_of_the_covariance_is_that_of_four_thousand_runs() {
         let (low, high) = spread(&scatter);
         assert!(low > 0.84 && high < 1.17, "{rule:?}: {low} to {high}");
         // As it would be, were the bias held constant or the covariance with it forgotten.
-        let usual = summed(&samples, rule, DT, &ImuBias::default(), &noise).covariance;
+        let usual = summed(&samples, rule, DT, &ImuBias::default(), noise).covariance;
         for with_bias in [sums.with_bias, -sums.with_bias, Matrix9x6::zeros()] {
             let held = CombinedPreintegrated { with_bias, ..sums };
             let mut wrong = held.covariance();
@@ -243,9 +243,9 @@ fn the_walk_alone_grows_as_an_integral_of_a_walk_does() {
 #[test]
 fn readings_that_cannot_be_summed_are_errors_with_a_walking_bias_too() {
     let bad = ImuBias { gyro: Vector3::repeat(f64::NAN), ..ImuBias::default() };
-    let error = CombinedPreintegrator::new(&bad, &restless()).unwrap_err();
+    let error = CombinedPreintegrator::new(&bad, restless()).unwrap_err();
     assert!(matches!(error, PreintegrationError::Bias { .. }), "{error}");
-    let mut sums = CombinedPreintegrator::new(&ImuBias::default(), &restless()).unwrap();
+    let mut sums = CombinedPreintegrator::new(&ImuBias::default(), restless()).unwrap();
     assert_eq!(sums.finish(), Err(PreintegrationError::Empty));
     let good = Trajectory::hover().at(0.0).sample(&GRAVITY);
     sums.integrate(&good, DT).unwrap();
