@@ -80,16 +80,10 @@ impl Fronts {
     ///
     /// # Errors
     ///
-    /// [`SolveError::NoFactors`], [`SolveError::NothingFree`], [`SolveError::Order`], and what
-    /// linearizing at the problem's values gives.
+    /// [`SolveError::NoFactors`], [`SolveError::NothingFree`], [`SolveError::NoSuchVariable`], and
+    /// what linearizing at the problem's values gives.
     pub fn new(problem: &Problem, order: &[usize]) -> Result<Self, SolveError> {
-        let columns = problem.columns();
-        if problem.is_empty() {
-            return Err(SolveError::NoFactors);
-        }
-        if columns.count == 0 {
-            return Err(SolveError::NothingFree);
-        }
+        let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
         let mut rows: Vec<Vec<usize>> = Vec::with_capacity(problem.rows());
         problem.at(problem.values(), |at| {
@@ -125,9 +119,15 @@ impl Fronts {
     /// The order along a trunk of variables, as the states of a flight are: each in turn, and before
     /// it those of the others that share a factor with it and with none after it, as a landmark that
     /// is seen for the last time.
-    pub fn order_along(problem: &Problem, trunk: &[usize]) -> Vec<usize> {
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::NoSuchVariable`].
+    pub fn order_along(problem: &Problem, trunk: &[usize]) -> Result<Vec<usize>, SolveError> {
         let mut turn = vec![None; problem.values().len()];
-        trunk.iter().enumerate().for_each(|(at, variable)| turn[*variable] = Some(at));
+        for (at, &variable) in trunk.iter().enumerate() {
+            *turn.get_mut(variable).ok_or(SolveError::NoSuchVariable { variable })? = Some(at);
+        }
         let mut last = turn.clone();
         for group in (0..problem.group_count()).map(|group| problem.group(group)) {
             for factor in 0..group.count() {
@@ -143,7 +143,7 @@ impl Fronts {
         let mut order: Vec<usize> =
             (0..last.len()).filter(|variable| last[*variable].is_some()).collect();
         order.sort_by_key(|variable| (last[*variable], turn[*variable].is_some()));
-        order
+        Ok(order)
     }
     // ANCHOR_END: along
 
@@ -200,10 +200,19 @@ impl Fronts {
         self.chunks.push(Chunk { rows: rows.len(), sorted, places, start });
     }
 
-    // ANCHOR: front_by_front
-    /// Eliminates all variables, front by front. False when a pivot is lost in rounding.
-    #[inline(always)]
+    /// Eliminates all variables with the widest registers that the processor has. False when a pivot
+    /// is lost in rounding.
     fn eliminate_all(&mut self, damping: f64) -> bool {
+        wide(
+            #[inline(always)]
+            || self.eliminate_each(damping),
+        )
+    }
+
+    #[inline(always)]
+    // ANCHOR: front_by_front
+    /// Eliminates front by front. False when a pivot is lost in rounding.
+    fn eliminate_each(&mut self, damping: f64) -> bool {
         for (number, node) in self.nodes.iter().enumerate() {
             let (memory, order) = (&self.memory[number], node.width() + 1);
             let mut board = take(&mut self.boards[memory.board]);
@@ -280,8 +289,7 @@ impl Fronts {
     fn is_suspicious(&self) -> bool {
         self.nodes.iter().zip(&self.memory).any(|(node, memory)| {
             let factor = &self.factor[memory.factor.clone()];
-            let own = node.own.clone().zip(0..);
-            own.into_iter().any(|(column, place)| {
+            node.own.clone().enumerate().any(|(place, column)| {
                 let diagonal = factor[place * (node.width() + 2)];
                 Pivots::are_suspicious(self.smallest[column], diagonal.powi(2))
             })
@@ -353,15 +361,11 @@ impl LinearSystem for Fronts {
         damping: f64,
         into: &mut [f64],
     ) -> Option<Prediction> {
-        let is_regular = wide(
-            #[inline(always)]
-            || self.eliminate_all(damping),
-        );
-        if !is_regular {
+        if !self.eliminate_all(damping) {
             return None;
         }
-        if damping == 0.0 && self.is_suspicious() {
-            problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
+        if damping == 0.0 && self.is_suspicious() && !problem.is_determined(at) {
+            return None;
         }
         let (twice, square) = self.substitute_back(damping);
         for (into, column) in into.iter_mut().zip(&self.columns.of) {
@@ -375,8 +379,8 @@ impl LinearSystem for Fronts {
     }
 
     fn gradient_norm(&self) -> f64 {
-        let scaled = |(g, h): (&f64, &f64)| if *h > 0.0 { g * g / h } else { 0.0 };
-        self.gradient.iter().zip(&self.curvature).map(scaled).sum::<f64>().sqrt()
+        let pairs = self.gradient.iter().zip(&self.curvature);
+        pairs.map(|(g, h)| Pivots::scaled_square(*g, *h)).sum::<f64>().sqrt()
     }
 
     fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
@@ -406,7 +410,7 @@ fn ordered_blocks(
     let mut is_named = vec![false; columns.blocks.len()];
     for &variable in order {
         let coordinates = problem.values().coordinates_of(variable);
-        let coordinates = coordinates.ok_or(SolveError::Order { variable })?;
+        let coordinates = coordinates.ok_or(SolveError::NoSuchVariable { variable })?;
         sequence.extend(
             columns.block_of(coordinates).filter(|b| !std::mem::replace(&mut is_named[*b], true)),
         );

@@ -511,8 +511,8 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     ) -> Option<Prediction> {
         self.eliminate_all(damping).ok()?;
         let forward = self.solve().ok()?;
-        if damping == 0.0 && self.is_suspicious() {
-            problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
+        if damping == 0.0 && self.is_suspicious() && !problem.is_determined(at) {
+            return None;
         }
         let (twice, square) = wide(
             #[inline(always)]
@@ -527,11 +527,10 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     // ANCHOR_END: attempt
 
     fn gradient_norm(&self) -> f64 {
-        let scaled = |g: f64, h: f64| if h > 0.0 { g * g / h } else { 0.0 };
         let pairs = self.gradient.as_flattened().iter().zip(self.curvature.as_flattened());
-        let variables: f64 = pairs.map(|(g, h)| scaled(*g, *h)).sum();
+        let variables: f64 = pairs.map(|(g, h)| Pivots::scaled_square(*g, *h)).sum();
         let of_landmark = |landmark: &Eliminated| {
-            landmark.gradient.zip_map(&landmark.hessian.diagonal(), scaled).sum()
+            landmark.gradient.zip_map(&landmark.hessian.diagonal(), Pivots::scaled_square).sum()
         };
         (variables + self.landmarks.iter().map(of_landmark).sum::<f64>()).sqrt()
     }

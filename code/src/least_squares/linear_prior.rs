@@ -1,6 +1,5 @@
 //! What some factors have said, kept when they and some of their variables are gone.
 
-use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use nalgebra::{DMatrix, DVector, DVectorView};
@@ -9,8 +8,8 @@ use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
-use super::square_root::eliminate;
-use super::{ProblemError, Values};
+use super::square_root::{SparseRow, dense, eliminate};
+use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
 /// A factor in square-root form, W (x ⊟ a) + d: what linearized factors say of the variables x that
@@ -42,7 +41,7 @@ impl LinearPrior {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Order`] when a variable does not exist, [`SolveError::WrongValues`], and what
+    /// [`SolveError::NoSuchVariable`] when a variable does not exist, [`SolveError::WrongValues`], and what
     /// linearizing at `values` gives.
     pub fn marginalize(
         problem: &Problem,
@@ -51,62 +50,52 @@ impl LinearPrior {
     ) -> Result<Self, SolveError> {
         problem.check_values(values)?;
         let columns = problem.columns();
-        let mut is_out = vec![false; columns.count];
-        let mut out = Vec::new();
+        // What goes stands first, what stays behind it, and last of all the residual.
+        let mut place: Vec<usize> = (columns.count..2 * columns.count).collect();
         for &variable in variables {
             let coordinates = values.coordinates_of(variable);
-            for column in columns.select(coordinates.ok_or(SolveError::Order { variable })?) {
-                if !std::mem::replace(&mut is_out[column], true) {
-                    out.push(column);
-                }
-            }
+            let coordinates = coordinates.ok_or(SolveError::NoSuchVariable { variable })?;
+            columns.select(coordinates).into_iter().for_each(|column| place[column] = column);
         }
-        let (mut rows, mut named) = (Vec::new(), BTreeSet::new());
+        let mut rows: Vec<SparseRow> = Vec::new();
         problem.at(values, |at| {
             problem.each_row(at, &columns, &mut Buffer::default(), |row| {
-                if row.entries.iter().any(|(column, _)| is_out[*column]) {
-                    named.extend(row.entries.iter().map(|entry| entry.0).filter(|c| !is_out[*c]));
-                    rows.push((row.entries.to_vec(), row.residual));
+                if row.entries.iter().any(|(column, _)| place[*column] < columns.count) {
+                    let entries =
+                        row.entries.iter().map(|(column, slope)| (place[*column], *slope));
+                    rows.push(entries.chain([(2 * columns.count, row.residual)]).collect());
                 }
             })
         })?;
-        let eliminated = out.len();
-        let order: Vec<usize> = out.into_iter().chain(named.iter().copied()).collect();
-        let mut dense = DMatrix::zeros(rows.len(), order.len() + 1);
-        let mut place = vec![0; columns.count];
-        order.iter().zip(0..).for_each(|(column, at)| place[*column] = at);
-        for (number, (entries, residual)) in rows.into_iter().enumerate() {
-            entries.iter().for_each(|(column, slope)| dense[(number, place[*column])] = *slope);
-            dense[(number, order.len())] = residual;
-        }
-        let (_, rest) = eliminate(dense, eliminated);
-        let column_place =
-            |column: usize| named.contains(&column).then(|| place[column] - eliminated);
-        Ok(Self::on(problem, values, &columns.of, column_place, rest))
+        let (named, rows) = dense(&rows);
+        let gone = named.partition_point(|place| *place < columns.count);
+        let (_, rest) = eliminate(rows, gone);
+        let stays: Vec<usize> = named[gone..].iter().map(|place| place - columns.count).collect();
+        Ok(Self::of_rows(problem, values, &columns, (&stays, rest)))
     }
     // ANCHOR_END: marginalize
 
-    /// The prior of rows whose columns are those of coordinates that a function names.
-    fn on(
+    /// The prior of rows that name these columns of a problem, and behind them the residual.
+    fn of_rows(
         problem: &Problem,
         values: &Values,
-        column_of: &[Option<usize>],
-        place: impl Fn(usize) -> Option<usize>,
-        rows: DMatrix<f64>,
+        columns: &Columns,
+        (named, rows): (&[usize], DMatrix<f64>),
     ) -> Self {
         let coordinates = |variable| values.coordinates_of(variable).unwrap_or_default();
-        let place = |coordinate: usize| column_of[coordinate].and_then(&place);
+        let named = &named[..named.len().saturating_sub(1)];
+        let place = |coordinate: usize| named.binary_search(&columns.of[coordinate]?).ok();
         let leaders = (0..values.len()).filter(|variable| problem.leads(*variable));
         let variables: Vec<usize> =
             leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
         let whole = variables.iter().flat_map(|variable| coordinates(*variable));
         let whole: Vec<Option<usize>> = whole.map(place).collect();
         // A last row, in which nothing but a residual stands, is a constant.
-        let rows = rows.rows(0, rows.nrows().min(rows.ncols() - 1));
-        let root = DMatrix::from_fn(rows.nrows(), whole.len(), |row, at| {
+        let count = rows.nrows().min(named.len());
+        let root = DMatrix::from_fn(count, whole.len(), |row, at| {
             whole[at].map_or(0.0, |column| rows[(row, column)])
         });
-        let offset = rows.column(rows.ncols() - 1).into_owned();
+        let offset = DVector::from_fn(count, |row, _| rows[(row, named.len())]);
         let anchors = values.select(&variables).unwrap_or_default();
         Self::new(variables, anchors, root, offset)
     }
@@ -145,13 +134,11 @@ impl LinearPrior {
         self
     }
 
-    /// Whether every variable is one of these values, of the same kind and dimension.
-    pub(super) fn misfit(&self, values: &Values) -> Option<usize> {
-        let fits = |(own, variable): (usize, &usize)| {
-            let mut step = vec![0.0; self.columns[own]];
-            self.anchors.local_to(own, (values, *variable), &mut step).is_some()
-        };
-        let misfit = self.variables.iter().enumerate().find(|pair| !fits(*pair));
+    /// The first variable that is none of these values, or of another kind or dimension.
+    fn misfit(&self, values: &Values) -> Option<usize> {
+        let fits =
+            |(own, variable): &(usize, &usize)| self.anchors.is_like(*own, (values, **variable));
+        let misfit = self.variables.iter().enumerate().find(|pair| !fits(pair));
         misfit.map(|(_, variable)| *variable)
     }
 

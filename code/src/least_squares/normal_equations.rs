@@ -153,13 +153,7 @@ impl Dense {
     ///
     /// [`SolveError::NoFactors`] and [`SolveError::NothingFree`].
     pub fn new(problem: &Problem) -> Result<Self, SolveError> {
-        let columns = problem.columns();
-        if problem.is_empty() {
-            return Err(SolveError::NoFactors);
-        }
-        if columns.count == 0 {
-            return Err(SolveError::NothingFree);
-        }
+        let columns = problem.columns_to_solve()?;
         let equations = NormalEquations::zeros(columns.count);
         let matrix = DMatrix::zeros(columns.count, columns.count);
         let step = Step::zeros(columns.count);
@@ -192,9 +186,10 @@ impl LinearSystem for Dense {
     ) -> Option<Prediction> {
         let Self { equations, step, matrix, columns, .. } = self;
         equations.step_into(damping, matrix, step).then_some(())?;
-        if damping == 0.0 && step.smallest_pivot < SUSPICIOUS_PIVOT {
-            // The Hessian has squared what there is to see; its Jacobian decides.
-            problem.null_space_at(at).ok().filter(|null_space| null_space.nullity() == 0)?;
+        let is_suspicious = damping == 0.0 && step.smallest_pivot < SUSPICIOUS_PIVOT;
+        // The Hessian has squared what there is to see; its Jacobian decides.
+        if is_suspicious && !problem.is_determined(at) {
+            return None;
         }
         columns.spread(step.step.as_slice(), into);
         let Step { norm, predicted_decrease, .. } = *step;

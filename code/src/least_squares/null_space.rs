@@ -147,6 +147,11 @@ impl Problem {
         self.at(values, |at| self.null_space_at(at))
     }
 
+    /// Whether nothing is free at a point; not when it cannot be said.
+    pub(super) fn is_determined(&self, at: Point) -> bool {
+        self.null_space_at(at).is_ok_and(|null_space| null_space.nullity() == 0)
+    }
+
     pub(super) fn null_space_at(&self, at: Point) -> Result<NullSpace, SolveError> {
         let columns = self.columns();
         if columns.count > DENSE_COLUMNS {

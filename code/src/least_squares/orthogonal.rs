@@ -12,7 +12,7 @@ use super::null_space::{NullSpace, check_gap};
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
 use super::spectrum::scale_of;
-use super::square_root;
+use super::square_root::{self, SparseRow, dense};
 
 /// Weak measurements of zero of every column, far above rounding and far below anything that is
 /// seen, make the triangle regular.
@@ -30,9 +30,6 @@ pub(super) struct Triangle {
     place: Vec<usize>,
     pieces: Vec<Piece>,
 }
-
-/// Columns and entries.
-type SparseRow = Vec<(usize, f64)>;
 
 // ANCHOR: piece
 /// The rows of the triangle that belong to one variable.
@@ -220,17 +217,3 @@ fn eliminate(rows: &[SparseRow], sizes: &[usize]) -> Vec<Piece> {
     pieces
 }
 // ANCHOR_END: eliminate
-
-/// The columns of a front, ascending, and its rows.
-fn dense(front: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
-    let mut columns: Vec<usize> = front.iter().flatten().map(|(column, _)| *column).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    let mut dense = DMatrix::zeros(front.len(), columns.len());
-    for (number, row) in front.iter().enumerate() {
-        for (column, slope) in row {
-            dense[(number, columns.partition_point(|other| other < column))] = *slope;
-        }
-    }
-    (columns, dense)
-}

@@ -227,6 +227,22 @@ impl Problem {
         Columns { of, count, blocks }
     }
 
+    /// The columns of a problem in which there is something to solve.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::NoFactors`] and [`SolveError::NothingFree`].
+    pub(super) fn columns_to_solve(&self) -> Result<Columns, SolveError> {
+        let columns = self.columns();
+        if self.is_empty() {
+            return Err(SolveError::NoFactors);
+        }
+        if columns.count == 0 {
+            return Err(SolveError::NothingFree);
+        }
+        Ok(columns)
+    }
+
     // ANCHOR: cost
     /// The cost at `values`, infinite where a residual has no value. Implements {eq:robust-cost}.
     pub fn cost(&self, values: &Values) -> f64 {

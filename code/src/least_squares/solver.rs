@@ -55,8 +55,8 @@ pub struct Prediction {
 }
 // ANCHOR_END: linear_system
 
-/// What damping adds to the diagonal of the normal equations, and what a pivot says of them. Every
-/// sparse system asks here.
+/// What the diagonal of the normal equations is measured by, what damping adds to it, and what a
+/// pivot says. Every sparse system asks here.
 pub(super) struct Pivots;
 
 impl Pivots {
@@ -78,6 +78,12 @@ impl Pivots {
     #[inline(always)]
     pub(super) fn smallest(damping: f64, curvature: f64) -> f64 {
         Self::ROUNDING * (curvature + Self::added(damping, curvature))
+    }
+
+    /// The square of a gradient, measured by its curvature: zero where nothing is seen.
+    #[inline(always)]
+    pub(super) fn scaled_square(gradient: f64, curvature: f64) -> f64 {
+        if curvature > 0.0 { gradient * gradient / curvature } else { 0.0 }
     }
 
     /// Whether a pivot is so near to what it must be above that the Jacobian has to decide.
@@ -637,9 +643,9 @@ pub enum SolveError {
         /// The size of a block.
         dimension: usize,
     },
-    /// An order of elimination names what does not exist.
-    #[error("the order names variable {variable}, which the problem does not have")]
-    Order {
+    /// Somebody names a variable that does not exist.
+    #[error("there is no variable {variable} in the problem; name one that has been added")]
+    NoSuchVariable {
         /// The variable's number.
         variable: usize,
     },

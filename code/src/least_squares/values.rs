@@ -214,6 +214,11 @@ impl Values {
         is_alike.then(|| call((own, from.place as usize), (other, to.place as usize)))
     }
 
+    /// Whether a variable is of the kind and dimension of one of other values.
+    pub(super) fn is_like(&self, own: usize, other: (&Self, usize)) -> bool {
+        self.beside(own, other, |_, _| ()).is_some()
+    }
+
     /// Writes the step from a variable to one of other values. `None` when they are not of one kind
     /// and dimension.
     pub(super) fn local_to(

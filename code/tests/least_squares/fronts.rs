@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector3};
 use vislam::factors::Prior;
 use vislam::inertial::{ImuBias, NavState};
-use vislam::least_squares::{Dense, Fronts, Kernel, Key, LinearSystem, Manifold, Point, Problem};
+use vislam::least_squares::{
+    Dense, Fronts, Kernel, Key, LinearSystem, Manifold, Point, Problem, SolveError,
+};
 use vislam::observability::{BiasAssumption, UnknownCalibration};
 use vislam::simulation::{Flight, Trajectory, landmarks_around};
 
@@ -62,7 +64,7 @@ fn shuffled(count: usize, seed: u64) -> Vec<usize> {
 fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
     let (problem, trunk) = window();
     let orders = [
-        Fronts::order_along(&problem, &trunk),
+        Fronts::order_along(&problem, &trunk).unwrap(),
         shuffled(problem.values().len(), 1),
         shuffled(problem.values().len(), 2),
         Vec::new(),
@@ -95,7 +97,9 @@ fn fronts_give_the_covariance_of_the_dense_system() {
             (jacobian * DMatrix::from_diagonal(&lengths.map(f64::recip))).singular_values();
         (values.max() / values.min()).powi(2)
     };
-    for order in [Fronts::order_along(&problem, &trunk), shuffled(problem.values().len(), 3)] {
+    for order in
+        [Fronts::order_along(&problem, &trunk).unwrap(), shuffled(problem.values().len(), 3)]
+    {
         let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
         let mut most: f64 = 0.0;
         let mut compare = |one: DMatrix<f64>, other: DMatrix<f64>| {
@@ -109,11 +113,20 @@ fn fronts_give_the_covariance_of_the_dense_system() {
         }
         assert!(most < 10.0 * f64::EPSILON * condition, "{most:e} at a condition of {condition:e}");
     }
-    let order = Fronts::order_along(&problem, &trunk);
+    let order = Fronts::order_along(&problem, &trunk).unwrap();
     let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
     let states = of_kind::<NavState>(&problem);
     let met = fronts.between(states[3], states[4]).unwrap();
     let expected = dense.between(states[3], states[4]).unwrap();
     assert!((&met - &expected).norm() < 1e-6 * expected.norm());
     assert_eq!(fronts.between(states[0], states[8]), None);
+}
+
+#[test]
+fn an_order_of_variables_that_do_not_exist_is_refused() {
+    let (problem, _) = window();
+    let beyond = problem.values().len();
+    let refused = SolveError::NoSuchVariable { variable: beyond };
+    assert_eq!(Fronts::order_along(&problem, &[0, beyond]).unwrap_err(), refused);
+    assert_eq!(Fronts::new(&problem, &[beyond]).unwrap_err(), refused);
 }

@@ -170,7 +170,7 @@ fn what_does_not_fit_is_refused_by_number() {
     let (values, _) = solved(&graph);
     let (whole, _) = graph.problem(&start_of(&values), |_| true);
     let beyond = LinearPrior::marginalize(&whole, &values, &[9]).unwrap_err();
-    assert_eq!(beyond, SolveError::Order { variable: 9 });
+    assert_eq!(beyond, SolveError::NoSuchVariable { variable: 9 });
     let prior = || LinearPrior::marginalize(&whole, &values, &[0]).unwrap();
     let mut other = Problem::new();
     for _ in 0..4 {
@@ -186,7 +186,7 @@ fn what_does_not_fit_is_refused_by_number() {
 #[test]
 fn elimination_leaves_what_the_rows_say_of_the_rest_and_nothing_of_what_is_gone() {
     let mut draws = Draws::new(42);
-    for (rows, gone) in [(2, 3), (9, 3), (30, 5), (8, 0), (5, 7)] {
+    for (rows, gone) in [(2, 3), (9, 3), (30, 5), (8, 0), (5, 7), (4, 8)] {
         let matrix = DMatrix::from_fn(rows, 8, |_, _| draws.number());
         let (own, rest) = eliminate(matrix.clone(), gone);
         assert_eq!(own.ncols(), 8);
@@ -196,4 +196,23 @@ fn elimination_leaves_what_the_rows_say_of_the_rest_and_nothing_of_what_is_gone(
         all.view_mut((own.nrows(), gone), rest.shape()).copy_from(&rest);
         assert!((all.tr_mul(&all) - matrix.tr_mul(&matrix)).norm() < 1e-12);
     }
+}
+
+#[test]
+fn elimination_of_more_columns_than_there_are_takes_all_of_them() {
+    let (own, rest) = eliminate(DMatrix::from_element(3, 2, 1.0), 5);
+    assert_eq!((own.shape(), rest.shape()), ((2, 2), (0, 0)));
+    let (own, rest) = eliminate(DMatrix::zeros(0, 4), 1);
+    assert_eq!((own.shape(), rest.shape()), ((0, 4), (0, 3)));
+}
+
+#[test]
+fn a_variable_that_no_factor_names_leaves_nothing() {
+    let mut problem = Problem::new();
+    let [lonely, known] = [1.0, 2.0].map(|x| problem.add_variable(Vector3::repeat(x)));
+    let sqrt_information = nalgebra::Matrix3::identity();
+    let prior = Prior { variable: known, anchor: Vector3::zeros(), sqrt_information };
+    problem.add_factor(prior, Kernel::Squared).unwrap();
+    let kept = LinearPrior::marginalize(&problem, problem.values(), &[lonely.index()]).unwrap();
+    assert!(kept.variables().is_empty());
 }
