@@ -57,7 +57,7 @@ fn describe(samples: &[StampedSample], pictures: &[Picture]) {
     };
     times("readings", samples.iter().map(|sample| sample.nanoseconds).collect());
     times("pictures", pictures.iter().map(|picture| picture.nanoseconds).collect());
-    let mut lengths: BTreeMap<u64, usize> = BTreeMap::new();
+    let mut lengths: BTreeMap<usize, usize> = BTreeMap::new();
     for feature in pictures.iter().flat_map(|picture| &picture.features) {
         *lengths.entry(feature.track).or_default() += 1;
     }

@@ -130,7 +130,7 @@ fn tracks(recording: &Recording) -> String {
     let right = if stereo { ",u_right [px],v_right [px]" } else { "" };
     let mut text = format!("#timestamp [ns],track,u [px],v [px]{right}\n");
     for picture in &recording.pictures {
-        for observation in &picture.observations {
+        for observation in &picture.features {
             text += &format!("{},{}", picture.nanoseconds, observation.track);
             text += &fields(&observation.pixel);
             if stereo {
@@ -209,6 +209,7 @@ fn calibration(flight: &Flight) -> String {
 #[cfg(test)]
 mod tests {
     use vislam::datasets::euroc::{read_ground_truth, read_imu};
+    use vislam::datasets::tracks::read_tracks;
 
     use super::*;
 
@@ -239,17 +240,7 @@ mod tests {
     fn the_tracks_file_has_every_observation_on_the_cameras_clock() {
         let mut recording = recording();
         let text = tracks(&recording);
-        let mut lines = text.lines().skip(1);
-        for picture in &recording.pictures {
-            for seen in &picture.observations {
-                let line: Vec<&str> = lines.next().unwrap().split(',').collect();
-                assert_eq!(line[..2], [picture.nanoseconds.to_string(), seen.track.to_string()]);
-                let pixel: Vec<f64> =
-                    line[2..].iter().map(|field| field.parse().unwrap()).collect();
-                assert_eq!(pixel, seen.pixel.as_slice());
-            }
-        }
-        assert_eq!(lines.next(), None);
+        assert_eq!(read_tracks(&text).unwrap(), recording.pictures);
         recording.flight.baseline = Some(0.1);
         assert!(tracks(&recording).lines().all(|line| line.split(',').count() == 6));
     }

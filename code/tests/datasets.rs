@@ -239,7 +239,7 @@ fn readings_and_tracks_of_one_file_are_read() {
     assert_eq!(recording.samples[1].sample.gyro, TURNING);
     assert_eq!(recording.samples[1].sample.accelerometer, Vector3::new(0.0, 0.0, 9.81));
     assert_eq!(recording.pictures[1].nanoseconds, 1_403_715_273_050_000_000);
-    let tracks: Vec<u64> =
+    let tracks: Vec<usize> =
         recording.pictures[4].features.iter().map(|feature| feature.track).collect();
     assert_eq!(tracks, [0, 1, 2, 3, 4, 5, 6, 7, 8]);
     assert_eq!((recording.camera.fx, recording.camera.cy), (460.0, 248.0));

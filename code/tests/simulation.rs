@@ -1,11 +1,12 @@
 //! What the sensors of a simulated flight bring home.
 
 use nalgebra::{Vector2, Vector3};
+use vislam::datasets::tracks::Feature;
 use vislam::inertial::{ImuBias, ImuNoise, ImuSample, between};
 use vislam::manifold::se3;
 use vislam::preintegration::{LONGEST_STEP, Rule, imu_residual, preintegrate_stamped};
 use vislam::simulation::{
-    EulerAngles, Flight, FlightError, Observation, Recording, ScalarTrajectory, Trajectory,
+    EulerAngles, Flight, FlightError, Recording, ScalarTrajectory, Trajectory,
 };
 
 const QUIET: ImuNoise =
@@ -30,9 +31,9 @@ fn recorded(flight: &Flight, seed: u64) -> Recording {
 }
 
 /// Every observation with the index of its picture.
-fn observations(recording: &Recording) -> impl Iterator<Item = (usize, &Observation)> {
+fn observations(recording: &Recording) -> impl Iterator<Item = (usize, &Feature)> {
     let pictures = recording.pictures.iter().enumerate();
-    pictures.flat_map(|(k, picture)| picture.observations.iter().map(move |seen| (k, seen)))
+    pictures.flat_map(|(k, picture)| picture.features.iter().map(move |seen| (k, seen)))
 }
 
 /// A landmark in the coordinates of the camera at a picture.
@@ -182,7 +183,7 @@ fn a_late_clock_changes_the_stamps_of_the_pictures_and_nothing_else() {
     assert_eq!(late.readings, on_time.readings);
     assert_eq!(late.truth, on_time.truth);
     for (late_picture, picture) in late.pictures.iter().zip(&on_time.pictures) {
-        assert_eq!(late_picture.observations, picture.observations);
+        assert_eq!(late_picture.features, picture.features);
         assert_eq!(late_picture.nanoseconds, picture.nanoseconds - 13_000_000);
         let read = late.flight.rig.imu_nanoseconds(late_picture.nanoseconds);
         assert_eq!(read, picture.nanoseconds);
@@ -204,9 +205,9 @@ fn a_landmark_is_seen_where_it_is_in_the_image_and_in_the_range_of_depths() {
             (2.0..=6.0).contains(&place.z) && flight.camera.project_cam(&place).is_some_and(inside)
         };
         let seen = truth.landmarks.iter().filter(|landmark| is_seen(landmark)).count();
-        assert_eq!(picture.observations.len(), seen);
+        assert_eq!(picture.features.len(), seen);
     }
-    assert!(recording.pictures.iter().any(|picture| picture.observations.len() > 5));
+    assert!(recording.pictures.iter().any(|picture| picture.features.len() > 5));
 }
 
 #[test]
@@ -236,9 +237,9 @@ fn a_track_has_no_holes_and_a_landmark_that_comes_back_has_a_new_one() {
 fn at_most_so_many_landmarks_are_followed_and_those_that_are_go_on() {
     let many = recorded(&Flight { tracks: usize::MAX, ..flight() }, 12);
     let few = recorded(&Flight { tracks: 30, ..flight() }, 12);
-    assert!(few.pictures.iter().all(|picture| picture.observations.len() == 30));
+    assert!(few.pictures.iter().all(|picture| picture.features.len() == 30));
     let landmarks = |recording: &Recording, picture: usize| -> Vec<usize> {
-        let seen = recording.pictures[picture].observations.iter();
+        let seen = recording.pictures[picture].features.iter();
         seen.map(|seen| recording.truth.landmark_of_track[seen.track]).collect()
     };
     for picture in 1..few.pictures.len() {
@@ -246,7 +247,7 @@ fn at_most_so_many_landmarks_are_followed_and_those_that_are_go_on() {
         let before = landmarks(&few, picture - 1);
         let lost = before.iter().filter(|landmark| !now.contains(landmark));
         assert_eq!(lost.filter(|landmark| seen.contains(landmark)).count(), 0);
-        let tracks = few.pictures[picture].observations.iter().map(|seen| seen.track);
+        let tracks = few.pictures[picture].features.iter().map(|seen| seen.track);
         assert!(tracks.is_sorted());
     }
 }
@@ -314,7 +315,7 @@ fn a_room_has_landmarks_on_all_its_walls_and_a_camera_sees_some_wherever_it_look
     let motion = Trajectory { angles, ..Trajectory::figure_eight() };
     let flight = Flight { seconds: 20.0, ..Flight::new(motion) };
     let recording = recorded(&flight, 16);
-    assert!(recording.pictures.iter().all(|picture| picture.observations.len() > 20));
+    assert!(recording.pictures.iter().all(|picture| picture.features.len() > 20));
     // Three metres around a figure-eight of six metres by three by one.
     for (axis, half) in [6.0, 4.5, 3.5].into_iter().enumerate() {
         for side in [-half, half] {

@@ -23,7 +23,7 @@ pub struct Picture {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feature {
     /// The track that it belongs to, the same number in every picture.
-    pub track: u64,
+    pub track: usize,
     /// Where the camera, or the left one of two, sees it.
     pub pixel: Vector2<f64>,
     /// Where the right one sees it.
@@ -54,7 +54,7 @@ pub fn read_tracks(text: &str) -> Result<Vec<Picture>, TableError> {
 // ANCHOR_END: read_tracks
 
 /// The number of a track.
-pub(super) fn track(row: &Row<'_>, column: usize) -> Result<u64, TableError> {
+pub(super) fn track(row: &Row<'_>, column: usize) -> Result<usize, TableError> {
     row.parse(column, "the number of a track, which is whole and not negative")
 }
 

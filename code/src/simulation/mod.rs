@@ -15,6 +15,6 @@ mod trajectory;
 
 pub use flight::{Flight, FlightError};
 pub use landmarks::landmarks_around;
-pub use recording::{Observation, Picture, Recording, Truth};
+pub use recording::{Recording, Truth};
 pub use scenes::{Scene, at_true_scale};
 pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::flight::nanoseconds;
 use super::random::{Purpose, normal, random};
 use super::{Flight, FlightError, Kinematics};
+use crate::datasets::tracks::{Feature, Picture};
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::manifold::se3;
 
@@ -18,32 +19,14 @@ pub struct Recording {
     /// The readings in the order of their times. A reading is what the sensor feels at its time,
     /// and not the mean of a step.
     pub readings: Vec<StampedSample>,
-    /// The pictures in the order of their times.
+    /// The pictures in the order of their times, on the clock of the camera; on that of the inertial
+    /// sensor they are at
+    /// [`CameraImu::imu_nanoseconds`](crate::inertial::CameraImu::imu_nanoseconds) of these. Features
+    /// are in pixels. A landmark keeps its track for as long as one picture after another shows it;
+    /// when it comes back after a picture without it, it has a new one.
     pub pictures: Vec<Picture>,
     /// What an estimator must not know.
     pub truth: Truth,
-}
-
-/// A picture and what was found in it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// When it was taken, in nanoseconds on the clock of the camera. On that of the inertial sensor
-    /// it was [`CameraImu::imu_nanoseconds`](crate::inertial::CameraImu::imu_nanoseconds) of it.
-    pub nanoseconds: i64,
-    /// What was found, by ascending track.
-    pub observations: Vec<Observation>,
-}
-
-/// A landmark in a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Observation {
-    /// The track: a number for as long as a landmark is found in one picture after another. One that
-    /// comes back after a picture without it has a new number.
-    pub track: usize,
-    /// Where it is in the image.
-    pub pixel: Vector2<f64>,
-    /// Where it is in the image of the second camera, if there is one and it is in its image.
-    pub right: Option<Vector2<f64>>,
 }
 
 /// The truth about a recording.
@@ -80,9 +63,9 @@ impl Flight {
         for k in 0..self.pictures() {
             let time = nanoseconds(k, self.picture_rate);
             let state = self.at(time)?.state;
-            let observations = tracker.follow(k, &state, &mut truth);
+            let features = tracker.follow(k, &state, &mut truth);
             let nanoseconds = self.rig.camera_nanoseconds(time);
-            pictures.push(Picture { nanoseconds, observations });
+            pictures.push(Picture { nanoseconds, features });
             truth.states.push(state);
             let until = walk.partition_point(|(read, _)| *read <= time);
             truth.biases.push(walk[until.saturating_sub(1)].1);
@@ -155,7 +138,7 @@ impl<'a> Tracker<'a> {
     }
 
     /// What picture `index`, taken from this state, shows.
-    fn follow(&mut self, index: usize, state: &NavState, truth: &mut Truth) -> Vec<Observation> {
+    fn follow(&mut self, index: usize, state: &NavState, truth: &mut Truth) -> Vec<Feature> {
         let camera_from_world = self.flight.rig.camera_from_world(state);
         let places = self.landmarks.iter().map(|place| se3::transform(&camera_from_world, place));
         let mut sights: Vec<Sight> =
@@ -164,7 +147,7 @@ impl<'a> Tracker<'a> {
         sights.sort_by_key(|sight| self.tracks[sight.landmark].unwrap_or(usize::MAX));
         sights.truncate(self.flight.tracks);
         let last = std::mem::replace(&mut self.tracks, vec![None; self.landmarks.len()]);
-        let mut observations = Vec::with_capacity(sights.len());
+        let mut features = Vec::with_capacity(sights.len());
         for Sight { landmark, pixel, right, is_outlier } in sights {
             let track = last[landmark].unwrap_or(truth.landmark_of_track.len());
             if track == truth.landmark_of_track.len() {
@@ -174,9 +157,9 @@ impl<'a> Tracker<'a> {
             if is_outlier {
                 truth.outliers.push((index, track));
             }
-            observations.push(Observation { track, pixel, right });
+            features.push(Feature { track, pixel, right });
         }
-        observations
+        features
     }
 
     /// A landmark at a place in camera coordinates, if it can be recognized there. Every landmark
