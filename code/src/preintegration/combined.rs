@@ -80,8 +80,7 @@ impl CombinedPreintegrator {
     ///
     /// As those of [`Preintegrator::integrate`].
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
-        self.sums.check(sample, dt)?;
-        let reading = sample.corrected(&self.sums.bias);
+        let reading = self.sums.reading(sample, dt)?;
         wide_either(
             self.sums.noise.isotropic,
             #[inline(always)]
@@ -101,9 +100,7 @@ impl CombinedPreintegrator {
         end: &ImuSample,
         dt: f64,
     ) -> Result<(), PreintegrationError> {
-        self.sums.check(start, dt)?;
-        self.sums.check(end, dt)?;
-        let mean = ImuSample::mean(start, end).corrected(&self.sums.bias);
+        let mean = self.sums.mean_reading(start, end, dt)?;
         wide_either(
             self.sums.noise.isotropic,
             #[inline(always)]

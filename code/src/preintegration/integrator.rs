@@ -174,8 +174,7 @@ impl Preintegrator {
     /// [`PreintegrationError::Step`], [`PreintegrationError::Gap`] or
     /// [`PreintegrationError::Sample`]; the sums stay as they were.
     pub fn integrate(&mut self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
-        self.check(sample, dt)?;
-        let reading = sample.corrected(&self.bias);
+        let reading = self.reading(sample, dt)?;
         wide_either(
             self.noise.isotropic,
             #[inline(always)]
@@ -201,9 +200,7 @@ impl Preintegrator {
         end: &ImuSample,
         dt: f64,
     ) -> Result<(), PreintegrationError> {
-        self.check(start, dt)?;
-        self.check(end, dt)?;
-        let mean = ImuSample::mean(start, end).corrected(&self.bias);
+        let mean = self.mean_reading(start, end, dt)?;
         wide_either(
             self.noise.isotropic,
             #[inline(always)]
@@ -225,8 +222,32 @@ impl Preintegrator {
         Increment::midpoint(&self.rotation, mean, dt, self.noise.gyro.x)
     }
 
+    /// A reading for a step, free of bias, if both can be used.
+    #[inline]
+    pub(super) fn reading(
+        &self,
+        sample: &ImuSample,
+        dt: f64,
+    ) -> Result<ImuSample, PreintegrationError> {
+        self.check(sample, dt)?;
+        Ok(sample.corrected(&self.bias))
+    }
+
+    /// The mean of the readings at both ends of a step, free of bias.
+    #[inline]
+    pub(super) fn mean_reading(
+        &self,
+        start: &ImuSample,
+        end: &ImuSample,
+        dt: f64,
+    ) -> Result<ImuSample, PreintegrationError> {
+        self.check(start, dt)?;
+        self.check(end, dt)?;
+        Ok(ImuSample::mean(start, end).corrected(&self.bias))
+    }
+
     /// Whether a reading and the step it stands for can be used.
-    pub(super) fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
+    fn check(&self, sample: &ImuSample, dt: f64) -> Result<(), PreintegrationError> {
         let (step, longest) = (self.steps, self.longest_step);
         if dt > 0.0 && dt <= longest && sample.is_finite() {
             return Ok(());
