@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use vislam::inertial::ImuBias;
-use vislam::simulation::{EulerAngles, Flight, Recording, Trajectory};
+use vislam::simulation::{EulerAngles, Flight, FlightRecording, Trajectory};
 
 const USAGE: &str = "usage: simulate --seed N --out DIR [--seconds S] [--motion NAME]";
 
@@ -112,7 +112,7 @@ fn fields<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> String {
     numbers.into_iter().fold(String::new(), |text, number| format!("{text},{number}"))
 }
 
-fn imu(recording: &Recording) -> String {
+fn imu(recording: &FlightRecording) -> String {
     let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
                     a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
         .to_string();
@@ -125,7 +125,7 @@ fn imu(recording: &Recording) -> String {
     text
 }
 
-fn tracks(recording: &Recording) -> String {
+fn tracks(recording: &FlightRecording) -> String {
     let stereo = recording.flight.baseline.is_some();
     let right = if stereo { ",u_right [px],v_right [px]" } else { "" };
     let mut text = format!("#timestamp [ns],track,u [px],v [px]{right}\n");
@@ -142,7 +142,7 @@ fn tracks(recording: &Recording) -> String {
     text
 }
 
-fn ground_truth(recording: &Recording) -> String {
+fn ground_truth(recording: &FlightRecording) -> String {
     let mut text = "#timestamp,p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],\
                     q_RS_y [],q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],\
                     b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],\
@@ -213,7 +213,7 @@ mod tests {
 
     use super::*;
 
-    fn recording() -> Recording {
+    fn recording() -> FlightRecording {
         let mut flight = Flight { seconds: 1.0, initial_bias: BIAS, ..Flight::new(MOTIONS[0].1()) };
         flight.rig.time_offset = 0.02;
         flight.record(&flight.room(3.0, 300, 1).unwrap(), 1).unwrap()

@@ -6,7 +6,7 @@ use vislam::inertial::{ImuBias, ImuNoise, ImuSample, between};
 use vislam::manifold::se3;
 use vislam::preintegration::{LONGEST_STEP, Rule, imu_residual, preintegrate_stamped};
 use vislam::simulation::{
-    EulerAngles, Flight, FlightError, Recording, ScalarTrajectory, Trajectory,
+    EulerAngles, Flight, FlightError, FlightRecording, ScalarTrajectory, Trajectory,
 };
 
 const QUIET: ImuNoise =
@@ -26,18 +26,18 @@ fn exact() -> Flight {
     Flight { noise: QUIET, initial_bias: ImuBias::default(), pixel_sigma: 0.0, ..flight() }
 }
 
-fn recorded(flight: &Flight, seed: u64) -> Recording {
+fn recorded(flight: &Flight, seed: u64) -> FlightRecording {
     flight.record(&flight.room(3.0, 500, seed).unwrap(), seed).unwrap()
 }
 
 /// Every observation with the index of its picture.
-fn observations(recording: &Recording) -> impl Iterator<Item = (usize, &Feature)> {
+fn observations(recording: &FlightRecording) -> impl Iterator<Item = (usize, &Feature)> {
     let pictures = recording.pictures.iter().enumerate();
     pictures.flat_map(|(k, picture)| picture.features.iter().map(move |seen| (k, seen)))
 }
 
 /// A landmark in the coordinates of the camera at a picture.
-fn in_camera(recording: &Recording, picture: usize, track: usize) -> Vector3<f64> {
+fn in_camera(recording: &FlightRecording, picture: usize, track: usize) -> Vector3<f64> {
     let truth = &recording.truth;
     let camera_from_world = recording.flight.rig.camera_from_world(&truth.states[picture]);
     se3::transform(&camera_from_world, &truth.landmarks[truth.landmark_of_track[track]])
@@ -238,7 +238,7 @@ fn at_most_so_many_landmarks_are_followed_and_those_that_are_go_on() {
     let many = recorded(&Flight { tracks: usize::MAX, ..flight() }, 12);
     let few = recorded(&Flight { tracks: 30, ..flight() }, 12);
     assert!(few.pictures.iter().all(|picture| picture.features.len() == 30));
-    let landmarks = |recording: &Recording, picture: usize| -> Vec<usize> {
+    let landmarks = |recording: &FlightRecording, picture: usize| -> Vec<usize> {
         let seen = recording.pictures[picture].features.iter();
         seen.map(|seen| recording.truth.landmark_of_track[seen.track]).collect()
     };

@@ -142,8 +142,21 @@ impl Problem {
     /// [`SolveError::Singular`] when some direction is not determined, and those of
     /// [`Problem::linearize`].
     pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
+        self.covariance_with(Dense::new(self)?, values)
+    }
+
+    /// The same with another linear system than the dense one, which may not know how all pairs of
+    /// variables vary together; see [`Covariance::between`].
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Problem::covariance`].
+    pub fn covariance_with(
+        &self,
+        mut system: impl LinearSystem,
+        values: &Values,
+    ) -> Result<Covariance, SolveError> {
         self.check_values(values)?;
-        let mut system = Dense::new(self)?;
         self.at(values, |at| system.covariance(self, at))
     }
 }

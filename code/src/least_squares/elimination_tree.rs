@@ -43,16 +43,17 @@ impl Node {
 /// that rows of the Jacobian couple.
 ///
 /// The rest of a front is what its rows name, together with the rests of the fronts that go into it
-/// ([@duff1983]). A front that goes into one with the very same columns becomes part of it.
-pub fn elimination_tree<'a>(
+/// ([@duff1983]). A front that goes into one with the very same columns becomes part of it, as long
+/// as the two are not wide: what is eliminated together should stay in the fastest memory.
+pub fn elimination_tree(
     blocks: &[Range<usize>],
-    couplings: impl Iterator<Item = &'a [usize]>,
+    couplings: impl Iterator<Item = Vec<usize>>,
 ) -> Vec<Node> {
     let block_of = |column: usize| blocks.partition_point(|block| block.end <= column);
     let mut rests = vec![BTreeSet::new(); blocks.len()];
     for coupled in couplings {
         if let Some(first) = coupled.iter().min() {
-            rests[block_of(*first)].extend(coupled.iter().copied());
+            rests[block_of(*first)].extend(coupled);
         }
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(blocks.len());
@@ -78,7 +79,56 @@ pub fn elimination_tree<'a>(
 }
 // ANCHOR_END: elimination_tree
 
+/// So many columns of a front are eliminated together, or those of one block.
+const MOST_TOGETHER: usize = 32;
+
 /// Whether a block has the columns that the front before it leaves.
 fn continues(last: &Node, own: &Range<usize>, rest: &[usize]) -> bool {
-    last.rest.first() == Some(&own.start) && last.rest.len() == own.len() + rest.len()
+    last.rest.first() == Some(&own.start)
+        && last.rest.len() == own.len() + rest.len()
+        && last.own.len() + own.len() <= MOST_TOGETHER
+}
+
+// ANCHOR: fronts_in_order
+/// The fronts in the order of their elimination, and where their columns are kept: one after the
+/// other, each from the front's first row to its last and then the right-hand side.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    pub nodes: Vec<Node>,
+    /// Where the columns of each begin, and where the last one's end.
+    start: Vec<usize>,
+}
+// ANCHOR_END: fronts_in_order
+
+impl Tree {
+    pub fn new(nodes: Vec<Node>) -> Self {
+        let mut start = vec![0];
+        for node in &nodes {
+            start.push(start[start.len() - 1] + node.own.len() * (node.width() + 1));
+        }
+        Self { nodes, start }
+    }
+
+    /// How many numbers the columns of all fronts have.
+    pub fn len(&self) -> usize {
+        self.start[self.nodes.len()]
+    }
+
+    /// Where the columns of a front are kept.
+    pub fn panel(&self, front: usize) -> Range<usize> {
+        self.start[front]..self.start[front + 1]
+    }
+
+    /// Which front eliminates a column.
+    pub fn front_of(&self, column: usize) -> usize {
+        self.nodes.partition_point(|node| node.own.end <= column)
+    }
+
+    /// Where the entry of a column stands that belongs to a later column, or to the right-hand side.
+    pub fn entry(&self, column: usize, row: Option<usize>) -> usize {
+        let front = self.front_of(column);
+        let node = &self.nodes[front];
+        let row = row.map_or(node.width(), |row| node.place(row));
+        self.start[front] + node.place(column) * (node.width() + 1) + row
+    }
 }

@@ -1,116 +1,204 @@
-//! A dense symmetric matrix on a few columns, and the elimination of the first of them.
+//! The columns of a Cholesky factor that are eliminated together, and what their elimination changes
+//! in later ones.
+
+use std::array::from_fn;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView};
 
 use super::elimination_tree::Node;
 
-// ANCHOR: eliminate
-/// Eliminates the first columns of a front: of the matrix [H g; gᵀ c], whose lower triangle is given
-/// by columns, each `order` numbers long. In their place comes the Cholesky factor of their part,
-/// with the rows below divided by it, and in the rest what they leave of the others: the Schur
-/// complement, its gradient and its constant.
+// ANCHOR: factorize
+/// Replaces a front's columns of the matrix [H g; gᵀ c] by those of its Cholesky factor. They are
+/// given one after the other, each `order` numbers long, from the front's first row on; what stands
+/// above the diagonal is void.
 ///
 /// # Errors
 ///
 /// The first column whose pivot is not above its entry of `smallest`.
 #[inline(always)]
-pub fn eliminate(
-    front: &mut [f64],
-    order: usize,
-    columns: usize,
-    smallest: &[f64],
-) -> Result<(), usize> {
-    for column in 0..columns {
-        let (done, rest) = front.split_at_mut(column * order);
-        let own = &mut rest[column..order];
-        subtract_products(done, order, column, own);
+pub fn factorize(panel: &mut [f64], order: usize, smallest: &[f64]) -> Result<(), usize> {
+    for (column, smallest) in smallest.iter().enumerate() {
+        let (done, own) = panel.split_at_mut(column * order);
+        let own = &mut own[column..order];
+        subtract_products(own, done, order, column..order, column);
         let pivot = own[0];
-        if pivot.is_nan() || pivot <= smallest[column] {
+        if pivot.is_nan() || pivot <= *smallest {
             return Err(column);
         }
         let reciprocal = 1.0 / pivot.sqrt();
         own.iter_mut().for_each(|entry| *entry *= reciprocal);
     }
-    let (done, rest) = front.split_at_mut(columns * order);
-    for (pair, row) in rest.chunks_mut(2 * order).zip((columns..).step_by(2)) {
-        subtract_from_pair(done, order, row, pair);
-    }
     Ok(())
 }
-// ANCHOR_END: eliminate
+// ANCHOR_END: factorize
 
-// ANCHOR: subtract_products
-/// Subtracts from a column, of which the part from `row` on is given, its products with columns that
-/// have been eliminated.
-#[inline(always)]
-fn subtract_products(done: &[f64], order: usize, row: usize, column: &mut [f64]) {
-    for one in done.chunks_exact(order) {
-        let part = &one[row..][..column.len()];
-        let factor = part[0];
-        column.iter_mut().zip(part).for_each(|(entry, other)| *entry -= factor * other);
+// ANCHOR: update
+/// What the elimination of a front subtracts from the columns of a later one.
+#[derive(Debug, Clone)]
+pub struct Update {
+    /// The later front.
+    pub front: usize,
+    /// Which rows of the front at hand are the columns to be changed, and their places there.
+    pub columns: Range<usize>,
+    pub places: Vec<usize>,
+    /// Rows, with those of the columns and everything below them.
+    pub runs: Vec<Run>,
+}
+
+/// Rows that follow each other here and there.
+#[derive(Debug, Clone)]
+pub struct Run {
+    pub from: Range<usize>,
+    pub to: usize,
+}
+
+impl Run {
+    /// So many rows that those of a whole front stay in the fastest memory.
+    const LONGEST: usize = 64;
+
+    /// Rows `first` and on, which stand at these places there.
+    pub fn split(first: usize, places: &[usize]) -> Vec<Self> {
+        let mut runs: Vec<Self> = Vec::new();
+        for (row, &to) in (first..).zip(places) {
+            match runs.last_mut() {
+                Some(run) if run.continues(to) => run.from.end += 1,
+                _ => runs.push(Self { from: row..row + 1, to }),
+            }
+        }
+        runs
+    }
+
+    fn continues(&self, to: usize) -> bool {
+        let len = self.from.len();
+        len < Self::LONGEST && self.to + len == to
     }
 }
 
-/// The same for two columns that stand side by side, the first of which is that of `row`: four
-/// eliminated columns at a time, so that nothing is loaded and stored more often than it must be.
-#[inline(always)]
-fn subtract_from_pair(done: &[f64], order: usize, row: usize, pair: &mut [f64]) {
-    let (first, second) = pair.split_at_mut(order);
-    if second.is_empty() {
-        return subtract_products(done, order, row, &mut first[row..]);
+impl Update {
+    /// Subtracts the products of the front's eliminated columns from a later front's.
+    #[inline(always)]
+    pub fn apply(&self, (done, order): (&[f64], usize), (into, into_order): (&mut [f64], usize)) {
+        for run in &self.runs {
+            let columns = self.columns.start..self.columns.end.min(run.from.end);
+            let column = |place: usize| {
+                place * into_order + run.to..place * into_order + run.to + run.from.len()
+            };
+            for (row, pair) in columns.step_by(2).zip(self.places.chunks(2)) {
+                match *pair {
+                    [first, next] if row + 1 < self.columns.end => {
+                        let (left, right) = into.split_at_mut(next * into_order);
+                        let (first, next) = (&mut left[column(first)], &mut right[column(0)]);
+                        subtract_from_pair((first, next), done, order, run.from.clone(), row);
+                    }
+                    _ => subtract_products(
+                        &mut into[column(pair[0])],
+                        done,
+                        order,
+                        run.from.clone(),
+                        row,
+                    ),
+                }
+            }
+        }
     }
-    let len = order - row - 1;
-    let (diagonal, first) = first[row..].split_at_mut(1);
-    let (first, second) = (&mut first[..len], &mut second[row + 1..][..len]);
+}
+// ANCHOR_END: update
+
+// ANCHOR: subtract
+/// Subtracts from a part of a column, that of these rows, its products with columns that have been
+/// eliminated: four at a time, so that nothing is loaded and stored more often than it must be.
+#[inline(always)]
+fn subtract_products(
+    column: &mut [f64],
+    done: &[f64],
+    order: usize,
+    rows: Range<usize>,
+    by: usize,
+) {
     let mut fours = done.chunks_exact(4 * order);
     for four in &mut fours {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|which| &four[which * order + row..][..len + 1]);
-        let (by, next) = ([a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]);
-        diagonal[0] -= by.iter().map(|factor| factor * factor).sum::<f64>();
-        let [a, b, c, d] = [&a[1..], &b[1..], &c[1..], &d[1..]];
-        for at in 0..len {
-            let others = [a[at], b[at], c[at], d[at]];
-            let product = |by: &[f64; 4]| {
-                (by[0] * others[0] + by[1] * others[1]) + (by[2] * others[2] + by[3] * others[3])
-            };
-            first[at] -= product(&by);
-            second[at] -= product(&next);
-        }
+        subtract::<4>(column, four, order, &rows, by);
     }
     let left = fours.remainder();
-    subtract_products(left, order, row, diagonal);
-    for one in left.chunks_exact(order) {
-        let (by, next, others) = (one[row], one[row + 1], &one[row + 1..][..len]);
-        for at in 0..len {
-            first[at] -= by * others[at];
-            second[at] -= next * others[at];
-        }
+    match left.len() / order {
+        3 => subtract::<3>(column, left, order, &rows, by),
+        2 => subtract::<2>(column, left, order, &rows, by),
+        1 => subtract::<1>(column, left, order, &rows, by),
+        _ => {}
     }
 }
-// ANCHOR_END: subtract_products
 
-/// Adds what an eliminated front has left to the front that takes it, which is cleared first when
-/// nothing has been added yet.
 #[inline(always)]
-pub fn add_rest(
-    front: &[f64],
+fn subtract<const N: usize>(
+    column: &mut [f64],
+    done: &[f64],
     order: usize,
-    places: &[usize],
-    (into, into_order): (&mut [f64], usize),
-    is_first: bool,
+    rows: &Range<usize>,
+    by: usize,
 ) {
-    if is_first {
-        into[..into_order * into_order].fill(0.0);
-    }
-    let eliminated = order - places.len();
-    for (at, place) in places.iter().enumerate() {
-        let column = &front[(eliminated + at) * order + eliminated..][..places.len()];
-        let sums = &mut into[place * into_order..(place + 1) * into_order];
-        for (below, entry) in places[at..].iter().zip(&column[at..]) {
-            sums[*below] += entry;
-        }
+    let others: [&[f64]; N] = from_fn(|k| &done[k * order..][rows.clone()]);
+    let by: [f64; N] = from_fn(|k| done[k * order + by]);
+    let len = rows.len();
+    let (column, others) = (&mut column[..len], others.map(|other| &other[..len]));
+    for at in 0..len {
+        column[at] -= sum::<N>(from_fn(|k| by[k] * others[k][at]));
     }
 }
+
+/// The same for two columns, that of row `by` and the next one.
+#[inline(always)]
+fn subtract_from_pair(
+    (first, next): (&mut [f64], &mut [f64]),
+    done: &[f64],
+    order: usize,
+    rows: Range<usize>,
+    by: usize,
+) {
+    let mut fours = done.chunks_exact(4 * order);
+    for four in &mut fours {
+        subtract_pair::<4>(first, next, four, order, &rows, by);
+    }
+    let left = fours.remainder();
+    match left.len() / order {
+        3 => subtract_pair::<3>(first, next, left, order, &rows, by),
+        2 => subtract_pair::<2>(first, next, left, order, &rows, by),
+        1 => subtract_pair::<1>(first, next, left, order, &rows, by),
+        _ => {}
+    }
+}
+
+#[inline(always)]
+fn subtract_pair<const N: usize>(
+    first: &mut [f64],
+    next: &mut [f64],
+    done: &[f64],
+    order: usize,
+    rows: &Range<usize>,
+    by: usize,
+) {
+    let others: [&[f64]; N] = from_fn(|k| &done[k * order..][rows.clone()]);
+    let [one, two]: [[f64; N]; 2] = [by, by + 1].map(|row| from_fn(|k| done[k * order + row]));
+    let len = rows.len();
+    let (first, next) = (&mut first[..len], &mut next[..len]);
+    let others = others.map(|other| &other[..len]);
+    for at in 0..len {
+        let others: [f64; N] = from_fn(|k| others[k][at]);
+        first[at] -= sum::<N>(from_fn(|k| one[k] * others[k]));
+        next[at] -= sum::<N>(from_fn(|k| two[k] * others[k]));
+    }
+}
+
+/// A sum of up to four numbers, of which none waits for more than one other.
+#[inline(always)]
+fn sum<const N: usize>(numbers: [f64; N]) -> f64 {
+    match *numbers.as_slice() {
+        [a, b, c, d] => (a + b) + (c + d),
+        [a, b, c] => (a + b) + c,
+        _ => numbers.iter().sum(),
+    }
+}
+// ANCHOR_END: subtract
 
 // ANCHOR: solve_transposed
 /// The step of a front's own columns, when that of the rest is known, from its columns of the

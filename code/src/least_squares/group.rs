@@ -38,6 +38,9 @@ pub trait FactorGroup: Any + Send + Sync {
     /// Visits the numbers of the variables of a factor, in the order of its slots.
     fn variables(&self, factor: usize, visit: &mut dyn FnMut(usize));
 
+    /// Forgets all factors but those whose place it should keep.
+    fn retain(&mut self, keep: &dyn Fn(usize) -> bool);
+
     /// The cost of some factors. Infinite where a residual has no value.
     fn cost(&self, factors: &[u32], values: &Values) -> f64;
 
@@ -102,6 +105,11 @@ impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
 
     fn variables(&self, factor: usize, visit: &mut dyn FnMut(usize)) {
         F::Variables::indices(&self.factors[factor].variables(), visit);
+    }
+
+    fn retain(&mut self, keep: &dyn Fn(usize) -> bool) {
+        let mut place = 0..self.factors.len();
+        self.factors.retain(|_| place.next().is_some_and(keep));
     }
 
     // ANCHOR: group_cost

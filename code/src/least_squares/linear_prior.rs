@@ -179,6 +179,9 @@ impl FactorGroup for LinearPrior {
         self.variables.iter().for_each(|variable| visit(*variable));
     }
 
+    /// A group of one factor is kept or goes as a whole.
+    fn retain(&mut self, _keep: &dyn Fn(usize) -> bool) {}
+
     fn cost(&self, factors: &[u32], values: &Values) -> f64 {
         let square = |residual: &[f64]| 0.5 * residual.iter().map(|r| r * r).sum::<f64>();
         factors.iter().map(|_| self.with_residual(values, |residual, _| square(residual))).sum()
@@ -230,6 +233,30 @@ impl FactorGroup for LinearPrior {
 }
 
 impl Problem {
+    // ANCHOR: marginalize_here
+    /// Takes variables out of this problem: holds them where they are at `values`, and puts a
+    /// [`LinearPrior`] in the place of all factors that name one of them. Returns the variables that
+    /// it names. Other factors keep their numbers.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`LinearPrior::marginalize`]; the problem then stays as it was.
+    pub fn marginalize(
+        &mut self,
+        values: &Values,
+        variables: &[usize],
+    ) -> Result<Vec<usize>, SolveError> {
+        let prior = LinearPrior::marginalize(self, values, variables)?;
+        let named = prior.variables().to_vec();
+        self.set_values(values.clone())?;
+        self.forget(variables);
+        if !prior.root.is_empty() {
+            self.append(Box::new(prior));
+        }
+        Ok(named)
+    }
+    // ANCHOR_END: marginalize_here
+
     /// Adds what has been kept of other factors, and gives its number.
     ///
     /// # Errors

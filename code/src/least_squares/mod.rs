@@ -14,6 +14,7 @@
 //! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks.
 //! [`Problem::null_space`] says what the factors leave free, whichever system solves for the rest.
 
+mod assembly;
 mod blocks;
 mod covariance;
 mod elimination_tree;

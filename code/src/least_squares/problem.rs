@@ -28,6 +28,7 @@ pub struct Problem {
     frozen: Vec<bool>,
     anchors: Values,
     groups: Vec<Group>,
+    /// The number of the next factor.
     factors: usize,
 }
 // ANCHOR_END: problem
@@ -39,6 +40,22 @@ struct Group {
     numbers: Vec<usize>,
     /// The places of all of them, in order.
     all: Vec<u32>,
+}
+
+impl Group {
+    /// Keeps the factors of which every variable passes.
+    fn retain(&mut self, passes: impl Fn(usize) -> bool) {
+        let keep = |place: usize| {
+            let mut keeps = true;
+            self.factors.variables(place, &mut |variable| keeps &= passes(variable));
+            keeps
+        };
+        let kept: Vec<bool> = (0..self.factors.count()).map(keep).collect();
+        self.factors.retain(&|place| kept[place]);
+        let mut kept = kept.into_iter();
+        self.numbers.retain(|_| kept.next().unwrap_or(false));
+        self.all.truncate(self.numbers.len());
+    }
 }
 
 impl Problem {
@@ -122,6 +139,22 @@ impl Problem {
     }
     // ANCHOR_END: freeze
 
+    /// Freezes the linearization points of some variables, given by number, where they stand.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`]; nothing is frozen then.
+    pub fn freeze_here(&mut self, variables: &[usize]) -> Result<(), ProblemError> {
+        if let Some(beyond) = variables.iter().find(|variable| **variable >= self.values.len()) {
+            return Err(self.no_such(*beyond));
+        }
+        for &variable in variables {
+            self.anchors.copy(&self.values, variable);
+            self.frozen[variable] = true;
+        }
+        Ok(())
+    }
+
     // ANCHOR: add_factor
     /// Adds a factor with its kernel, and gives its number.
     ///
@@ -166,13 +199,36 @@ impl Problem {
         &mut self,
         factors: Box<dyn FactorGroup>,
     ) -> Result<usize, ProblemError> {
-        let number = self.factors;
         if factors.rows() == 0 {
-            return Err(ProblemError::EmptyFactor { factor: number });
+            return Err(ProblemError::EmptyFactor { factor: self.factors });
         }
+        Ok(self.append(factors))
+    }
+
+    /// Adds a group of one factor that has rows.
+    pub(super) fn append(&mut self, factors: Box<dyn FactorGroup>) -> usize {
+        let number = self.factors;
         self.groups.push(Group { factors, numbers: vec![number], all: vec![0] });
         self.factors += 1;
-        Ok(number)
+        number
+    }
+
+    /// Holds variables that exist, and those tied to them, and forgets all factors that name one of
+    /// them. One that was held before goes with none.
+    pub(super) fn forget(&mut self, variables: &[usize]) {
+        let columns = self.columns();
+        let coordinates = |index| self.values.coordinates_of(index).unwrap_or_default();
+        let gone: Vec<usize> =
+            variables.iter().flat_map(|index| columns.select(coordinates(*index))).collect();
+        let is_gone = |column: &usize| gone.contains(column);
+        let goes: Vec<bool> = (0..self.values.len())
+            .map(|index| columns.select(coordinates(index)).iter().any(is_gone))
+            .collect();
+        for (held, column) in self.held.iter_mut().zip(&columns.of) {
+            *held |= column.as_ref().is_some_and(is_gone);
+        }
+        self.groups.iter_mut().for_each(|group| group.retain(|variable| !goes[variable]));
+        self.groups.retain(|group| !group.numbers.is_empty());
     }
 
     /// Whether a variable takes steps of its own.
@@ -252,12 +308,12 @@ impl Problem {
 
     /// How many factors there are.
     pub fn len(&self) -> usize {
-        self.factors
+        self.groups.iter().map(|group| group.numbers.len()).sum()
     }
 
     /// Whether there are no factors.
     pub fn is_empty(&self) -> bool {
-        self.factors == 0
+        self.groups.is_empty()
     }
 
     /// How many numbers the residuals of all factors have together.
@@ -297,31 +353,44 @@ impl Problem {
         buffer: &mut Buffer,
         mut visit: impl FnMut(Row),
     ) -> Result<f64, SolveError> {
-        let mut cost = 0.0;
-        for (number, group) in self.groups.iter().enumerate() {
-            let outcome = group.factors.linearize(&group.all, at, &mut buffer.linear);
-            outcome.map_err(|at| self.undefined(number, at))?;
-            if let Some(place) = buffer.linear.not_finite() {
-                return Err(SolveError::NotFinite { factor: group.numbers[place] });
-            }
-            cost += buffer.linear.cost;
+        let Buffer { linear, coordinates: slots, entries } = buffer;
+        self.each_group(at, linear, |number, linear| {
+            let group = &self.groups[number];
             for place in 0..group.numbers.len() {
-                let slots = &mut buffer.coordinates;
                 slots.clear();
                 group.factors.variables(place, &mut |index| {
                     slots.push(self.values.coordinates_of(index).unwrap_or_default().start);
                 });
-                for row in 0..buffer.linear.rows() {
-                    let row = place * buffer.linear.rows() + row;
-                    gather(&buffer.linear, row, slots, columns, &mut buffer.entries);
-                    let residual = buffer.linear.residuals()[row];
-                    visit(Row { residual, entries: &buffer.entries });
+                for row in place * linear.rows()..(place + 1) * linear.rows() {
+                    gather(linear, row, slots, columns, entries);
+                    visit(Row { residual: linear.residuals()[row], entries });
                 }
             }
+        })
+    }
+    // ANCHOR_END: each_row
+
+    // ANCHOR: each_group
+    /// Linearizes all factors, group by group, and visits the groups. Returns the cost.
+    pub(super) fn each_group(
+        &self,
+        at: Point,
+        linear: &mut Linearized,
+        mut visit: impl FnMut(usize, &Linearized),
+    ) -> Result<f64, SolveError> {
+        let mut cost = 0.0;
+        for (number, group) in self.groups.iter().enumerate() {
+            let outcome = group.factors.linearize(&group.all, at, linear);
+            outcome.map_err(|at| self.undefined(number, at))?;
+            if let Some(place) = linear.not_finite() {
+                return Err(SolveError::NotFinite { factor: group.numbers[place] });
+            }
+            cost += linear.cost;
+            visit(number, linear);
         }
         Ok(cost)
     }
-    // ANCHOR_END: each_row
+    // ANCHOR_END: each_group
 
     /// How many groups of factors there are.
     pub(super) fn group_count(&self) -> usize {
@@ -345,8 +414,8 @@ impl Problem {
 
     /// The error that names the first factor with a number that is not finite.
     pub(super) fn not_finite(&self, at: Point) -> SolveError {
-        let rows = self.each_row(at, &self.columns(), &mut Buffer::default(), |_| ());
-        rows.err().unwrap_or(SolveError::OutOfRange)
+        let outcome = self.each_group(at, &mut Linearized::default(), |_, _| ());
+        outcome.err().unwrap_or(SolveError::OutOfRange)
     }
 
     /// Whether anything is frozen; if so, where derivatives are taken at first.

@@ -2,7 +2,7 @@
 //! known exactly.
 //!
 //! A [`Trajectory`] is a motion by formula, and what a perfect sensor reads on it. A [`Flight`] adds
-//! the sensors and their faults, and [`Flight::record`] makes the [`Recording`] that they bring
+//! the sensors and their faults, and [`Flight::record`] makes the [`FlightRecording`] that they bring
 //! home, with the [`Truth`] beside it. A [`Scene`] has cameras alone. What is drawn depends on
 //! nothing but the seed.
 
@@ -15,6 +15,6 @@ mod trajectory;
 
 pub use flight::{Flight, FlightError};
 pub use landmarks::landmarks_around;
-pub use recording::{Recording, Truth};
+pub use recording::{FlightRecording, Truth};
 pub use scenes::{Scene, at_true_scale};
 pub use trajectory::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};

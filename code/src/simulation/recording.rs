@@ -13,7 +13,7 @@ use crate::manifold::se3;
 
 /// What the sensors of a flight bring home.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
+pub struct FlightRecording {
     /// The flight, with the noise and the calibration of its sensors.
     pub flight: Flight,
     /// The readings in the order of their times. A reading is what the sensor feels at its time,
@@ -53,7 +53,11 @@ impl Flight {
     /// # Errors
     ///
     /// A [`FlightError`] names the number that can be none of a flight.
-    pub fn record(&self, landmarks: &[Vector3<f64>], seed: u64) -> Result<Recording, FlightError> {
+    pub fn record(
+        &self,
+        landmarks: &[Vector3<f64>],
+        seed: u64,
+    ) -> Result<FlightRecording, FlightError> {
         self.check()?;
         let walk = self.walk(seed);
         let readings = self.read(&walk, seed)?;
@@ -70,7 +74,7 @@ impl Flight {
             let until = walk.partition_point(|(read, _)| *read <= time);
             truth.biases.push(walk[until.saturating_sub(1)].1);
         }
-        Ok(Recording { flight: self.clone(), readings, pictures, truth })
+        Ok(FlightRecording { flight: self.clone(), readings, pictures, truth })
     }
     // ANCHOR_END: record
 

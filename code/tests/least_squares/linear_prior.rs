@@ -165,6 +165,54 @@ fn its_jacobian_is_its_derivative_and_its_root_where_it_is_frozen() {
 }
 
 #[test]
+fn a_problem_from_which_poses_are_taken_goes_on_with_the_others() {
+    let graph = Graph::new(10);
+    let (values, condition) = solved(&graph);
+    let (mut problem, keys) = graph.problem(&start_of(&values), |_| true);
+    let keys: Vec<_> = keys.into_iter().map(Option::unwrap).collect();
+    let expected = problem.covariance(&values).unwrap();
+    let numbers = problem.len();
+    for out in [0, 4, 1] {
+        let named = problem.marginalize(&values, &[keys[out].index()]).unwrap();
+        assert!(!named.is_empty() && !named.contains(&keys[out].index()));
+        let found = problem.covariance(problem.values()).unwrap();
+        for index in (0..10).filter(|index| ![0, out, 1, 4].contains(index)) {
+            let (one, other) = (expected.of(keys[index]), found.of(keys[index]));
+            let (one, other) = (one.unwrap(), other.unwrap());
+            let off = (&one - other).norm() / one.norm();
+            assert!(off < 10.0 * f64::EPSILON * condition, "pose {index}: {off:e}");
+        }
+    }
+    assert!(problem.len() < numbers, "factors have gone");
+    let solution = problem.solve(&Options::default()).unwrap();
+    let moved = values.local(&solution.values);
+    assert!(moved.iter().all(|step| step.abs() < 1e-6), "the estimate is that of the whole");
+    assert_eq!(solution.values[keys[4]], values[keys[4]]);
+}
+
+#[test]
+fn what_is_held_takes_no_factor_with_it_and_what_is_tied_goes_along() {
+    let graph = Graph::new(6);
+    let (values, _) = solved(&graph);
+    let (mut held, keys) = graph.problem(&start_of(&values), |_| true);
+    held.hold(keys[2].unwrap()).unwrap();
+    let before = (held.len(), held.covariance(&values).unwrap());
+    assert_eq!(held.marginalize(&values, &[2]).unwrap(), Vec::<usize>::new());
+    assert_eq!(held.len(), before.0);
+    assert_eq!(held.covariance(&values).unwrap().matrix(), before.1.matrix());
+
+    let (mut tied, keys) = graph.problem(&start_of(&values), |_| true);
+    tied.tie(keys[5].unwrap(), keys[2].unwrap()).unwrap();
+    let expected = tied.covariance(&values).unwrap().of(keys[4].unwrap()).unwrap();
+    tied.marginalize(&values, &[5]).unwrap();
+    assert_eq!(tied.columns().select(6 * 2..6 * 3), Vec::<usize>::new());
+    let found = tied.covariance(&values).unwrap().of(keys[4].unwrap()).unwrap();
+    assert!((&found - &expected).norm() < 1e-9 * expected.norm());
+    let unknown = tied.marginalize(&values, &[17]).unwrap_err();
+    assert_eq!(unknown, SolveError::NoSuchVariable { variable: 17 });
+}
+
+#[test]
 fn what_does_not_fit_is_refused_by_number() {
     let graph = Graph::new(4);
     let (values, _) = solved(&graph);

@@ -1,0 +1,390 @@
+//! A visual-inertial window, put together from the library's parts.
+//!
+//! ```text
+//! cargo run --release -p vislam --example window
+//! ```
+//!
+//! A simulated flight of ten pictures. Unknown are the states of the body and its biases, the
+//! landmarks, where the camera sits on the body, how late its clock is, and where down is. The
+//! program says what is free, solves, says how sure the estimate is, holds a linearization point,
+//! and takes the oldest state out. [`Sensors`] is where a recording of your own goes in.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::ops::Range;
+
+use nalgebra::{DVector, Isometry3, SMatrix, SVector, Vector1, Vector2, Vector3};
+use vislam::datasets::tracks::Picture;
+use vislam::factors::{BiasWalkFactor, InertialFactor, PixelByBody, Prior};
+use vislam::inertial::{
+    CameraImu, GRAVITY, Gravity, ImuBias, ImuNoise, NavState, StampedSample, WindowError, between,
+};
+use vislam::least_squares::{
+    Covariance, Fronts, Kernel, Key, Manifold, Options, Problem, Solution, SolveError, Values,
+};
+use vislam::manifold::so3;
+use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
+use vislam::reprojection::Pinhole;
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::two_views::{LEAST_PARALLAX, View, triangulate};
+
+// ANCHOR: sensors
+/// What was recorded, and what is known of the sensors.
+pub struct Sensors<'a> {
+    pub readings: &'a [StampedSample],
+    pub pictures: &'a [Picture],
+    pub camera: Pinhole,
+    pub noise: ImuNoise,
+    pub pixel_sigma: f64,
+}
+// ANCHOR_END: sensors
+
+// ANCHOR: window
+/// The unknowns of a window, and what has been measured of them.
+pub struct Window {
+    pub problem: Problem,
+    /// By picture.
+    pub states: Vec<Key<NavState>>,
+    pub biases: Vec<Key<ImuBias>>,
+    pub landmarks: Vec<Key<Vector3<f64>>>,
+    pub extrinsics: Key<Isometry3<f64>>,
+    pub time_offset: Key<Vector1<f64>>,
+    pub gravity: Key<Gravity>,
+}
+// ANCHOR_END: window
+
+/// What is known beforehand.
+pub struct Known {
+    pub state: NavState,
+    pub bias: ImuBias,
+    pub rig: CameraImu,
+}
+
+// ANCHOR: sigmas
+/// The standard deviations of what is known: turns, velocity and position, in rad, m/s and m; the
+/// biases of gyroscope and accelerometer, in rad/s and m/s²; shifts and turns of the camera on the
+/// body, in m and rad; and the camera's clock, in s.
+pub const STATE: [f64; 9] = [0.002, 0.002, 0.002, 0.1, 0.1, 0.1, 0.01, 0.01, 0.01];
+pub const BIAS: [f64; 6] = [0.01, 0.01, 0.01, 0.1, 0.1, 0.1];
+pub const EXTRINSICS: [f64; 6] = [0.02, 0.02, 0.02, 0.01, 0.01, 0.01];
+pub const TIME_OFFSET: [f64; 1] = [0.01];
+// ANCHOR_END: sigmas
+
+impl<'a> From<&'a FlightRecording> for Sensors<'a> {
+    fn from(FlightRecording { flight, readings, pictures, .. }: &'a FlightRecording) -> Self {
+        let Flight { camera, noise, pixel_sigma, .. } = *flight;
+        Self { readings, pictures, camera, noise, pixel_sigma }
+    }
+}
+
+impl Window {
+    // ANCHOR: new
+    /// A window of all pictures, with a guess of the state at each.
+    pub fn new(
+        sensors: &Sensors,
+        guess: &[NavState],
+        known: &Known,
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut problem = Problem::new();
+        let mut window = Self {
+            states: guess.iter().map(|state| problem.add_variable(*state)).collect(),
+            biases: guess.iter().map(|_| problem.add_variable(known.bias)).collect(),
+            landmarks: Vec::new(),
+            extrinsics: problem.add_variable(known.rig.body_from_camera),
+            time_offset: problem.add_variable(Vector1::new(known.rig.time_offset)),
+            gravity: problem.add_variable(Gravity(GRAVITY)),
+            problem,
+        };
+        let turning = window.add_readings(sensors, &known.bias)?;
+        window.add_pixels(sensors, &turning)?;
+        Ok(window)
+    }
+    // ANCHOR_END: new
+
+    // ANCHOR: readings
+    /// What the readings between the pictures say. Returns the angular velocity at each picture.
+    fn add_readings(
+        &mut self,
+        sensors: &Sensors,
+        bias: &ImuBias,
+    ) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+        let noise = &sensors.noise;
+        let mut turning = Vec::new();
+        for (k, readings) in intervals(sensors)?.iter().enumerate() {
+            let sums = preintegrate_stamped(readings, Rule::Midpoint, LONGEST_STEP, bias, noise)?;
+            let (states, biases) =
+                ([self.states[k], self.states[k + 1]], [self.biases[k], self.biases[k + 1]]);
+            let inertial = InertialFactor::new(states, biases[0], self.gravity, sums)?;
+            self.problem.add_factor(inertial, Kernel::Squared)?;
+            let walk = BiasWalkFactor::new(biases, noise, sums.duration)?;
+            self.problem.add_factor(walk, Kernel::Squared)?;
+            let ends = [readings.first().filter(|_| k == 0), readings.last()];
+            turning.extend(ends.into_iter().flatten().map(|end| end.sample.corrected(bias).gyro));
+        }
+        Ok(turning)
+    }
+    // ANCHOR_END: readings
+
+    // ANCHOR: pixels
+    /// A landmark for each track of three pictures or more, where the predicted states see it, and
+    /// a factor for each of its pixels.
+    fn add_pixels(
+        &mut self,
+        sensors: &Sensors,
+        turning: &[Vector3<f64>],
+    ) -> Result<(), Box<dyn Error>> {
+        for seen in tracks(sensors).values().filter(|seen| seen.len() >= 3) {
+            let views: Vec<View> =
+                seen.iter().map(|(k, pixel)| self.view(sensors, *k, *pixel)).collect();
+            let Ok(place) = triangulate(&views, LEAST_PARALLAX) else { continue };
+            let landmark = self.problem.add_variable(place);
+            self.landmarks.push(landmark);
+            for &(k, pixel) in seen {
+                let factor = PixelByBody {
+                    state: self.states[k],
+                    landmark,
+                    extrinsics: self.extrinsics,
+                    time_offset: self.time_offset,
+                    camera: sensors.camera,
+                    angular_velocity: turning[k],
+                    pixel,
+                    inverse_sigma: 1.0 / sensors.pixel_sigma,
+                };
+                self.problem.add_factor(factor, Kernel::Squared)?;
+            }
+        }
+        Ok(())
+    }
+    // ANCHOR_END: pixels
+
+    /// What the camera saw from a state as it stands now.
+    fn view(&self, sensors: &Sensors, picture: usize, pixel: Vector2<f64>) -> View {
+        let values = self.problem.values();
+        let body_from_camera = values[self.extrinsics];
+        let camera_from_world = (values[self.states[picture]].pose() * body_from_camera).inverse();
+        View { camera: sensors.camera, camera_from_world, pixel, sigma: sensors.pixel_sigma }
+    }
+
+    // ANCHOR: priors
+    /// Adds what is known beforehand.
+    pub fn add_priors(&mut self, known: &Known) -> Result<(), Box<dyn Error>> {
+        let (problem, CameraImu { body_from_camera, time_offset }) = (&mut self.problem, known.rig);
+        near(problem, self.states[0], known.state, STATE)?;
+        near(problem, self.biases[0], known.bias, BIAS)?;
+        near(problem, self.extrinsics, body_from_camera, EXTRINSICS)?;
+        near(problem, self.time_offset, Vector1::new(time_offset), TIME_OFFSET)
+    }
+    // ANCHOR_END: priors
+
+    // ANCHOR: solve
+    /// Solves with the landmarks eliminated first.
+    pub fn solve(&self) -> Result<Solution, SolveError> {
+        self.problem.solve_with(self.landmarks_first()?, &Options::default())
+    }
+
+    pub fn landmarks_first(&self) -> Result<Fronts, SolveError> {
+        let landmarks: Vec<usize> = self.landmarks.iter().map(Key::index).collect();
+        Fronts::new(&self.problem, &landmarks)
+    }
+    // ANCHOR_END: solve
+
+    // ANCHOR: take_out
+    /// Takes out the oldest state and its bias, keeps what the factors said that go with them, and
+    /// holds the linearization point of all that they said it about.
+    pub fn take_out_oldest(&mut self, values: &Values) -> Result<Vec<usize>, Box<dyn Error>> {
+        let oldest = [self.states.remove(0).index(), self.biases.remove(0).index()];
+        let named = self.problem.marginalize(values, &oldest)?;
+        self.problem.freeze_here(&named)?;
+        Ok(named)
+    }
+    // ANCHOR_END: take_out
+
+    // ANCHOR: moved
+    /// The window moved as a whole: turned about the origin by a rotation vector, then shifted.
+    fn moved(&self, turn: Vector3<f64>, shift: Vector3<f64>) -> Values {
+        let (rotation, mut values) = (so3::exp(&turn), self.problem.values().clone());
+        for &key in &self.states {
+            let NavState { world_from_body, velocity, position } = values[key];
+            let world_from_body = rotation * world_from_body;
+            let (velocity, position) = (rotation * velocity, rotation * position + shift);
+            values.set(key, NavState { world_from_body, velocity, position });
+        }
+        for &key in &self.landmarks {
+            values.set(key, rotation * values[key] + shift);
+        }
+        values.set(self.gravity, Gravity(rotation * values[self.gravity].0));
+        values
+    }
+    // ANCHOR_END: moved
+
+    // ANCHOR: free
+    /// The motions of the whole window that no measurement notices, and how many directions are
+    /// free in all.
+    pub fn free(&self) -> Result<(usize, Vec<&'static str>), Box<dyn Error>> {
+        let (problem, values) = (&self.problem, self.problem.values());
+        let (null_space, columns) = (problem.null_space(values)?, problem.columns());
+        let is_free = |turn, shift| {
+            let step = values.local(&self.moved(turn, shift));
+            let moving = step.iter().zip(&columns.of).filter(|(_, column)| column.is_some());
+            let direction = DVector::from_iterator(columns.count, moving.map(|(step, _)| *step));
+            null_space.leaves(&direction) < 1e-4
+        };
+        let named = MOTIONS.iter().filter(|(_, turn, shift)| is_free(1e-6 * turn, 1e-6 * shift));
+        Ok((null_space.nullity(), named.map(|(name, ..)| *name).collect()))
+    }
+    // ANCHOR_END: free
+}
+
+/// Turns and shifts by one.
+const MOTIONS: [(&str, Vector3<f64>, Vector3<f64>); 6] = [
+    ("shift along x", Vector3::new(0.0, 0.0, 0.0), Vector3::new(1.0, 0.0, 0.0)),
+    ("shift along y", Vector3::new(0.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0)),
+    ("shift along z", Vector3::new(0.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0)),
+    ("turn about x", Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.0)),
+    ("turn about y", Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 0.0)),
+    ("turn about z", Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 0.0, 0.0)),
+];
+
+/// By track, the pictures that show it and the pixels at which they do.
+fn tracks(sensors: &Sensors) -> BTreeMap<usize, Vec<(usize, Vector2<f64>)>> {
+    let mut tracks: BTreeMap<usize, Vec<(usize, Vector2<f64>)>> = BTreeMap::new();
+    for (k, picture) in sensors.pictures.iter().enumerate() {
+        for feature in &picture.features {
+            tracks.entry(feature.track).or_default().push((k, feature.pixel));
+        }
+    }
+    tracks
+}
+
+// ANCHOR: near
+/// Keeps a variable near an anchor.
+fn near<V: Manifold, const N: usize>(
+    problem: &mut Problem,
+    variable: Key<V>,
+    anchor: V,
+    sigmas: [f64; N],
+) -> Result<(), Box<dyn Error>> {
+    let sqrt_information = SMatrix::from_diagonal(&SVector::from(sigmas).map(f64::recip));
+    problem.add_factor(Prior { variable, anchor, sqrt_information }, Kernel::Squared)?;
+    Ok(())
+}
+// ANCHOR_END: near
+
+/// The readings from each picture to the next, by the time on the camera's clock.
+fn intervals(sensors: &Sensors) -> Result<Vec<Vec<StampedSample>>, WindowError> {
+    let pairs = sensors.pictures.windows(2);
+    pairs.map(|p| between(sensors.readings, p[0].nanoseconds, p[1].nanoseconds)).collect()
+}
+
+// ANCHOR: predicted
+/// The state at each picture, each from the one before it by the readings alone.
+pub fn predicted(sensors: &Sensors, known: &Known) -> Result<Vec<NavState>, WindowError> {
+    let (mut state, mut states) = (known.state, vec![known.state]);
+    for readings in intervals(sensors)? {
+        for pair in readings.windows(2) {
+            let [from, to] = [&pair[0], &pair[1]].map(|end| end.sample.corrected(&known.bias));
+            state = state.propagate_midpoint(&from, &to, &GRAVITY, pair[0].seconds_to(&pair[1]));
+        }
+        states.push(state);
+    }
+    Ok(states)
+}
+// ANCHOR_END: predicted
+
+// ANCHOR: flight
+/// Ten pictures of a flight whose camera is late by eight milliseconds, and the truth half a standard
+/// deviation off.
+pub fn flight() -> Result<(FlightRecording, Known), Box<dyn Error>> {
+    let mut flight = Flight {
+        seconds: 2.5,
+        picture_rate: 4.0,
+        tracks: 220,
+        ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
+    };
+    flight.rig.time_offset = 0.008;
+    let mut recording = flight.record(&flight.room(2.0, 1100, 1)?, 1)?;
+    // On a clock that is late, the first picture comes before the first reading.
+    recording.pictures.remove(0);
+    let (rig, truth) = (flight.rig, &recording.truth);
+    let known = Known {
+        state: near_to(&truth.states[1], &STATE),
+        bias: near_to(&truth.biases[1], &BIAS),
+        rig: CameraImu {
+            body_from_camera: near_to(&rig.body_from_camera, &EXTRINSICS),
+            time_offset: 0.0,
+        },
+    };
+    Ok((recording, known))
+}
+// ANCHOR_END: flight
+
+/// A value half a standard deviation off.
+fn near_to<V: Manifold>(value: &V, sigmas: &[f64]) -> V {
+    value.retract(&sigmas.iter().map(|sigma| 0.5 * sigma).collect::<Vec<_>>())
+}
+
+// ANCHOR: errors
+/// How far estimates are from the truth, and what their covariances say of that.
+fn print_errors(
+    window: &Window,
+    values: &Values,
+    flight: &Flight,
+    seconds: f64,
+) -> Result<(), SolveError> {
+    let covariance = window.problem.covariance_with(window.landmarks_first()?, values)?;
+    let last = window.states[window.states.len() - 1];
+    let (truth, rig) = (flight.motion.at(seconds).state, flight.rig);
+    let late = Vector1::new(rig.time_offset);
+    print("last position", 6..9, "mm", (last, &truth), values, &covariance);
+    print(
+        "camera on the body",
+        0..3,
+        "mm",
+        (window.extrinsics, &rig.body_from_camera),
+        values,
+        &covariance,
+    );
+    print("camera's clock", 0..1, "ms", (window.time_offset, &late), values, &covariance);
+    print("down", 0..2, "mrad", (window.gravity, &Gravity(GRAVITY)), values, &covariance);
+    Ok(())
+}
+
+/// Prints the length of some coordinates of the step from the truth to an estimate.
+fn print<V: Manifold>(
+    what: &str,
+    coordinates: Range<usize>,
+    unit: &str,
+    (key, truth): (Key<V>, &V),
+    values: &Values,
+    covariance: &Covariance,
+) {
+    let mut step = vec![0.0; truth.dimension()];
+    truth.local(&values[key], &mut step);
+    let length = |squares: f64| 1e3 * squares.sqrt();
+    let off = length(coordinates.clone().map(|at| step[at] * step[at]).sum());
+    let variances = covariance.of(key).map(|matrix| coordinates.map(|at| matrix[(at, at)]).sum());
+    println!(
+        "  {what}: {off:.2} {unit} off, {:.2} expected",
+        length(variances.unwrap_or(f64::NAN))
+    );
+}
+// ANCHOR_END: errors
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (recording, known) = flight()?;
+    let sensors = Sensors::from(&recording);
+    let mut window = Window::new(&sensors, &predicted(&sensors, &known)?, &known)?;
+    let (free, named) = window.free()?;
+    println!("without priors {free} directions are free: {}", named.join(", "));
+
+    window.add_priors(&known)?;
+    let Solution { values, report } = window.solve()?;
+    println!("{}: {} steps, 2F = {:.0}", report.stop, report.iterations.len(), 2.0 * report.cost);
+    let seconds = 1e-9 * recording.pictures[9].nanoseconds as f64;
+    print_errors(&window, &values, &recording.flight, seconds)?;
+
+    let named = window.take_out_oldest(&values)?.len();
+    println!("without the oldest state, of which {named} variables keep what was said:");
+    print_errors(&window, &window.solve()?.values, &recording.flight, seconds)?;
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! The window of `examples/window.rs`, with every system and with what is known of it changed.
+
+#[allow(dead_code)]
+#[path = "../examples/window.rs"]
+mod window;
+
+use nalgebra::DMatrix;
+use vislam::least_squares::{
+    Covariance, Dense, Fronts, Key, LinearSystem, Options, Problem, Solution,
+};
+use window::{Sensors, Window, flight, predicted};
+
+/// The window of the example, with priors.
+fn example() -> Window {
+    let (recording, known) = flight().unwrap();
+    let sensors = Sensors::from(&recording);
+    let mut window = Window::new(&sensors, &predicted(&sensors, &known).unwrap(), &known).unwrap();
+    window.add_priors(&known).unwrap();
+    window
+}
+
+/// To the last digit that there is.
+fn exactly() -> Options {
+    Options { decrease_tolerance: 1e-15, gradient_tolerance: 1e-10, ..Options::default() }
+}
+
+fn solved(problem: &Problem, system: impl LinearSystem) -> Solution {
+    problem.solve_with(system, &exactly()).unwrap()
+}
+
+#[test]
+fn the_window_is_as_large_as_it_says_and_converges() {
+    let window = example();
+    assert_eq!((window.states.len(), window.landmarks.len()), (10, 200));
+    let Solution { report, .. } = window.solve().unwrap();
+    assert!(report.stop.is_convergence(), "{}", report.stop);
+    let freedom = (window.problem.rows() - window.problem.columns().count) as f64;
+    assert!((2.0 * report.cost - freedom).abs() < 4.0 * (2.0 * freedom).sqrt());
+}
+
+#[test]
+fn without_priors_the_window_may_be_shifted_and_turned_and_nothing_else() {
+    let (recording, known) = flight().unwrap();
+    let sensors = Sensors::from(&recording);
+    let mut window = Window::new(&sensors, &predicted(&sensors, &known).unwrap(), &known).unwrap();
+    let (free, named) = window.free().unwrap();
+    assert_eq!((free, named.len()), (6, 6));
+    window.problem.hold(window.gravity).unwrap();
+    let (free, named) = window.free().unwrap();
+    assert_eq!(
+        (free, named),
+        (4, vec!["shift along x", "shift along y", "shift along z", "turn about z"])
+    );
+}
+
+#[test]
+fn all_systems_give_one_estimate_and_one_covariance() {
+    for known in [
+        [false; 3],
+        [true, true, true],
+        [true, false, false],
+        [false, true, false],
+        [false, false, true],
+    ] {
+        let mut window = example();
+        let problem = &mut window.problem;
+        let [extrinsics, time_offset, gravity] = known;
+        extrinsics.then(|| problem.hold(window.extrinsics).unwrap());
+        time_offset.then(|| problem.hold(window.time_offset).unwrap());
+        gravity.then(|| problem.hold(window.gravity).unwrap());
+
+        let along = Fronts::order_along(&window.problem, &trunk(&window)).unwrap();
+        let along = || Fronts::new(&window.problem, &along).unwrap();
+        let dense = solved(&window.problem, Dense::new(&window.problem).unwrap());
+        let covariance = window.problem.covariance(&dense.values).unwrap();
+        let least = window.problem.null_space(&dense.values).unwrap().least_seen.unwrap();
+        for (other, system) in [
+            (solved(&window.problem, along()), along()),
+            (
+                solved(&window.problem, window.landmarks_first().unwrap()),
+                window.landmarks_first().unwrap(),
+            ),
+        ] {
+            let moved = dense.values.local(&other.values);
+            let also = window.problem.covariance_with(system, &dense.values).unwrap();
+            for (at, of) in variables(&window, &covariance) {
+                let (one, two) = (of(&covariance), of(&also));
+                let coordinates = dense.values.coordinates_of(at).unwrap();
+                for (step, variance) in moved[coordinates].iter().zip(one.diagonal().iter()) {
+                    assert!(step.abs() < 1e-6 * variance.sqrt(), "variable {at}: {step:e}");
+                }
+                let off = (&one - two).norm() / one.norm();
+                assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
+            }
+        }
+    }
+}
+
+/// States and biases, by number, in the order of the flight.
+fn trunk(window: &Window) -> Vec<usize> {
+    let pairs = window.states.iter().zip(&window.biases);
+    pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
+}
+
+type Of = Box<dyn Fn(&Covariance) -> DMatrix<f64>>;
+
+/// Every variable that moves, by number, and how to ask for its covariance.
+fn variables(window: &Window, covariance: &Covariance) -> Vec<(usize, Of)> {
+    fn of<V: vislam::least_squares::Manifold>(key: Key<V>) -> (usize, Of) {
+        (key.index(), Box::new(move |covariance| covariance.of(key).unwrap_or_default()))
+    }
+    let states = window.states.iter().copied().map(of);
+    let biases = window.biases.iter().copied().map(of);
+    let landmarks = window.landmarks.iter().copied().map(of);
+    let rig = [of(window.extrinsics), of(window.time_offset), of(window.gravity)];
+    let all = states.chain(biases).chain(landmarks).chain(rig);
+    all.filter(|(_, of)| !of(covariance).is_empty()).collect()
+}
+
+#[test]
+fn what_is_taken_out_leaves_the_estimate_and_its_covariance() {
+    let mut window = example();
+    let values = solved(&window.problem, window.landmarks_first().unwrap()).values;
+    let before =
+        window.problem.covariance_with(window.landmarks_first().unwrap(), &values).unwrap();
+    let least = window.problem.null_space(&values).unwrap().least_seen.unwrap();
+    for _ in 0..3 {
+        window.take_out_oldest(&values).unwrap();
+        let after = solved(&window.problem, window.landmarks_first().unwrap());
+        let covariance =
+            window.problem.covariance_with(window.landmarks_first().unwrap(), &values).unwrap();
+        let moved = values.local(&after.values);
+        for (at, of) in variables(&window, &before) {
+            let (one, two) = (of(&before), of(&covariance));
+            let coordinates = values.coordinates_of(at).unwrap();
+            for (step, variance) in moved[coordinates].iter().zip(one.diagonal().iter()) {
+                assert!(step.abs() < 1e-5 * variance.sqrt(), "variable {at}: {step:e}");
+            }
+            let off = (&one - two).norm() / one.norm();
+            assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
+        }
+    }
+}
