@@ -26,7 +26,7 @@ use vislam::manifold::so3;
 use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
-use vislam::two_views::{LEAST_PARALLAX, View, triangulate};
+use vislam::two_views::{View, triangulate};
 
 // ANCHOR: sensors
 /// What was recorded, and what is known of the sensors.
@@ -46,7 +46,8 @@ pub struct Window {
     /// By picture.
     pub states: Vec<Key<NavState>>,
     pub biases: Vec<Key<ImuBias>>,
-    pub landmarks: Vec<Key<Vector3<f64>>>,
+    /// By track.
+    pub landmarks: BTreeMap<usize, Key<Vector3<f64>>>,
     pub extrinsics: Key<Isometry3<f64>>,
     pub time_offset: Key<Vector1<f64>>,
     pub gravity: Key<Gravity>,
@@ -70,6 +71,9 @@ pub const EXTRINSICS: [f64; 6] = [0.02, 0.02, 0.02, 0.01, 0.01, 0.01];
 pub const TIME_OFFSET: [f64; 1] = [0.01];
 // ANCHOR_END: sigmas
 
+/// Rays that meet at a smaller angle than this, in rad, make no landmark.
+const PARALLAX: f64 = 0.08;
+
 impl<'a> From<&'a FlightRecording> for Sensors<'a> {
     fn from(FlightRecording { flight, readings, pictures, .. }: &'a FlightRecording) -> Self {
         let Flight { camera, noise, pixel_sigma, .. } = *flight;
@@ -89,7 +93,7 @@ impl Window {
         let mut window = Self {
             states: guess.iter().map(|state| problem.add_variable(*state)).collect(),
             biases: guess.iter().map(|_| problem.add_variable(known.bias)).collect(),
-            landmarks: Vec::new(),
+            landmarks: BTreeMap::new(),
             extrinsics: problem.add_variable(known.rig.body_from_camera),
             time_offset: problem.add_variable(Vector1::new(known.rig.time_offset)),
             gravity: problem.add_variable(Gravity(GRAVITY)),
@@ -133,12 +137,12 @@ impl Window {
         sensors: &Sensors,
         turning: &[Vector3<f64>],
     ) -> Result<(), Box<dyn Error>> {
-        for seen in tracks(sensors).values().filter(|seen| seen.len() >= 3) {
+        for (track, seen) in tracks(sensors).iter().filter(|(_, seen)| seen.len() >= 3) {
             let views: Vec<View> =
                 seen.iter().map(|(k, pixel)| self.view(sensors, *k, *pixel)).collect();
-            let Ok(place) = triangulate(&views, LEAST_PARALLAX) else { continue };
+            let Ok(place) = triangulate(&views, PARALLAX) else { continue };
             let landmark = self.problem.add_variable(place);
-            self.landmarks.push(landmark);
+            self.landmarks.insert(*track, landmark);
             for &(k, pixel) in seen {
                 let factor = PixelByBody {
                     state: self.states[k],
@@ -183,7 +187,7 @@ impl Window {
     }
 
     pub fn landmarks_first(&self) -> Result<Fronts, SolveError> {
-        let landmarks: Vec<usize> = self.landmarks.iter().map(Key::index).collect();
+        let landmarks: Vec<usize> = self.landmarks.values().map(Key::index).collect();
         Fronts::new(&self.problem, &landmarks)
     }
     // ANCHOR_END: solve
@@ -209,7 +213,7 @@ impl Window {
             let (velocity, position) = (rotation * velocity, rotation * position + shift);
             values.set(key, NavState { world_from_body, velocity, position });
         }
-        for &key in &self.landmarks {
+        for &key in self.landmarks.values() {
             values.set(key, rotation * values[key] + shift);
         }
         values.set(self.gravity, Gravity(rotation * values[self.gravity].0));
@@ -246,7 +250,7 @@ const MOTIONS: [(&str, Vector3<f64>, Vector3<f64>); 6] = [
 ];
 
 /// By track, the pictures that show it and the pixels at which they do.
-fn tracks(sensors: &Sensors) -> BTreeMap<usize, Vec<(usize, Vector2<f64>)>> {
+pub fn tracks(sensors: &Sensors) -> BTreeMap<usize, Vec<(usize, Vector2<f64>)>> {
     let mut tracks: BTreeMap<usize, Vec<(usize, Vector2<f64>)>> = BTreeMap::new();
     for (k, picture) in sensors.pictures.iter().enumerate() {
         for feature in &picture.features {
@@ -271,7 +275,7 @@ fn near<V: Manifold, const N: usize>(
 // ANCHOR_END: near
 
 /// The readings from each picture to the next, by the time on the camera's clock.
-fn intervals(sensors: &Sensors) -> Result<Vec<Vec<StampedSample>>, WindowError> {
+pub fn intervals(sensors: &Sensors) -> Result<Vec<Vec<StampedSample>>, WindowError> {
     let pairs = sensors.pictures.windows(2);
     pairs.map(|p| between(sensors.readings, p[0].nanoseconds, p[1].nanoseconds)).collect()
 }

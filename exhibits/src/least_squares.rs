@@ -8,6 +8,7 @@ mod figures;
 mod numbers;
 mod oracle;
 mod robust;
+mod window;
 mod worked;
 
 use nalgebra::{
@@ -36,6 +37,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     kernels(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    window::exhibits(chapter);
 }
 
 fn sums_of_squares(chapter: &mut Chapter) {

@@ -55,7 +55,12 @@ impl Covariance {
     /// The covariance of one variable, whatever the others are: its *marginal*. It has a row for
     /// each coordinate that is not held. `None` when there is no such variable or all are.
     pub fn of<V: Manifold>(&self, variable: Key<V>) -> Option<DMatrix<f64>> {
-        self.between(variable, variable)
+        self.of_number(variable.index())
+    }
+
+    /// The same of a variable of any kind, by number.
+    pub fn of_number(&self, variable: usize) -> Option<DMatrix<f64>> {
+        self.between_numbers(variable, variable)
     }
 
     /// The covariance between two variables, with the rows of the first and the columns of the
@@ -67,8 +72,12 @@ impl Covariance {
         first: Key<V>,
         second: Key<W>,
     ) -> Option<DMatrix<f64>> {
+        self.between_numbers(first.index(), second.index())
+    }
+
+    fn between_numbers(&self, first: usize, second: usize) -> Option<DMatrix<f64>> {
         let columns = |index| self.columns.get(index).filter(|own: &&Vec<usize>| !own.is_empty());
-        let (rows, columns) = (columns(first.index())?, columns(second.index())?);
+        let (rows, columns) = (columns(first)?, columns(second)?);
         [rows[0], columns[0]].into_iter().find_map(|column| {
             let part = &self.parts[self.part_of[column]];
             let (rows, columns) = part.places(rows).zip(part.places(columns))?;

@@ -1,0 +1,363 @@
+//! The window of `examples/window.rs`: what it says of itself, what it costs, and a flight of a
+//! minute as one problem.
+
+use std::fmt::Write;
+use std::process::Command;
+use std::time::Instant;
+
+use nalgebra::{DVector, Isometry3, Vector1, Vector3};
+use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
+use vislam::least_squares::{
+    Covariance, Dense, Fronts, Key, LinearSystem, Manifold, Options, Problem, Search, Solution,
+    Values,
+};
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
+
+use crate::bundle_adjustment::consistency::band;
+use crate::chapter::Chapter;
+use crate::data::NotMade;
+use crate::random::Random;
+use crate::record::RecordValue;
+
+#[allow(dead_code)]
+#[path = "../../../code/examples/window.rs"]
+mod example;
+
+use example::{
+    BIAS, EXTRINSICS, Known, STATE, Sensors, TIME_OFFSET, Window, flight, intervals, predicted,
+    tracks,
+};
+
+const SEEDS: usize = 50;
+const SECONDS: f64 = 60.0;
+/// Of a state: turns, velocity, position.
+const DEGREES: f64 = 9.0;
+/// How far off the search begins, in standard deviations.
+const OFF: f64 = 5.0;
+
+/// Registers the numbers and the records.
+pub fn exhibits(chapter: &mut Chapter) {
+    numbers(chapter);
+    let inputs = vec![
+        ("seeds", format!("0 to {}", SEEDS - 1)),
+        ("motion", format!("Trajectory::figure_eight() for {SECONDS} s, 4 pictures a second")),
+        ("start", format!("{OFF} standard deviations off")),
+    ];
+    chapter.record("flight_consistency", inputs, consistency);
+    let inputs =
+        vec![("window", "that of examples/window.rs, calibration and gravity held".into())];
+    chapter.record_of_data("window_speed", &[], inputs, speed);
+}
+
+/// The window of the example as it comes from the readings, with priors.
+fn example_window() -> (FlightRecording, Window) {
+    let (recording, known) = flight().expect("the flight can be flown");
+    let sensors = Sensors::from(&recording);
+    let guess = predicted(&sensors, &known).expect("readings cover the pictures");
+    let mut window = Window::new(&sensors, &guess, &known).expect("the sensors fit the window");
+    window.add_priors(&known).expect("they fit the variables");
+    (recording, window)
+}
+
+fn numbers(chapter: &mut Chapter) {
+    let (recording, mut window) = example_window();
+    let Solution { values, report } = window.solve().expect("the window is determined");
+    let rows = window.problem.rows();
+    let columns = window.problem.columns().count;
+    chapter.number("window_states", window.states.len() as f64, "", 0);
+    chapter.number("window_landmarks", window.landmarks.len() as f64, "", 0);
+    chapter.number("window_rows", rows as f64, "", 0);
+    chapter.number("window_columns", columns as f64, "", 0);
+    chapter.number("window_steps", report.iterations.len() as f64, "", 0);
+    chapter.number("window_cost", 2.0 * report.cost, "", 0);
+    chapter.number("window_freedom", (rows - columns) as f64, "", 0);
+
+    let first = window.landmarks_first().expect("a problem");
+    let trunk: Vec<usize> = trunk(&window);
+    let order = Fronts::order_along(&window.problem, &trunk).expect("they exist");
+    let along = Fronts::new(&window.problem, &order).expect("a problem");
+    chapter.number("window_products_first", 1e-6 * first.products() as f64, "million", 1);
+    chapter.number("window_products_along", 1e-6 * along.products() as f64, "million", 1);
+    chapter.number("window_stored_first", 1e-3 * first.stored() as f64, "thousand", 0);
+    chapter.number("window_stored_along", 1e-3 * along.stored() as f64, "thousand", 0);
+
+    let covariance = window.problem.covariance_with(first, &values).expect("nothing is free");
+    let flight = &recording.flight;
+    let last = recording.pictures[recording.pictures.len() - 1].nanoseconds;
+    let truth = flight.motion.at(1e-9 * last as f64).state;
+    let late = Vector1::new(flight.rig.time_offset);
+    let gravity = Gravity(flight.gravity);
+    let mut error = |name, (off, sigma): (f64, f64), unit, scale: f64, decimals| {
+        let [off_name, sigma_name]: [&'static str; 2] = name;
+        chapter.number(off_name, scale * off, unit, decimals);
+        chapter.number(sigma_name, scale * sigma, unit, decimals);
+    };
+    let state = window.states[window.states.len() - 1];
+    let compared = compare(state, &truth, &values, &covariance, 6..9);
+    error(["window_position_off", "window_position_sigma"], compared, "mm", 1e3, 1);
+    let compared =
+        compare(window.extrinsics, &flight.rig.body_from_camera, &values, &covariance, 0..3);
+    error(["window_lever_off", "window_lever_sigma"], compared, "mm", 1e3, 1);
+    let compared = compare(window.time_offset, &late, &values, &covariance, 0..1);
+    error(["window_clock_off", "window_clock_sigma"], compared, "ms", 1e3, 2);
+    let compared = compare(window.gravity, &gravity, &values, &covariance, 0..2);
+    error(["window_down_off", "window_down_sigma"], compared, "mrad", 1e3, 2);
+
+    let named = window.take_out_oldest(&values).expect("it can go");
+    chapter.number("window_named", named.len() as f64, "", 0);
+    let after = window.solve().expect("it still is").values;
+    let moved = (after[state].position - values[state].position).norm();
+    chapter.number("window_moved_nm", 1e9 * moved, "nm", 1);
+}
+
+/// The length of some coordinates of the step from the truth to an estimate, and the root of the sum
+/// of their variances.
+fn compare<V: Manifold>(
+    key: Key<V>,
+    truth: &V,
+    values: &Values,
+    covariance: &Covariance,
+    coordinates: std::ops::Range<usize>,
+) -> (f64, f64) {
+    let mut step = vec![0.0; truth.dimension()];
+    truth.local(&values[key], &mut step);
+    let matrix = covariance.of(key).expect("it moves");
+    let off = coordinates.clone().map(|at| step[at] * step[at]).sum::<f64>();
+    (off.sqrt(), coordinates.map(|at| matrix[(at, at)]).sum::<f64>().sqrt())
+}
+
+fn trunk(window: &Window) -> Vec<usize> {
+    let pairs = window.states.iter().zip(&window.biases);
+    pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
+}
+
+/// What one flight gives: whether the search converged, its steps, and the normalized errors of the
+/// states in the middle and at the end.
+struct Flown {
+    converged: bool,
+    steps: usize,
+    errors: [f64; 2],
+}
+
+/// A flight of a minute as one problem, from a start that is off.
+fn fly(seed: u64) -> Flown {
+    let mut flight = Flight {
+        seconds: SECONDS,
+        picture_rate: 4.0,
+        tracks: 40,
+        ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
+    };
+    flight.rig.time_offset = 0.008;
+    let room = flight.room(2.0, 400, seed).expect("a room");
+    let mut recording = flight.record(&room, seed).expect("it can be flown");
+    recording.pictures.remove(0);
+    let sensors = Sensors::from(&recording);
+    let states = recording.pictures.iter();
+    let states: Vec<NavState> =
+        states.map(|picture| flight.motion.at(1e-9 * picture.nanoseconds as f64).state).collect();
+
+    // What is known has the errors that its standard deviations say.
+    let mut random = Random::new(seed);
+    let mut drawn = |sigmas: &[f64]| sigmas.iter().map(|s| random.normal(*s)).collect::<Vec<_>>();
+    let known = Known {
+        state: states[0].retract(&drawn(&STATE)),
+        bias: recording.truth.biases[1].retract(&drawn(&BIAS)),
+        rig: CameraImu {
+            body_from_camera: flight.rig.body_from_camera.retract(&drawn(&EXTRINSICS)),
+            time_offset: flight.rig.time_offset + drawn(&TIME_OFFSET)[0],
+        },
+    };
+    let mut window = Window::new(&sensors, &states, &known).expect("the sensors fit the window");
+    window.add_priors(&known).expect("they fit");
+    let order = Fronts::order_along(&window.problem, &trunk(&window)).expect("they exist");
+    let fronts = Fronts::new(&window.problem, &order).expect("a problem");
+    eprintln!(
+        "{} {} {} {} {}",
+        window.landmarks.len(),
+        window.problem.columns().count,
+        fronts.widest(),
+        fronts.products(),
+        fronts.stored()
+    );
+    let t = Instant::now();
+    let near = window.problem.values().clone();
+    let covariance =
+        window.problem.covariance_with(fronts.clone(), &near).expect("nothing is free");
+    let parts = (0..near.len()).filter_map(|variable| covariance.of_number(variable));
+    let variances = parts.flat_map(|part| part.diagonal().iter().copied().collect::<Vec<_>>());
+    let mut sign = || random.normal(1.0).signum();
+    let step: Vec<f64> = variances.map(|variance| OFF * sign() * variance.sqrt()).collect();
+    eprintln!("cov {:?}", t.elapsed());
+    let t = Instant::now();
+    window.problem.set_values(near.retract(&step)).expect("of the same variables");
+    let solution = window.problem.solve_with(fronts.clone(), &Options::default());
+    let Solution { values, report } = solution.expect("the start has a cost");
+    eprintln!("solve {:?} {} {}", t.elapsed(), report.iterations.len(), report.stop);
+    let covariance = window.problem.covariance_with(fronts, &values).expect("nothing is free");
+    let errors = [states.len() / 2, states.len() - 1].map(|at| {
+        let mut step = [0.0; 9];
+        values[window.states[at]].local(&states[at], &mut step);
+        let (error, matrix) = (DVector::from_row_slice(&step), covariance.of(window.states[at]));
+        let factor = matrix.and_then(|matrix| matrix.cholesky()).expect("positive");
+        error.dot(&factor.solve(&error))
+    });
+    Flown { converged: report.stop.is_convergence(), steps: report.iterations.len(), errors }
+}
+
+fn consistency() -> Vec<RecordValue> {
+    let flown: Vec<Flown> = (0..SEEDS as u64).map(fly).collect();
+    let value =
+        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-6 };
+    let runs = SEEDS as f64;
+    let mean = |at: usize| flown.iter().map(|flown| flown.errors[at]).sum::<f64>() / runs;
+    let [low, high] = band(0.05, runs * DEGREES).map(|end| end / runs);
+    let [run_low, run_high] = band(0.05, DEGREES);
+    let inside = |at: usize| {
+        let inside = |flown: &&Flown| (run_low..run_high).contains(&flown.errors[at]);
+        100.0 * flown.iter().filter(inside).count() as f64 / runs
+    };
+    let converged = flown.iter().filter(|flown| flown.converged).count();
+    let most = flown.iter().map(|flown| flown.steps).max().unwrap_or(0);
+    vec![
+        value("seeds", runs, "", 0),
+        value("converged", converged as f64, "", 0),
+        value("most_steps", most as f64, "", 0),
+        value("mean_middle", mean(0), "", 2),
+        value("mean_last", mean(1), "", 2),
+        value("low", low, "", 2),
+        value("high", high, "", 2),
+        value("inside_middle", inside(0), "%", 0),
+        value("inside_last", inside(1), "%", 0),
+    ]
+}
+
+/// The least time of an iteration in milliseconds, and twice the cost at the end.
+fn least<S: LinearSystem>(problem: &Problem, new: impl Fn() -> S) -> [f64; 2] {
+    let (mut least, mut cost) = (f64::INFINITY, 0.0);
+    let options = Options { decrease_tolerance: 1e-12, ..Options::default() };
+    for _ in 0..RUNS {
+        let mut search = Search::new(problem, new(), &options).expect("it has a cost");
+        let stop = loop {
+            let start = Instant::now();
+            match search.iterate(problem).expect("damped steps are determined") {
+                Some(stop) => break stop,
+                None => least = start.elapsed().as_secs_f64().min(least),
+            }
+        };
+        cost = 2.0 * search.finish(stop).report.cost;
+    }
+    [1e3 * least, cost]
+}
+
+const RUNS: usize = 20;
+
+/// The window with what GTSAM's factors take as known held, here and there in turn.
+fn speed() -> Result<Vec<RecordValue>, NotMade> {
+    let absent = "VISLAM_GTSAM is not set; let it name a Python that has gtsam";
+    let python = std::env::var("VISLAM_GTSAM").map_err(|_| NotMade::DataAbsent(absent.into()))?;
+    let (recording, mut window) = example_window();
+    window.problem.hold(window.extrinsics).expect("a variable");
+    window.problem.hold(window.time_offset).expect("a variable");
+    window.problem.hold(window.gravity).expect("a variable");
+    let file = std::env::temp_dir().join(format!("window-{}.csv", std::process::id()));
+    let failed = |error: &dyn std::fmt::Display| NotMade::Failed(format!("{python}: {error}"));
+    std::fs::write(&file, exported(&window, &recording)).map_err(|error| failed(&error))?;
+
+    let problem = &window.problem;
+    let order = Fronts::order_along(problem, &trunk(&window)).expect("they exist");
+    let mut best = [[f64::INFINITY; 2]; 4];
+    for _ in 0..TURNS {
+        let turn = [
+            least(problem, || Dense::new(problem).expect("a problem")),
+            least(problem, || window.landmarks_first().expect("a problem")),
+            least(problem, || Fronts::new(problem, &order).expect("they exist")),
+            theirs(&python, &file).map_err(|error| failed(&error))?,
+        ];
+        for (best, [time, cost]) in best.iter_mut().zip(turn) {
+            *best = [best[0].min(time), cost];
+        }
+    }
+    std::fs::remove_file(&file).map_err(|error| failed(&error))?;
+    let [dense, first, along, theirs] = best;
+    let value =
+        |name, value, unit, decimals, within| RecordValue { name, value, unit, decimals, within };
+    Ok(vec![
+        value("dense", dense[0], "ms", 1, 3.0),
+        value("first", first[0], "ms", 2, 3.0),
+        value("along", along[0], "ms", 1, 3.0),
+        value("gtsam", theirs[0], "ms", 1, 3.0),
+        value("ratio", first[0] / theirs[0], "", 2, 1.0),
+        value("cost", first[1], "", 2, 1e-6),
+        value("gtsam_cost", theirs[1], "", 2, 1e-6),
+    ])
+}
+
+const TURNS: usize = 3;
+
+/// What GTSAM says of the window in a file.
+fn theirs(python: &str, file: &std::path::Path) -> Result<[f64; 2], String> {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../code/examples/window_gtsam.py");
+    let output = Command::new(python).arg(script).arg(file).output().map_err(|e| e.to_string())?;
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let numbers: Vec<f64> = said.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    <[f64; 2]>::try_from(numbers).map_err(|_| complaint)
+}
+
+/// The window as `window_gtsam.py` reads it.
+fn exported(window: &Window, recording: &FlightRecording) -> String {
+    let (sensors, values) = (Sensors::from(recording), window.problem.values());
+    let mut lines = String::new();
+    let mut line = |kind: &str, numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+        writeln!(lines, "{kind},{}", numbers.join(",")).expect("a string takes it");
+    };
+    let pose = |pose: &Isometry3<f64>| {
+        let (q, t) = (pose.rotation, pose.translation);
+        [q.w, q.i, q.j, q.k, t.x, t.y, t.z]
+    };
+    for state in window.states.iter().map(|key| &values[*key]) {
+        line("state", &[pose(&state.pose()).as_slice(), state.velocity.as_slice()].concat());
+    }
+    line("bias", values[window.biases[0]].vector().as_slice());
+    line("extrinsics", &pose(&values[window.extrinsics]));
+    let noise = &sensors.noise;
+    let densities = [noise.gyro, noise.accelerometer, noise.gyro_walk, noise.accelerometer_walk];
+    line("noise", &densities);
+    let camera = sensors.camera;
+    line("camera", &[camera.fx, camera.fy, camera.cx, camera.cy, sensors.pixel_sigma]);
+    line("sigmas", &[STATE.as_slice(), &BIAS].concat());
+    let seen = tracks(&sensors);
+    for (number, (track, landmark)) in window.landmarks.iter().enumerate() {
+        line("landmark", values[*landmark].as_slice());
+        for (state, pixel) in &seen[track] {
+            line("pixel", &[*state as f64, number as f64, pixel.x, pixel.y]);
+        }
+    }
+    for (interval, readings) in intervals(&sensors).expect("covered").iter().enumerate() {
+        for pair in readings.windows(2) {
+            let mean = ImuSample::mean(&pair[0].sample, &pair[1].sample);
+            let when = [interval as f64, pair[0].seconds_to(&pair[1])];
+            line("reading", &[&when, mean.gyro.as_slice(), mean.accelerometer.as_slice()].concat());
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DEGREES, band, fly};
+
+    #[test]
+    fn a_minute_of_flight_converges_and_errs_as_much_as_it_says() {
+        let flown = fly(0);
+        assert!(flown.converged);
+        let [low, high] = band(1e-4, DEGREES);
+        assert!(
+            flown.errors.iter().all(|error| (low..high).contains(error)),
+            "{:?} after {} steps",
+            flown.errors,
+            flown.steps
+        );
+    }
+}
