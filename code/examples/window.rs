@@ -180,18 +180,6 @@ impl Window {
     }
     // ANCHOR_END: priors
 
-    // ANCHOR: solve
-    /// Solves with the landmarks eliminated first.
-    pub fn solve(&self) -> Result<Solution, SolveError> {
-        self.problem.solve_with(self.landmarks_first()?, &Options::default())
-    }
-
-    pub fn landmarks_first(&self) -> Result<Fronts, SolveError> {
-        let landmarks: Vec<usize> = self.landmarks.values().map(Key::index).collect();
-        Fronts::new(&self.problem, &landmarks)
-    }
-    // ANCHOR_END: solve
-
     // ANCHOR: take_out
     /// Takes out the oldest state and its bias, keeps what the factors said that go with them, and
     /// holds the linearization point of all that they said it about.
@@ -327,6 +315,13 @@ fn near_to<V: Manifold>(value: &V, sigmas: &[f64]) -> V {
     value.retract(&sigmas.iter().map(|sigma| 0.5 * sigma).collect::<Vec<_>>())
 }
 
+// ANCHOR: solve
+/// Solves with the variables eliminated in an order that fills in little.
+pub fn solve(problem: &Problem) -> Result<Solution, SolveError> {
+    problem.solve_with(Fronts::new(problem)?, &Options::default())
+}
+// ANCHOR_END: solve
+
 // ANCHOR: errors
 /// How far estimates are from the truth, and what their covariances say of that.
 fn print_errors(
@@ -335,7 +330,7 @@ fn print_errors(
     flight: &Flight,
     seconds: f64,
 ) -> Result<(), SolveError> {
-    let covariance = window.problem.covariance_with(window.landmarks_first()?, values)?;
+    let covariance = window.problem.covariance_with(Fronts::new(&window.problem)?, values)?;
     let last = window.states[window.states.len() - 1];
     let (truth, rig) = (flight.motion.at(seconds).state, flight.rig);
     let late = Vector1::new(rig.time_offset);
@@ -382,13 +377,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("without priors {free} directions are free: {}", named.join(", "));
 
     window.add_priors(&known)?;
-    let Solution { values, report } = window.solve()?;
+    let Solution { values, report } = solve(&window.problem)?;
     println!("{}: {} steps, 2F = {:.0}", report.stop, report.iterations.len(), 2.0 * report.cost);
     let seconds = 1e-9 * recording.pictures[9].nanoseconds as f64;
     print_errors(&window, &values, &recording.flight, seconds)?;
 
     let named = window.take_out_oldest(&values)?.len();
     println!("without the oldest state, of which {named} variables keep what was said:");
-    print_errors(&window, &window.solve()?.values, &recording.flight, seconds)?;
+    print_errors(&window, &solve(&window.problem)?.values, &recording.flight, seconds)?;
     Ok(())
 }

@@ -74,7 +74,7 @@ fn an_iteration_with_the_landmarks_eliminated_allocates_nothing() {
 #[test]
 fn an_iteration_with_fronts_allocates_nothing() {
     let problem = cameras_and_points();
-    let counts = each_iteration(&problem, Fronts::new(&problem, &[]).unwrap());
+    let counts = each_iteration(&problem, Fronts::new(&problem).unwrap());
     assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
 }
 

@@ -5,7 +5,7 @@
 mod window;
 
 use vislam::least_squares::{Dense, Fronts, LinearSystem, Options, Problem, Solution};
-use window::{Sensors, Window, flight, predicted};
+use window::{Sensors, Window, flight, predicted, solve};
 
 /// The window of the example, with priors.
 fn example() -> Window {
@@ -29,7 +29,7 @@ fn solved(problem: &Problem, system: impl LinearSystem) -> Solution {
 fn the_window_is_as_large_as_it_says_and_converges() {
     let window = example();
     assert_eq!((window.states.len(), window.landmarks.len()), (10, 200));
-    let Solution { report, .. } = window.solve().unwrap();
+    let Solution { report, .. } = solve(&window.problem).unwrap();
     assert!(report.stop.is_convergence(), "{}", report.stop);
     let freedom = (window.problem.rows() - window.problem.columns().count) as f64;
     assert!((2.0 * report.cost - freedom).abs() < 4.0 * (2.0 * freedom).sqrt());
@@ -67,15 +67,15 @@ fn all_systems_give_one_estimate_and_one_covariance() {
         gravity.then(|| problem.hold(window.gravity).unwrap());
 
         let along = Fronts::order_along(&window.problem, &trunk(&window)).unwrap();
-        let along = || Fronts::new(&window.problem, &along).unwrap();
+        let along = || Fronts::in_order(&window.problem, &along).unwrap();
         let dense = solved(&window.problem, Dense::new(&window.problem).unwrap());
         let covariance = window.problem.covariance(&dense.values).unwrap();
         let least = window.problem.null_space(&dense.values).unwrap().least_seen.unwrap();
         for (other, system) in [
             (solved(&window.problem, along()), along()),
             (
-                solved(&window.problem, window.landmarks_first().unwrap()),
-                window.landmarks_first().unwrap(),
+                solved(&window.problem, Fronts::new(&window.problem).unwrap()),
+                Fronts::new(&window.problem).unwrap(),
             ),
         ] {
             let moved = dense.values.local(&other.values);
@@ -103,15 +103,15 @@ fn trunk(window: &Window) -> Vec<usize> {
 #[test]
 fn what_is_taken_out_leaves_the_estimate_and_its_covariance() {
     let mut window = example();
-    let values = solved(&window.problem, window.landmarks_first().unwrap()).values;
+    let values = solved(&window.problem, Fronts::new(&window.problem).unwrap()).values;
     let before =
-        window.problem.covariance_with(window.landmarks_first().unwrap(), &values).unwrap();
+        window.problem.covariance_with(Fronts::new(&window.problem).unwrap(), &values).unwrap();
     let least = window.problem.null_space(&values).unwrap().least_seen.unwrap();
     for _ in 0..3 {
         window.take_out_oldest(&values).unwrap();
-        let after = solved(&window.problem, window.landmarks_first().unwrap());
+        let after = solved(&window.problem, Fronts::new(&window.problem).unwrap());
         let covariance =
-            window.problem.covariance_with(window.landmarks_first().unwrap(), &values).unwrap();
+            window.problem.covariance_with(Fronts::new(&window.problem).unwrap(), &values).unwrap();
         let moved = values.local(&after.values);
         for at in 0..values.len() {
             let Some(two) = covariance.of_number(at) else { continue };

@@ -175,14 +175,16 @@ fn add_rows<const R: usize, const N: usize>(
     (left, left_width, left_first, columns): Part,
     (right, width, first, _): Part,
 ) {
+    let left: [&[f64]; R] = from_fn(|row| &left[row * left_width + left_first..][..columns]);
     let right: [&[f64; N]; R] = from_fn(|row| {
         right[row * width + first..].first_chunk().expect("a row has N more columns")
     });
-    for column in 0..columns {
-        let slopes: [f64; R] = from_fn(|row| left[row * left_width + left_first + column]);
-        let Some(into) = into[column * stride..].first_chunk_mut::<N>() else { return };
-        for at in 0..N {
-            into[at] += (0..R).map(|row| slopes[row] * right[row][at]).sum::<f64>();
+    for (column, into) in into.chunks_mut(stride).take(columns).enumerate() {
+        let slopes = left.map(|row| row[column]);
+        for (at, sum) in into.iter_mut().take(N).enumerate() {
+            for (slope, row) in slopes.iter().zip(right) {
+                *sum += slope * row[at];
+            }
         }
     }
 }

@@ -9,6 +9,7 @@ use super::covariance::Part;
 use super::elimination_tree::{Node, Tree, elimination_tree};
 use super::front::{Run, Update, covariance_of_front, factorize, solve_transposed};
 use super::group::Point;
+use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Columns, Problem};
 use super::solver::{LinearSystem, Pivots, Prediction, SolveError};
 use super::{Covariance, Linearized};
@@ -43,14 +44,24 @@ pub struct Fronts {
 // ANCHOR_END: fronts
 
 impl Fronts {
-    // ANCHOR: new
-    /// Room for the steps of a problem whose variables, given by number, are eliminated in this
-    /// order. Those that it does not name come last, as they were added.
+    /// Room for the steps of a problem, in an order of elimination that fills in little:
+    /// [`Fronts::order_by_degree`].
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::NoFactors`] and [`SolveError::NothingFree`].
+    pub fn new(problem: &Problem) -> Result<Self, SolveError> {
+        Self::in_order(problem, &Self::order_by_degree(problem))
+    }
+
+    // ANCHOR: in_order
+    /// The same for variables, given by number, that are eliminated in this order. Those that it does
+    /// not name come last, as they were added.
     ///
     /// # Errors
     ///
     /// [`SolveError::NoFactors`], [`SolveError::NothingFree`] and [`SolveError::NoSuchVariable`].
-    pub fn new(problem: &Problem, order: &[usize]) -> Result<Self, SolveError> {
+    pub fn in_order(problem: &Problem, order: &[usize]) -> Result<Self, SolveError> {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
         let runs = runs_of(problem, &columns, &place);
@@ -74,7 +85,34 @@ impl Fronts {
             linear: Linearized::default(),
         })
     }
-    // ANCHOR_END: new
+    // ANCHOR_END: in_order
+
+    // ANCHOR: by_degree
+    /// An order that fills in little, whatever the problem: always a variable that is coupled with
+    /// the fewest columns of others by then.
+    pub fn order_by_degree(problem: &Problem) -> Vec<usize> {
+        let columns = problem.columns();
+        let block_of = |variable| {
+            columns.block_of(problem.values().coordinates_of(variable).unwrap_or_default())
+        };
+        let block_of: Vec<Option<usize>> = (0..problem.values().len()).map(block_of).collect();
+        let mut coupled = Vec::with_capacity(problem.len());
+        for group in (0..problem.group_count()).map(|group| problem.group(group)) {
+            for factor in 0..group.count() {
+                let mut blocks = Vec::new();
+                group.variables(factor, &mut |variable| blocks.extend(block_of[variable]));
+                coupled.push(blocks);
+            }
+        }
+        let sizes: Vec<usize> = columns.blocks.iter().map(ExactSizeIterator::len).collect();
+        let neighbours = neighbours(sizes.len(), coupled.into_iter());
+        let mut variable = vec![0; sizes.len()];
+        for (index, block) in block_of.iter().enumerate() {
+            block.iter().for_each(|block| variable[*block] = index);
+        }
+        minimum_degree(neighbours, &sizes).into_iter().map(|block| variable[block]).collect()
+    }
+    // ANCHOR_END: by_degree
 
     // ANCHOR: along
     /// The order along a trunk of variables, as the states of a flight are: each in turn, and before

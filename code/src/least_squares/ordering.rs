@@ -1,6 +1,7 @@
-//! An order of rows that keeps the envelope of a symmetric matrix small.
+//! Orders of the rows of a symmetric matrix in which little fills in.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
+use std::mem::take;
 
 // ANCHOR: envelope
 /// For each row, at its new place, the first column in which something stands. Between it and the
@@ -58,6 +59,36 @@ fn breadth_first(start: usize, neighbours: &[Vec<usize>]) -> Vec<usize> {
     }
     sequence
 }
+
+// ANCHOR: minimum_degree
+/// The rows in an order in which little fills in when they are eliminated: always one that is coupled
+/// with the fewest others by then ([@george1989]). Rows count by their sizes.
+pub fn minimum_degree(neighbours: Vec<Vec<usize>>, sizes: &[usize]) -> Vec<usize> {
+    let mut coupled: Vec<BTreeSet<usize>> =
+        neighbours.into_iter().map(|others| others.into_iter().collect()).collect();
+    let degree = |others: &BTreeSet<usize>| others.iter().map(|row| sizes[*row]).sum::<usize>();
+    let mut degrees: Vec<usize> = coupled.iter().map(degree).collect();
+    let mut left: BTreeSet<(usize, usize)> = degrees.iter().copied().zip(0..).collect();
+    let mut order = Vec::with_capacity(sizes.len());
+    while let Some((_, row)) = left.pop_first() {
+        order.push(row);
+        let others = take(&mut coupled[row]);
+        if others.len() == left.len() {
+            // All that is left is coupled with all.
+            order.extend(others);
+            break;
+        }
+        for &other in &others {
+            left.remove(&(degrees[other], other));
+            coupled[other].remove(&row);
+            coupled[other].extend(others.iter().filter(|third| **third != other));
+            degrees[other] = degree(&coupled[other]);
+            left.insert((degrees[other], other));
+        }
+    }
+    order
+}
+// ANCHOR_END: minimum_degree
 
 /// For each row those that share the matrix's blocks with it, from lists of rows of which every pair
 /// does.

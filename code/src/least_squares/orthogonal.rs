@@ -1,14 +1,13 @@
 //! The triangle of a sparse Jacobian, by orthogonal elimination of one variable after the other.
 
-use std::collections::BTreeSet;
 use std::mem::take;
-use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Columns;
 use super::group::Point;
 use super::null_space::{NullSpace, check_gap};
+use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
 use super::spectrum::scale_of;
@@ -53,14 +52,20 @@ impl Triangle {
             squares[*column] += slope * slope;
         }
         let scale = squares.map(|square| scale_of(square.sqrt()));
-        let blocks = order(&rows, &columns.blocks);
+        let blocks = &columns.blocks;
+        let coupled = rows.iter().map(|row| {
+            row.iter().map(|(column, _)| columns.block_with(*column)).collect::<Vec<_>>()
+        });
+        let sizes: Vec<usize> = blocks.iter().map(ExactSizeIterator::len).collect();
+        let order = minimum_degree(neighbours(blocks.len(), coupled), &sizes);
         let mut place = vec![0; columns.count];
-        blocks.iter().cloned().flatten().zip(0..).for_each(|(column, new)| place[column] = new);
+        let in_order = order.iter().flat_map(|block| blocks[*block].clone());
+        in_order.zip(0..).for_each(|(column, new)| place[column] = new);
         for (column, slope) in rows.iter_mut().flatten() {
             *slope *= scale[*column];
             *column = place[*column];
         }
-        let sizes: Vec<usize> = blocks.iter().map(ExactSizeIterator::len).collect();
+        let sizes: Vec<usize> = order.iter().map(|block| sizes[*block]).collect();
         let pieces = eliminate(&rows, &sizes);
         Ok(Self { rows, scale, place, pieces })
     }
@@ -163,29 +168,6 @@ fn beside(others: &[DVector<f64>], vector: &mut DVector<f64>) {
     }
     vector.normalize_mut();
 }
-
-// ANCHOR: order
-/// The blocks in an order of elimination that fills in little: first those of which no two share a
-/// row, those with the fewest neighbours before others, as landmarks are; then the rest as they
-/// stand.
-fn order(rows: &[SparseRow], blocks: &[Range<usize>]) -> Vec<Range<usize>> {
-    let block_of = |column: usize| blocks.partition_point(|block| block.end <= column);
-    let mut neighbours: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); blocks.len()];
-    for row in rows {
-        let named: BTreeSet<usize> = row.iter().map(|(column, _)| block_of(*column)).collect();
-        named.iter().for_each(|block| neighbours[*block].extend(&named));
-    }
-    let mut by_degree: Vec<usize> = (0..blocks.len()).collect();
-    by_degree.sort_by_key(|block| neighbours[*block].len());
-    let mut is_first = vec![false; blocks.len()];
-    for block in by_degree {
-        is_first[block] = !neighbours[block].iter().any(|neighbour| is_first[*neighbour]);
-    }
-    let (first, rest): (Vec<usize>, Vec<usize>) =
-        (0..blocks.len()).partition(|block| is_first[*block]);
-    first.into_iter().chain(rest).map(|block| blocks[block].clone()).collect()
-}
-// ANCHOR_END: order
 
 // ANCHOR: eliminate
 /// Front by front: all rows that contain the next variable are turned until only as many contain

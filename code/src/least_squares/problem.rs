@@ -552,7 +552,12 @@ impl Columns {
     /// Which block the coordinates of a variable have; `None` when all of them are held.
     pub(super) fn block_of(&self, coordinates: Range<usize>) -> Option<usize> {
         let first = self.of[coordinates].iter().flatten().next()?;
-        Some(self.blocks.partition_point(|block| block.end <= *first))
+        Some(self.block_with(*first))
+    }
+
+    /// Which block a column is in.
+    pub(super) fn block_with(&self, column: usize) -> usize {
+        self.blocks.partition_point(|block| block.end <= column)
     }
 }
 

@@ -73,7 +73,7 @@ fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
         let (expected, says) = step(&problem, Dense::new(&problem).unwrap(), damping);
         let size = expected.iter().fold(0.0, |most: f64, number| most.max(number.abs()));
         for order in &orders {
-            let (found, also) = step(&problem, Fronts::new(&problem, order).unwrap(), damping);
+            let (found, also) = step(&problem, Fronts::in_order(&problem, order).unwrap(), damping);
             let pairs = expected.iter().zip(&found);
             let off = pairs.fold(0.0, |most: f64, (one, other)| most.max((one - other).abs()));
             assert!(off < 1e-7 * size, "{off:e} of {size:e} with damping {damping}");
@@ -100,7 +100,7 @@ fn fronts_give_the_covariance_of_the_dense_system() {
     for order in
         [Fronts::order_along(&problem, &trunk).unwrap(), shuffled(problem.values().len(), 3)]
     {
-        let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
+        let fronts = Fronts::in_order(&problem, &order).unwrap().covariance(&problem, at).unwrap();
         let mut most: f64 = 0.0;
         let mut compare = |one: DMatrix<f64>, other: DMatrix<f64>| {
             most = most.max((&one - &other).norm() / one.norm());
@@ -114,7 +114,7 @@ fn fronts_give_the_covariance_of_the_dense_system() {
         assert!(most < 10.0 * f64::EPSILON * condition, "{most:e} at a condition of {condition:e}");
     }
     let order = Fronts::order_along(&problem, &trunk).unwrap();
-    let fronts = Fronts::new(&problem, &order).unwrap().covariance(&problem, at).unwrap();
+    let fronts = Fronts::in_order(&problem, &order).unwrap().covariance(&problem, at).unwrap();
     let states = of_kind::<NavState>(&problem);
     let met = fronts.between(states[3], states[4]).unwrap();
     let expected = dense.between(states[3], states[4]).unwrap();
@@ -128,5 +128,5 @@ fn an_order_of_variables_that_do_not_exist_is_refused() {
     let beyond = problem.values().len();
     let refused = SolveError::NoSuchVariable { variable: beyond };
     assert_eq!(Fronts::order_along(&problem, &[0, beyond]).unwrap_err(), refused);
-    assert_eq!(Fronts::new(&problem, &[beyond]).unwrap_err(), refused);
+    assert_eq!(Fronts::in_order(&problem, &[beyond]).unwrap_err(), refused);
 }
