@@ -129,7 +129,6 @@ impl Window {
     }
     // ANCHOR_END: readings
 
-    // ANCHOR: pixels
     /// A landmark for each track of three pictures or more, where the predicted states see it, and
     /// a factor for each of its pixels.
     fn add_pixels(
@@ -137,6 +136,7 @@ impl Window {
         sensors: &Sensors,
         turning: &[Vector3<f64>],
     ) -> Result<(), Box<dyn Error>> {
+        // ANCHOR: pixels
         for (track, seen) in tracks(sensors).iter().filter(|(_, seen)| seen.len() >= 3) {
             let views: Vec<View> =
                 seen.iter().map(|(k, pixel)| self.view(sensors, *k, *pixel)).collect();
@@ -157,9 +157,9 @@ impl Window {
                 self.problem.add_factor(factor, Kernel::Squared)?;
             }
         }
+        // ANCHOR_END: pixels
         Ok(())
     }
-    // ANCHOR_END: pixels
 
     /// What the camera saw from a state as it stands now.
     fn view(&self, sensors: &Sensors, picture: usize, pixel: Vector2<f64>) -> View {

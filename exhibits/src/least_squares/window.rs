@@ -50,14 +50,29 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.record_of_data("window_speed", &[], inputs, speed);
 }
 
-/// The window of the example as it comes from the readings, with priors.
-fn example_window() -> (FlightRecording, Window) {
+/// The window of the example as it comes from the readings, and what is known beforehand.
+fn without_priors() -> (FlightRecording, Known, Window) {
     let (recording, known) = flight().expect("the flight can be flown");
     let sensors = Sensors::from(&recording);
     let guess = predicted(&sensors, &known).expect("readings cover the pictures");
-    let mut window = Window::new(&sensors, &guess, &known).expect("the sensors fit the window");
+    let window = Window::new(&sensors, &guess, &known).expect("the sensors fit the window");
+    (recording, known, window)
+}
+
+/// The same with priors.
+fn example_window() -> (FlightRecording, Window) {
+    let (recording, known, mut window) = without_priors();
     window.add_priors(&known).expect("they fit the variables");
     (recording, window)
+}
+
+/// How many directions are free without priors, all of which have a name.
+fn free(change: impl FnOnce(&mut Window)) -> f64 {
+    let (_, _, mut window) = without_priors();
+    change(&mut window);
+    let (free, named) = window.free().expect("there is a gap");
+    assert_eq!(free, named.len());
+    free as f64
 }
 
 fn numbers(chapter: &mut Chapter) {
@@ -140,8 +155,8 @@ struct Flown {
     errors: [f64; 2],
 }
 
-/// A flight of a minute as one problem, from a start that is off.
-fn fly(seed: u64) -> Flown {
+/// A minute of the motion of the example, with fewer tracks.
+fn minute(seed: u64) -> FlightRecording {
     let mut flight = Flight {
         seconds: SECONDS,
         picture_rate: 4.0,
@@ -152,7 +167,13 @@ fn fly(seed: u64) -> Flown {
     let room = flight.room(2.0, 400, seed).expect("a room");
     let mut recording = flight.record(&room, seed).expect("it can be flown");
     recording.pictures.remove(0);
-    let sensors = Sensors::from(&recording);
+    recording
+}
+
+/// A flight of a minute as one problem, from a start that is off.
+fn fly(seed: u64) -> Flown {
+    let recording = minute(seed);
+    let (sensors, flight) = (Sensors::from(&recording), &recording.flight);
     let states = recording.pictures.iter();
     let states: Vec<NavState> =
         states.map(|picture| flight.motion.at(1e-9 * picture.nanoseconds as f64).state).collect();
