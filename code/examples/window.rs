@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use nalgebra::{DVector, Isometry3, SMatrix, SVector, Vector1, Vector2, Vector3};
 use vislam::datasets::tracks::Picture;
-use vislam::factors::{BiasWalkFactor, InertialFactor, PixelByBody, Prior};
+use vislam::factors::{CombinedInertialFactor, PixelByBody, Prior};
 use vislam::inertial::{
     CameraImu, GRAVITY, Gravity, ImuBias, ImuNoise, NavState, StampedSample, WindowError, between,
 };
@@ -23,7 +23,7 @@ use vislam::least_squares::{
     Covariance, Fronts, Kernel, Key, Manifold, Options, Problem, Solution, SolveError, Values,
 };
 use vislam::manifold::so3;
-use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
+use vislam::preintegration::CombinedPreintegrator;
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::{View, triangulate};
@@ -89,6 +89,9 @@ impl Window {
         guess: &[NavState],
         known: &Known,
     ) -> Result<Self, Box<dyn Error>> {
+        if guess.len() != sensors.pictures.len() {
+            return Err("give one guess of a state for each picture".into());
+        }
         let mut problem = Problem::new();
         let mut window = Self {
             states: guess.iter().map(|state| problem.add_variable(*state)).collect(),
@@ -112,16 +115,18 @@ impl Window {
         sensors: &Sensors,
         bias: &ImuBias,
     ) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
-        let noise = &sensors.noise;
         let mut turning = Vec::new();
         for (k, readings) in intervals(sensors)?.iter().enumerate() {
-            let sums = preintegrate_stamped(readings, Rule::Midpoint, LONGEST_STEP, bias, noise)?;
-            let (states, biases) =
-                ([self.states[k], self.states[k + 1]], [self.biases[k], self.biases[k + 1]]);
-            let inertial = InertialFactor::new(states, biases[0], self.gravity, sums)?;
-            self.problem.add_factor(inertial, Kernel::Squared)?;
-            let walk = BiasWalkFactor::new(biases, noise, sums.duration)?;
-            self.problem.add_factor(walk, Kernel::Squared)?;
+            let mut sums = CombinedPreintegrator::new(bias, &sensors.noise)?;
+            for pair in readings.windows(2) {
+                let dt = pair[0].seconds_to(&pair[1]);
+                sums.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)?;
+            }
+            let states = [self.states[k], self.states[k + 1]];
+            let biases = [self.biases[k], self.biases[k + 1]];
+            let factor =
+                CombinedInertialFactor::new(states, biases, self.gravity, &sums.finish()?)?;
+            self.problem.add_factor(factor, Kernel::Squared)?;
             let ends = [readings.first().filter(|_| k == 0), readings.last()];
             turning.extend(ends.into_iter().flatten().map(|end| end.sample.corrected(bias).gyro));
         }

@@ -48,17 +48,17 @@ for state, landmark, u, v in lines["pixel"]:
     graph.add(gtsam.GenericProjectionFactorCal3_S2(
         np.array([u, v]), noise, X(int(state)), L(int(landmark)), calibration, extrinsics))
 
-parameters = gtsam.PreintegrationParams.MakeSharedU(9.81)
+parameters = gtsam.PreintegrationCombinedParams.MakeSharedU(9.81)
 parameters.setGyroscopeCovariance(np.eye(3) * gyro**2)
 parameters.setAccelerometerCovariance(np.eye(3) * accelerometer**2)
 parameters.setIntegrationCovariance(np.zeros((3, 3)))
+parameters.setBiasOmegaCovariance(np.eye(3) * gyro_walk**2)
+parameters.setBiasAccCovariance(np.eye(3) * accelerometer_walk**2)
 for k in range(len(lines["state"]) - 1):
-    sums = gtsam.PreintegratedImuMeasurements(parameters, bias)
+    sums = gtsam.PreintegratedCombinedMeasurements(parameters, bias)
     for _, seconds, *reading in (line for line in lines["reading"] if line[0] == k):
         sums.integrateMeasurement(np.array(reading[3:]), np.array(reading[:3]), seconds)
-    graph.add(gtsam.ImuFactor(X(k), V(k), X(k + 1), V(k + 1), B(k), sums))
-    walk = np.sqrt(sums.deltaTij()) * np.array([accelerometer_walk] * 3 + [gyro_walk] * 3)
-    graph.add(gtsam.BetweenFactorConstantBias(B(k), B(k + 1), gtsam.imuBias.ConstantBias(), diagonal(walk)))
+    graph.add(gtsam.CombinedImuFactor(X(k), V(k), X(k + 1), V(k + 1), B(k), B(k + 1), sums))
 graph.add(gtsam.PriorFactorPose3(X(0), values.atPose3(X(0)), diagonal([*sigmas[:3], *sigmas[6:9]])))
 graph.add(gtsam.PriorFactorVector(V(0), values.atVector(V(0)), diagonal(sigmas[3:6])))
 graph.add(gtsam.PriorFactorConstantBias(B(0), bias, diagonal([*sigmas[12:], *sigmas[9:12]])))

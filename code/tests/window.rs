@@ -4,8 +4,13 @@
 #[path = "../examples/window.rs"]
 mod window;
 
-use vislam::least_squares::{Dense, Fronts, LinearSystem, Options, Problem, Solution};
-use window::{Sensors, Window, flight, predicted, solve};
+use vislam::datasets::euroc::{GroundTruth, read_ground_truth};
+use vislam::datasets::recording::read_recording;
+use vislam::datasets::tracks::Picture;
+use vislam::inertial::{CameraImu, ImuNoise, NavState};
+use vislam::least_squares::{Dense, Fronts, Key, LinearSystem, Options, Problem, Solution};
+use vislam::reprojection::Pinhole;
+use window::{Known, Sensors, Window, flight, predicted, solve};
 
 /// The window of the example, with priors.
 fn example() -> Window {
@@ -124,4 +129,45 @@ fn what_is_taken_out_leaves_the_estimate_and_its_covariance() {
             assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
         }
     }
+}
+
+/// A file of the folder that `VISLAM_DATA` names.
+fn data(file: &str) -> String {
+    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
+    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
+}
+
+#[test]
+#[ignore = "needs the EuRoC flights in the folder that VISLAM_DATA names"]
+fn half_a_minute_of_a_real_flight_has_narrow_fronts_along_it() {
+    let recording = read_recording(&data("V1_01_30s_imu_and_tracks.csv")).unwrap();
+    let truth = read_ground_truth(&data("V1_01_groundtruth_20hz.csv")).unwrap();
+    let pictures: Vec<Picture> = recording.pictures.iter().step_by(2).cloned().collect();
+    let near = |picture: &Picture| {
+        let away = |truth: &&GroundTruth| truth.nanoseconds.abs_diff(picture.nanoseconds);
+        *truth.iter().min_by_key(away).expect("there are states")
+    };
+    let guess: Vec<NavState> = pictures.iter().map(|picture| near(picture).state).collect();
+    let rig = CameraImu { body_from_camera: recording.body_from_camera, time_offset: 0.0 };
+    let known = Known { state: guess[0], bias: near(&pictures[0]).bias, rig };
+    let sensors = Sensors {
+        readings: &recording.samples,
+        pictures: &pictures,
+        camera: Pinhole { fx: 1.0, fy: 1.0, cx: 0.0, cy: 0.0 },
+        noise: ImuNoise::euroc(),
+        pixel_sigma: 1.0 / recording.camera.fx,
+    };
+    let mut window = Window::new(&sensors, &guess, &known).unwrap();
+    window.add_priors(&known).unwrap();
+    assert_eq!(window.states.len(), 301);
+    let problem = &window.problem;
+    let in_order = |order: &[usize]| Fronts::in_order(problem, order).unwrap();
+    let along = in_order(&Fronts::order_along(problem, &trunk(&window)).unwrap());
+    let landmarks = window.landmarks.values().map(Key::index);
+    let first = in_order(&landmarks.chain(trunk(&window)).collect::<Vec<_>>());
+    assert!(along.widest() < 140, "{} columns", along.widest());
+    assert!(along.products() < 25_000_000, "{} products", along.products());
+    assert!(first.products() > 50 * along.products(), "{} products", first.products());
+    let by_degree = Fronts::new(problem).unwrap().products();
+    assert!(by_degree < 2 * along.products(), "{by_degree} products");
 }

@@ -1,11 +1,11 @@
 //! A pixel by the state of the body that carries the camera, the point that it shows, how the
 //! camera sits on the body and how late its clock is.
 
-use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, SMatrix, Vector1, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, SMatrix, Vector1, Vector2, Vector3};
 
-use crate::inertial::{CameraImu, NavState};
+use crate::inertial::NavState;
 use crate::least_squares::{Factor, Key};
-use crate::manifold::{se3, so3};
+use crate::manifold::so3;
 use crate::reprojection::CameraModel;
 
 // ANCHOR: by_state
@@ -69,27 +69,32 @@ pub struct PixelByBody<M> {
 type Around<'a> = (&'a NavState, &'a Vector3<f64>, &'a Isometry3<f64>, &'a Vector1<f64>);
 
 impl<M: CameraModel> PixelByBody<M> {
+    /// By how much the body turns in so many seconds.
+    fn turn(&self, seconds: f64) -> Rotation3<f64> {
+        if seconds == 0.0 {
+            Rotation3::identity()
+        } else {
+            so3::exp(&(seconds * self.angular_velocity))
+        }
+    }
+
     /// The body when the picture was taken: it has gone on with the velocity and angular velocity
     /// that it had.
     fn body_at_exposure(&self, state: &NavState, offset: f64) -> NavState {
         NavState {
-            world_from_body: so3::retract(
-                &state.world_from_body,
-                &(offset * self.angular_velocity),
-            ),
+            world_from_body: state.world_from_body * self.turn(offset),
             position: state.position + offset * state.velocity,
             ..*state
         }
     }
 
-    /// The landmark in camera coordinates, and the body when the picture was taken.
-    fn seen(
-        &self,
-        (state, landmark, extrinsics, offset): Around,
-    ) -> (Vector3<f64>, NavState, CameraImu) {
+    /// The landmark in camera coordinates, and the body when the picture was taken. It goes through
+    /// the body's frame, so that no rotation is made from two.
+    fn seen(&self, (state, landmark, extrinsics, offset): Around) -> (Vector3<f64>, NavState) {
         let body = self.body_at_exposure(state, offset.x);
-        let rig = CameraImu { body_from_camera: *extrinsics, time_offset: 0.0 };
-        (se3::transform(&rig.camera_from_world(&body), landmark), body, rig)
+        let in_body = body.world_from_body.inverse_transform_vector(&(landmark - body.position));
+        let from_camera = in_body - extrinsics.translation.vector;
+        (extrinsics.rotation.inverse_transform_vector(&from_camera), body)
     }
 }
 
@@ -104,7 +109,7 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
     }
 
     fn residual(&self, around: Around) -> Option<Vector2<f64>> {
-        let (point, _, _) = self.seen(around);
+        let (point, _) = self.seen(around);
         Some(self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel))
     }
 
@@ -112,14 +117,15 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
     /// Implements {eq:pixel-by-state}; by the extrinsics T_bc exp(ξ), the point in the camera moves
     /// by −ρ + P_c × φ; by the time offset, as by the velocities that the body has.
     fn linearize(&self, around: Around) -> Option<(Vector2<f64>, Self::Jacobians)> {
-        let (state, landmark, _, offset) = around;
-        let (point, body, rig) = self.seen(around);
+        let (state, landmark, extrinsics, offset) = around;
+        let (point, body) = self.seen(around);
         let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
         let by_camera_point = self.inverse_sigma * self.camera.projection_jacobian(&point)?;
-        let world_from_camera = rig.world_from_camera(&body).rotation.to_rotation_matrix();
-        let by_landmark = by_camera_point * world_from_camera.matrix().transpose();
+        let camera_from_body = extrinsics.rotation.to_rotation_matrix().transpose();
+        let camera_from_world = camera_from_body * body.world_from_body.transpose();
+        let by_landmark = by_camera_point * camera_from_world.matrix();
         let at_exposure = pixel_by_state(&body, landmark, &by_landmark);
-        let by_state = by_state_before(&at_exposure, &(offset.x * self.angular_velocity), offset.x);
+        let by_state = by_state_before(&at_exposure, &self.turn(offset.x), offset.x);
         let mut by_extrinsics = Matrix2x6::zeros();
         by_extrinsics.fixed_columns_mut::<3>(0).copy_from(&-by_camera_point);
         let turned = by_camera_point * so3::hat(&point);
@@ -135,11 +141,11 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
 /// state: φ is carried along by the turn, and p by the velocity.
 fn by_state_before(
     later: &SMatrix<f64, 2, 9>,
-    turn: &Vector3<f64>,
+    turn: &Rotation3<f64>,
     seconds: f64,
 ) -> SMatrix<f64, 2, 9> {
     let mut by_state = *later;
-    let carried = later.fixed_columns::<3>(0) * so3::exp(turn).matrix().transpose();
+    let carried = later.fixed_columns::<3>(0) * turn.matrix().transpose();
     by_state.fixed_columns_mut::<3>(0).copy_from(&carried);
     by_state.fixed_columns_mut::<3>(3).copy_from(&(seconds * later.fixed_columns::<3>(6)));
     by_state

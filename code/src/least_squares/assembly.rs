@@ -1,6 +1,7 @@
 //! The normal equations of a problem, written to where they are eliminated.
 
 use std::array::from_fn;
+use std::ops::Range;
 
 use super::Linearized;
 use super::elimination_tree::Tree;
@@ -10,21 +11,27 @@ use super::problem::{Columns, Problem};
 /// Where the products of all factors' derivatives go, factor by factor in the order of the problem.
 #[derive(Debug, Clone)]
 pub struct Assembly {
-    runs: Vec<Run>,
-    /// By factor, where its runs end.
+    segments: Vec<Placed>,
+    /// By factor, where its segments end.
     ends: Vec<usize>,
-    /// For each pair of a factor's runs, the earlier column's first, where their product begins.
+    /// For each pair of a factor's segments, the earlier one first, where their product begins.
     products: Vec<usize>,
 }
 
 /// Coordinates of one of a factor's variables whose columns follow each other.
 #[derive(Debug, Clone, Copy)]
-struct Run {
-    slot: usize,
-    first: usize,
-    len: usize,
-    /// The first of the columns, by their order of elimination.
-    column: usize,
+pub struct Segment {
+    pub slot: usize,
+    /// The first coordinate.
+    pub first: usize,
+    pub len: usize,
+    /// The first column, by its place in the order of elimination.
+    pub column: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    segment: Segment,
     /// From one of the columns to the next.
     stride: usize,
     /// Where the first one's right-hand side is.
@@ -32,53 +39,62 @@ struct Run {
 }
 // ANCHOR_END: assembly
 
-/// The runs of coordinates of all factors, factor by factor.
-pub fn runs_of(problem: &Problem, columns: &Columns, place: &[usize]) -> Vec<Vec<[usize; 4]>> {
-    let mut all = Vec::with_capacity(problem.len());
-    for group in (0..problem.group_count()).map(|group| problem.group(group)) {
-        for factor in 0..group.count() {
-            let (mut runs, mut slot): (Vec<[usize; 4]>, usize) = (Vec::new(), 0);
-            group.variables(factor, &mut |variable| {
-                let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
-                for (at, column) in columns.of[coordinates].iter().enumerate() {
-                    let Some(column) = column.map(|column| place[column]) else { continue };
-                    match runs.last_mut() {
-                        Some([last, first, len, start])
-                            if *last == slot && *first + *len == at && *start + *len == column =>
-                        {
-                            *len += 1;
+impl Segment {
+    /// The segments of all factors, each factor's by their columns.
+    pub fn of_factors(problem: &Problem, columns: &Columns, place: &[usize]) -> Vec<Vec<Self>> {
+        let mut all = Vec::with_capacity(problem.len());
+        for group in (0..problem.group_count()).map(|group| problem.group(group)) {
+            for factor in 0..group.count() {
+                let (mut segments, mut slot): (Vec<Self>, usize) = (Vec::new(), 0);
+                group.variables(factor, &mut |variable| {
+                    let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
+                    let columns = columns.of[coordinates].iter().enumerate();
+                    for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
+                        match segments.last_mut() {
+                            Some(last) if last.continues(slot, first, column) => last.len += 1,
+                            _ => segments.push(Self { slot, first, len: 1, column }),
                         }
-                        _ => runs.push([slot, at, 1, column]),
                     }
-                }
-                slot += 1;
-            });
-            runs.sort_by_key(|[.., column]| *column);
-            all.push(runs);
+                    slot += 1;
+                });
+                segments.sort_by_key(|segment| segment.column);
+                all.push(segments);
+            }
         }
+        all
     }
-    all
+
+    fn continues(&self, slot: usize, coordinate: usize, column: usize) -> bool {
+        let next = (self.slot, self.first + self.len, self.column + self.len);
+        next == (slot, coordinate, column)
+    }
+
+    /// Its columns.
+    pub fn columns(&self) -> Range<usize> {
+        self.column..self.column + self.len
+    }
 }
 
 impl Assembly {
-    /// From the runs of all factors.
-    pub fn new(runs_of_factors: &[Vec<[usize; 4]>], tree: &Tree) -> Self {
-        let (mut runs, mut ends, mut products) = (Vec::new(), Vec::new(), Vec::new());
-        for own in runs_of_factors {
-            for (at, &[slot, first, len, column]) in own.iter().enumerate() {
-                let stride = tree.nodes[tree.front_of(column)].width() + 1;
-                let right_side = tree.entry(column, None);
-                runs.push(Run { slot, first, len, column, stride, right_side });
-                products.extend(own[at..].iter().map(|later| tree.entry(column, Some(later[3]))));
+    /// From the segments of all factors.
+    pub fn new(segments_of_factors: &[Vec<Segment>], tree: &Tree) -> Self {
+        let (mut segments, mut ends, mut products) = (Vec::new(), Vec::new(), Vec::new());
+        for own in segments_of_factors {
+            for (at, &segment) in own.iter().enumerate() {
+                let stride = tree.nodes[tree.front_of(segment.column)].width() + 1;
+                let right_side = tree.entry(segment.column, None);
+                segments.push(Placed { segment, stride, right_side });
+                let entry = |later: &Segment| tree.entry(segment.column, Some(later.column));
+                products.extend(own[at..].iter().map(entry));
             }
-            ends.push(runs.len());
+            ends.push(segments.len());
         }
-        Self { runs, ends, products }
+        Self { segments, ends, products }
     }
 
     /// Adds what all factors say, once they are linearized.
     pub fn cursor(&self) -> Cursor<'_> {
-        Cursor { assembly: self, factor: 0, run: 0, product: 0 }
+        Cursor { assembly: self, factor: 0, segment: 0, product: 0 }
     }
 }
 
@@ -86,7 +102,7 @@ impl Assembly {
 pub struct Cursor<'a> {
     assembly: &'a Assembly,
     factor: usize,
-    run: usize,
+    segment: usize,
     product: usize,
 }
 
@@ -96,40 +112,39 @@ impl Cursor<'_> {
     #[inline(always)]
     pub fn add(&mut self, linear: &Linearized, into: &mut [f64]) {
         let rows = linear.rows();
-        for residual in linear.residuals().chunks_exact(rows).take(linear.len()).enumerate() {
-            let (place, residual) = residual;
+        let residuals = linear.residuals().chunks_exact(rows);
+        for (place, residual) in residuals.enumerate() {
             let end = self.assembly.ends[self.factor];
-            let runs = &self.assembly.runs[self.run..end];
-            (self.factor, self.run) = (self.factor + 1, end);
-            let part = |run: &Run| {
-                let width = linear.columns(run.slot);
-                let whole =
-                    &linear.jacobian(run.slot)[place * rows * width..(place + 1) * rows * width];
-                (whole, width, run.first, run.len)
+            let segments = &self.assembly.segments[self.segment..end];
+            (self.factor, self.segment) = (self.factor + 1, end);
+            let part = |Placed { segment: Segment { slot, first, len, .. }, .. }: &Placed| {
+                let width = linear.columns(*slot);
+                let size = rows * width;
+                (&linear.jacobian(*slot)[place * size..][..size], width, *first, *len)
             };
-            for (at, left) in runs.iter().enumerate() {
-                for right in &runs[at..] {
+            for (at, left) in segments.iter().enumerate() {
+                for right in &segments[at..] {
                     let product = &mut into[self.assembly.products[self.product]..];
                     self.product += 1;
                     add_product(product, left.stride, part(left), part(right));
-                    if at_same_columns(left, right) {
+                    if is_tied(&left.segment, &right.segment) {
                         add_product(product, left.stride, part(right), part(left));
                     }
                 }
-                let (slopes, width, first, len) = part(left);
-                for (slopes, residual) in slopes.chunks_exact(width).zip(residual) {
-                    for (column, slope) in slopes[first..first + len].iter().enumerate() {
-                        into[left.right_side + column * left.stride] += slope * residual;
-                    }
-                }
+                add_product(
+                    &mut into[left.right_side..],
+                    left.stride,
+                    part(left),
+                    (residual, 1, 0, 1),
+                );
             }
         }
     }
     // ANCHOR_END: add_products
 }
 
-/// Whether two variables of a factor are tied to one.
-fn at_same_columns(left: &Run, right: &Run) -> bool {
+/// Whether two variables of a factor take the same steps.
+fn is_tied(left: &Segment, right: &Segment) -> bool {
     left.slot != right.slot && left.column == right.column
 }
 

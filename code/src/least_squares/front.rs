@@ -204,11 +204,13 @@ fn sum<const N: usize>(numbers: [f64; N]) -> f64 {
 /// The step of a front's own columns, when that of the rest is known, from its columns of the
 /// factor and the eliminated right-hand side in their last row. Returns that side's square.
 pub fn solve_transposed(factor: &[f64], node: &Node, step: &mut [f64]) -> f64 {
-    let mut square = 0.0;
+    let (mut square, own) = (0.0, node.own.len());
     for (place, column) in node.own.clone().enumerate().rev() {
         let below = &factor[place * (node.width() + 1)..][..node.width() + 1];
-        let right = below[node.width()];
-        let known: f64 = node.columns().zip(below).skip(place + 1).map(|(c, l)| l * step[c]).sum();
+        let (right, nearer) = (below[node.width()], &step[column + 1..node.own.end]);
+        let nearer = nearer.iter().zip(&below[place + 1..own]).map(|(step, entry)| entry * step);
+        let rest = node.rest.iter().zip(&below[own..]).map(|(column, entry)| entry * step[*column]);
+        let known = nearer.sum::<f64>() + rest.sum::<f64>();
         step[column] = -(right + known) / below[place];
         square += right * right;
     }

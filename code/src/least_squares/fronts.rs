@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::assembly::{Assembly, runs_of};
+use super::assembly::{Assembly, Segment};
 use super::covariance::Part;
 use super::elimination_tree::{Node, Tree, elimination_tree};
 use super::front::{Run, Update, covariance_of_front, factorize, solve_transposed};
@@ -64,16 +64,16 @@ impl Fronts {
     pub fn in_order(problem: &Problem, order: &[usize]) -> Result<Self, SolveError> {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
-        let runs = runs_of(problem, &columns, &place);
-        let couplings = runs.iter().map(|runs| {
-            runs.iter().flat_map(|[.., len, column]| *column..column + len).collect::<Vec<_>>()
-        });
+        let segments = Segment::of_factors(problem, &columns, &place);
+        let couplings = segments
+            .iter()
+            .map(|of_factor| of_factor.iter().flat_map(Segment::columns).collect::<Vec<_>>());
         let tree = Tree::new(elimination_tree(&blocks, couplings));
         let (zeros, numbers) = (vec![0.0; columns.count], vec![0.0; tree.len()]);
         Ok(Self {
             columns,
             place,
-            assembly: Assembly::new(&runs, &tree),
+            assembly: Assembly::new(&segments, &tree),
             updates: (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect(),
             tree,
             hessian: numbers.clone(),

@@ -11,7 +11,8 @@
 //! - a Gauss-Newton step δ solves H δ = −g, with H = Σ w Jᵀ J.
 //!
 //! A [`Search`] goes from step to step over any [`LinearSystem`]: [`Dense`] normal equations are
-//! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks.
+//! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks seen by cameras
+//! alone, and [`Fronts`] for variables of any kinds, as a flight has them.
 //! [`Problem::null_space`] says what the factors leave free, whichever system solves for the rest.
 
 mod assembly;

@@ -9,7 +9,7 @@ use vislam::least_squares::{
 use vislam::observability::{BiasAssumption, UnknownCalibration};
 use vislam::simulation::{Flight, Trajectory, landmarks_around};
 
-use super::Draws;
+use super::{Between, Draws};
 
 /// The variables of one kind.
 fn of_kind<V: Manifold>(problem: &Problem) -> Vec<Key<V>> {
@@ -129,4 +129,49 @@ fn an_order_of_variables_that_do_not_exist_is_refused() {
     let refused = SolveError::NoSuchVariable { variable: beyond };
     assert_eq!(Fronts::order_along(&problem, &[0, beyond]).unwrap_err(), refused);
     assert_eq!(Fronts::in_order(&problem, &[beyond]).unwrap_err(), refused);
+}
+
+/// A wheel of points on a line: a hub that is measured against each of `count` others.
+fn wheel(count: usize) -> Problem {
+    let mut problem = Problem::new();
+    let hub = problem.add_variable(Isometry3::identity());
+    hold_near::<_, 6>(&mut problem, hub, 1.0);
+    for _ in 0..count {
+        let other = problem.add_variable(Isometry3::identity());
+        let between = Between { poses: [hub, other], measured: Isometry3::identity() };
+        problem.add_factor(between, Kernel::Squared).unwrap();
+    }
+    problem
+}
+
+#[test]
+fn fill_in_is_counted() {
+    // The triangle of a block of six has 21 numbers, a block below it 36.
+    for count in [1, 2, 5, 10] {
+        let problem = wheel(count);
+        let others: Vec<usize> = (1..=count).collect();
+        let spokes_first = Fronts::in_order(&problem, &others).unwrap();
+        assert_eq!(spokes_first.stored(), 21 * (count + 1) + 36 * count);
+        assert_eq!(spokes_first.widest(), 12);
+        let hub_first = Fronts::in_order(&problem, &[]).unwrap();
+        let columns = 6 * (count + 1);
+        assert_eq!(hub_first.stored(), columns * (columns + 1) / 2, "everything has filled in");
+        assert_eq!(hub_first.widest(), columns);
+        let sum = |columns: usize| (0..columns).map(|width| width * (width + 1) / 2).sum::<usize>();
+        assert_eq!(hub_first.products(), sum(columns));
+        assert_eq!(spokes_first.products(), count * (sum(12) - sum(6)) + sum(6));
+        assert_eq!(Fronts::new(&problem).unwrap().stored(), spokes_first.stored());
+    }
+}
+
+#[test]
+fn minimum_degree_is_no_worse_than_a_shuffled_order() {
+    let (problem, trunk) = window();
+    let products = |order: &[usize]| Fronts::in_order(&problem, order).unwrap().products();
+    let by_degree = products(&Fronts::order_by_degree(&problem));
+    assert_eq!(by_degree, Fronts::new(&problem).unwrap().products());
+    assert!(by_degree <= products(&Fronts::order_along(&problem, &trunk).unwrap()));
+    for seed in 0..5 {
+        assert!(by_degree < products(&shuffled(problem.values().len(), seed)));
+    }
 }

@@ -14,7 +14,7 @@ pub const DEGREES: f64 = 41.0;
 const RUNS: usize = 500;
 const LIVE_RUNS: usize = 100;
 /// Probability outside the band of the mean, and outside that of a single run.
-const OUTSIDE_MEAN: f64 = 0.001;
+pub const OUTSIDE_MEAN: f64 = 0.001;
 pub const OUTSIDE_RUN: f64 = 0.05;
 
 /// The normalized error of a ring's cameras, with noise of so many pixels where one was stated.

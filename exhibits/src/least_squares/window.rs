@@ -14,7 +14,7 @@ use vislam::least_squares::{
 use vislam::manifold::so3;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
-use crate::bundle_adjustment::consistency::band;
+use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN, band};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
 use crate::random::Random;
@@ -76,6 +76,11 @@ fn free(change: impl FnOnce(&mut Window)) -> f64 {
 }
 
 fn numbers(chapter: &mut Chapter) {
+    chapter.number("window_free", free(|_| {}), "", 0);
+    let held = |window: &mut Window| window.problem.hold(window.gravity).expect("a variable");
+    chapter.number("window_free_held", free(held), "", 0);
+    chapter.number("flight_off", OFF, "", 0);
+    chapter.number("flight_states", minute(0).pictures.len() as f64, "", 0);
     let (recording, mut window) = example_window();
     let Solution { values, report } =
         example::solve(&window.problem).expect("the window is determined");
@@ -219,8 +224,8 @@ fn consistency() -> Vec<RecordValue> {
         |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-6 };
     let runs = SEEDS as f64;
     let mean = |at: usize| flown.iter().map(|flown| flown.errors[at]).sum::<f64>() / runs;
-    let [low, high] = band(0.05, runs * DEGREES).map(|end| end / runs);
-    let [run_low, run_high] = band(0.05, DEGREES);
+    let [low, high] = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
+    let [run_low, run_high] = band(OUTSIDE_RUN, DEGREES);
     let inside = |at: usize| {
         let inside = |flown: &&Flown| (run_low..run_high).contains(&flown.errors[at]);
         100.0 * flown.iter().filter(inside).count() as f64 / runs
