@@ -60,9 +60,10 @@ fn breadth_first(start: usize, neighbours: &[Vec<usize>]) -> Vec<usize> {
     sequence
 }
 
-// ANCHOR: minimum_degree
 /// The rows in an order in which little fills in when they are eliminated: always one that is coupled
-/// with the fewest others by then ([@george1989]). Rows count by their sizes.
+/// with the fewest others by then ([@george1989]). Rows count by their sizes. When all that is left
+/// is coupled with all, any order will do.
+// ANCHOR: minimum_degree
 pub fn minimum_degree(neighbours: Vec<Vec<usize>>, sizes: &[usize]) -> Vec<usize> {
     let mut coupled: Vec<BTreeSet<usize>> =
         neighbours.into_iter().map(|others| others.into_iter().collect()).collect();
@@ -74,7 +75,6 @@ pub fn minimum_degree(neighbours: Vec<Vec<usize>>, sizes: &[usize]) -> Vec<usize
         order.push(row);
         let others = take(&mut coupled[row]);
         if others.len() == left.len() {
-            // All that is left is coupled with all.
             order.extend(others);
             break;
         }
