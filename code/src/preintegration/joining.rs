@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::{Deltas, Matrix9, Preintegrated, PreintegrationError};
+use super::{CombinedPreintegrated, Deltas, Matrix9, Preintegrated, PreintegrationError};
 use crate::manifold::so3;
 
 impl Deltas {
@@ -60,6 +60,25 @@ impl Preintegrated {
             greatest_force: self.greatest_force.max(later.greatest_force),
         };
         joined.checked()
+    }
+}
+
+impl CombinedPreintegrated {
+    /// The same for sums whose bias walks. The readings of the later interval are freed of the bias
+    /// that this one begins with, so what its deltas lack depends on how far the bias has walked until
+    /// then: r₂ becomes r₂ + J₂ w₁.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Preintegrated::then`].
+    pub fn then(&self, later: &Self) -> Result<Self, PreintegrationError> {
+        let mut sums = self.sums.then(&later.sums)?;
+        let (f, g) = transport(&self.sums.deltas, &later.sums.deltas, later.sums.duration);
+        let (with_bias, by_walk) = (f * self.with_bias, g * later.sums.bias_jacobian);
+        let half = (with_bias + 0.5 * by_walk * self.walk) * by_walk.transpose();
+        sums.covariance += half + half.transpose();
+        let with_bias = with_bias + g * later.with_bias + by_walk * self.walk;
+        Ok(Self { sums: sums.checked()?, with_bias, walk: self.walk + later.walk })
     }
 }
 

@@ -264,3 +264,31 @@ fn readings_that_cannot_be_summed_are_errors_with_a_walking_bias_too() {
     sums.integrate(&huge, DT).unwrap();
     assert!(matches!(sums.finish(), Err(PreintegrationError::Overflow { .. })));
 }
+
+#[test]
+fn two_intervals_joined_are_the_interval_summed_at_once_while_the_bias_walks() {
+    let mut random = Random::new(36);
+    for rule in [Rule::Euler, Rule::Midpoint] {
+        for split in [2, 13, 50, 98] {
+            let samples = random.motion().samples(&GRAVITY, DT, 101);
+            let bias = random.bias(0.1, 0.5);
+            let sums = |samples: &[ImuSample]| combined(samples, rule, DT, &bias, restless());
+            let whole = sums(&samples);
+            let (first, later) = (sums(&samples[..=split]), sums(&samples[split..]));
+            let joined = first.then(&later).unwrap();
+            assert!(difference(&whole.sums.deltas, &joined.sums.deltas).amax() < 1e-9);
+            let whiten = whole.sqrt_information().unwrap();
+            let off = whiten * joined.covariance() * whiten.transpose() - Matrix15::identity();
+            assert!(off.amax() < 1e-9, "{rule:?} split at {split}: {:e}", off.amax());
+            assert_abs_diff_eq!(joined.walk, whole.walk, epsilon = 1e-12);
+            // Without the walk of the first interval the later one would seem too sure.
+            let careless = first.sums.then(&later.sums).unwrap().covariance;
+            let left = (joined.sums.covariance - careless).symmetric_eigenvalues();
+            assert!(left.max() > 1e-6, "{left}");
+        }
+    }
+    let samples = random.motion().samples(&GRAVITY, DT, 11);
+    let at = |bias: &ImuBias| combined(&samples, Rule::Euler, DT, bias, restless());
+    let (one, other) = (at(&random.bias(0.1, 0.5)), at(&random.bias(0.1, 0.5)));
+    assert!(matches!(one.then(&other), Err(PreintegrationError::BiasesDiffer { .. })));
+}

@@ -76,6 +76,9 @@ fn free(change: impl FnOnce(&mut Window)) -> f64 {
 }
 
 fn numbers(chapter: &mut Chapter) {
+    let lever = EXTRINSICS[..3].iter().map(|sigma| sigma * sigma).sum::<f64>().sqrt();
+    chapter.number("window_lever_known", 1e3 * lever, "mm", 0);
+    chapter.number("window_clock_known", 1e3 * TIME_OFFSET[0], "ms", 0);
     chapter.number("window_free", free(|_| {}), "", 0);
     let held = |window: &mut Window| window.problem.hold(window.gravity).expect("a variable");
     chapter.number("window_free_held", free(held), "", 0);
@@ -126,9 +129,6 @@ fn numbers(chapter: &mut Chapter) {
 
     let named = window.take_out_oldest(&values).expect("it can go");
     chapter.number("window_named", named.len() as f64, "", 0);
-    let after = example::solve(&window.problem).expect("it still is").values;
-    let moved = (after[state].position - values[state].position).norm();
-    chapter.number("window_moved_nm", 1e9 * moved, "nm", 1);
 }
 
 /// The length of some coordinates of the step from the truth to an estimate, and the root of the sum
