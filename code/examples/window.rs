@@ -20,12 +20,13 @@ use vislam::inertial::{
     CameraImu, GRAVITY, Gravity, ImuBias, ImuNoise, NavState, StampedSample, WindowError, between,
 };
 use vislam::least_squares::{
-    Covariance, Fronts, Kernel, Key, Manifold, Options, Problem, Solution, SolveError, Values,
+    Covariance, Fronts, Kernel, Key, Manifold, NullSpace, Options, Problem, Solution, SolveError,
+    Values,
 };
 use vislam::manifold::so3;
 use vislam::preintegration::CombinedPreintegrator;
 use vislam::reprojection::Pinhole;
-use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::simulation::{Flight, FlightError, FlightRecording, Trajectory};
 use vislam::two_views::{View, triangulate};
 
 // ANCHOR: sensors
@@ -169,8 +170,8 @@ impl Window {
     /// What the camera saw from a state as it stands now.
     fn view(&self, sensors: &Sensors, picture: usize, pixel: Vector2<f64>) -> View {
         let values = self.problem.values();
-        let body_from_camera = values[self.extrinsics];
-        let camera_from_world = (values[self.states[picture]].pose() * body_from_camera).inverse();
+        let rig = CameraImu { body_from_camera: values[self.extrinsics], time_offset: 0.0 };
+        let camera_from_world = rig.camera_from_world(&values[self.states[picture]]);
         View { camera: sensors.camera, camera_from_world, pixel, sigma: sensors.pixel_sigma }
     }
 
@@ -184,6 +185,12 @@ impl Window {
         near(problem, self.time_offset, Vector1::new(time_offset), TIME_OFFSET)
     }
     // ANCHOR_END: priors
+
+    /// States and biases, by number, in the order of the flight.
+    pub fn trunk(&self) -> Vec<usize> {
+        let pairs = self.states.iter().zip(&self.biases);
+        pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
+    }
 
     // ANCHOR: take_out
     /// Takes out the oldest state and its bias, keeps what the factors said that go with them, and
@@ -224,7 +231,7 @@ impl Window {
             let step = values.local(&self.moved(turn, shift));
             let moving = step.iter().zip(&columns.of).filter(|(_, column)| column.is_some());
             let direction = DVector::from_iterator(columns.count, moving.map(|(step, _)| *step));
-            null_space.leaves(&direction) < 1e-4
+            null_space.leaves(&direction) < NullSpace::TOLERANCE
         };
         let named = MOTIONS.iter().filter(|(_, turn, shift)| is_free(1e-6 * turn, 1e-6 * shift));
         Ok((null_space.nullity(), named.map(|(name, ..)| *name).collect()))
@@ -289,20 +296,29 @@ pub fn predicted(sensors: &Sensors, known: &Known) -> Result<Vec<NavState>, Wind
 // ANCHOR_END: predicted
 
 // ANCHOR: flight
-/// Ten pictures of a flight whose camera is late by eight milliseconds, and the truth half a standard
-/// deviation off.
-pub fn flight() -> Result<(FlightRecording, Known), Box<dyn Error>> {
-    let mut flight = Flight {
-        seconds: 2.5,
-        picture_rate: 4.0,
-        tracks: 220,
-        ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
-    };
+/// A flight whose camera is late by eight milliseconds, with four pictures a second.
+pub fn record(
+    seconds: f64,
+    tracks: usize,
+    landmarks: usize,
+    seed: u64,
+) -> Result<FlightRecording, FlightError> {
+    let motion = Trajectory::figure_eight();
+    let flight = Flight { seconds, picture_rate: 4.0, tracks, ..Flight::new(motion) };
+    let mut flight = flight.with_lever(Vector3::new(0.1, 0.05, -0.02));
     flight.rig.time_offset = 0.008;
-    let mut recording = flight.record(&flight.room(2.0, 1100, 1)?, 1)?;
+    let mut recording = flight.record(&flight.room(2.0, landmarks, seed)?, seed)?;
     // On a clock that is late, the first picture comes before the first reading.
     recording.pictures.remove(0);
-    let (rig, truth) = (flight.rig, &recording.truth);
+    Ok(recording)
+}
+// ANCHOR_END: flight
+
+/// A window of ten pictures without priors, and what is known beforehand: the truth half a standard
+/// deviation off.
+pub fn without_priors() -> Result<(FlightRecording, Known, Window), Box<dyn Error>> {
+    let recording = record(2.5, 220, 1100, 1)?;
+    let (rig, truth) = (recording.flight.rig, &recording.truth);
     let known = Known {
         state: near_to(&truth.states[1], &STATE),
         bias: near_to(&truth.biases[1], &BIAS),
@@ -311,9 +327,10 @@ pub fn flight() -> Result<(FlightRecording, Known), Box<dyn Error>> {
             time_offset: 0.0,
         },
     };
-    Ok((recording, known))
+    let sensors = Sensors::from(&recording);
+    let window = Window::new(&sensors, &predicted(&sensors, &known)?, &known)?;
+    Ok((recording, known, window))
 }
-// ANCHOR_END: flight
 
 /// A value half a standard deviation off.
 fn near_to<V: Manifold>(value: &V, sigmas: &[f64]) -> V {
@@ -353,35 +370,48 @@ fn print_errors(
     Ok(())
 }
 
-/// Prints the length of some coordinates of the step from the truth to an estimate.
+/// Prints how far an estimate is off, in thousandths.
 fn print<V: Manifold>(
     what: &str,
     coordinates: Range<usize>,
     unit: &str,
-    (key, truth): (Key<V>, &V),
+    estimated: (Key<V>, &V),
     values: &Values,
     covariance: &Covariance,
 ) {
+    let (off, sigma) = compare(estimated, values, covariance, coordinates);
+    println!("  {what}: {:.2} {unit} off, {:.2} expected", 1e3 * off, 1e3 * sigma);
+}
+
+/// The length of some coordinates of the step from the truth to an estimate, and the root of the sum
+/// of their variances.
+pub fn compare<V: Manifold>(
+    (key, truth): (Key<V>, &V),
+    values: &Values,
+    covariance: &Covariance,
+    coordinates: Range<usize>,
+) -> (f64, f64) {
     let mut step = vec![0.0; truth.dimension()];
     truth.local(&values[key], &mut step);
-    let length = |squares: f64| 1e3 * squares.sqrt();
-    let off = length(coordinates.clone().map(|at| step[at] * step[at]).sum());
+    let off = coordinates.clone().map(|at| step[at] * step[at]).sum::<f64>();
     let variances = covariance.of(key).map(|matrix| coordinates.map(|at| matrix[(at, at)]).sum());
-    println!(
-        "  {what}: {off:.2} {unit} off, {:.2} expected",
-        length(variances.unwrap_or(f64::NAN))
-    );
+    (off.sqrt(), variances.unwrap_or(f64::NAN).sqrt())
 }
 // ANCHOR_END: errors
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (recording, known) = flight()?;
-    let sensors = Sensors::from(&recording);
-    let mut window = Window::new(&sensors, &predicted(&sensors, &known)?, &known)?;
+    let (recording, known, mut window) = without_priors()?;
     let (free, named) = window.free()?;
     println!("without priors {free} directions are free: {}", named.join(", "));
 
     window.add_priors(&known)?;
+    let along = Fronts::order_along(&window.problem, &window.trunk())?;
+    let products = |fronts: Fronts| 1e-6 * fronts.products() as f64;
+    println!(
+        "an elimination takes {:.1} million products, along the flight {:.1}",
+        products(Fronts::new(&window.problem)?),
+        products(Fronts::in_order(&window.problem, &along)?)
+    );
     let Solution { values, report } = solve(&window.problem)?;
     println!("{}: {} steps, 2F = {:.0}", report.stop, report.iterations.len(), 2.0 * report.cost);
     let seconds = 1e-9 * recording.pictures[9].nanoseconds as f64;

@@ -1,5 +1,7 @@
 //! What is read from files of recordings, and what is said of files that are not as they should be.
 
+mod measured;
+
 use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3, Vector6};
 use vislam::bundle_adjustment::{BalCamera, TinyBa};
@@ -11,6 +13,8 @@ use vislam::datasets::tracks::{Feature, Picture, read_tracks};
 use vislam::inertial::ImuBias;
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::PinholeError;
+
+use measured::data;
 
 // The inertial files of EuRoC.
 
@@ -316,12 +320,6 @@ fn a_fault_in_a_file_of_readings_and_tracks_is_told() {
 }
 
 // Files of real flights.
-
-/// A file of the folder that `VISLAM_DATA` names.
-fn data(file: &str) -> String {
-    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
-    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
-}
 
 #[test]
 #[ignore = "needs the EuRoC flights in the folder that VISLAM_DATA names"]

@@ -1,5 +1,7 @@
 //! What an inertial sensor reads on known motions, and the states that follow from it.
 
+mod measured;
+
 use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
 use vislam::datasets::euroc::{read_ground_truth, read_imu};
@@ -11,6 +13,8 @@ use vislam::least_squares::Manifold;
 use vislam::manifold::{se3, so3};
 use vislam::preintegration::{LONGEST_STEP, Rule, preintegrate_stamped};
 use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
+
+use measured::data;
 
 // ANCHOR: at_rest
 #[test]
@@ -435,12 +439,6 @@ fn an_interval_must_have_length_and_readings() {
     unsorted[2].nanoseconds = 5_000_000;
     let error = between(&unsorted, 1_000_000, 16_000_000).unwrap_err();
     assert_eq!(error, WindowError::Unsorted { nanoseconds: 5_000_000 });
-}
-
-/// A file of the folder that `VISLAM_DATA` names.
-fn data(file: &str) -> String {
-    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
-    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Preintegration on real flights. They are no part of the library: `VISLAM_DATA` names the folder
 //! in which `euroc/` holds them, and `cargo test --test real_flights -- --ignored` runs these tests.
 
+mod measured;
+
 use nalgebra::Vector3;
 use vislam::datasets::euroc::{GroundTruth, read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuNoise, between};
@@ -8,11 +10,7 @@ use vislam::preintegration::{
     LONGEST_STEP, Preintegrated, Rule, imu_residual, preintegrate_stamped,
 };
 
-/// A file of the folder that `VISLAM_DATA` names.
-fn data(file: &str) -> String {
-    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
-    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
-}
+use measured::data;
 
 /// Intervals of a second of the flight V1_01: their sums, and the states at their ends.
 fn seconds_of_v1_01() -> Vec<(Preintegrated, GroundTruth, GroundTruth)> {

@@ -4,19 +4,22 @@
 #[path = "../examples/window.rs"]
 mod window;
 
+mod measured;
+
+use measured::data;
 use vislam::datasets::euroc::{GroundTruth, read_ground_truth};
 use vislam::datasets::recording::read_recording;
 use vislam::datasets::tracks::Picture;
 use vislam::inertial::{CameraImu, ImuNoise, NavState};
-use vislam::least_squares::{Dense, Fronts, Key, LinearSystem, Options, Problem, Solution};
+use vislam::least_squares::{
+    Covariance, Dense, Fronts, Key, LinearSystem, Options, Problem, Solution, Values,
+};
 use vislam::reprojection::Pinhole;
-use window::{Known, Sensors, Window, flight, predicted, solve};
+use window::{Known, Sensors, Window, solve, without_priors};
 
 /// The window of the example, with priors.
 fn example() -> Window {
-    let (recording, known) = flight().unwrap();
-    let sensors = Sensors::from(&recording);
-    let mut window = Window::new(&sensors, &predicted(&sensors, &known).unwrap(), &known).unwrap();
+    let (_, known, mut window) = without_priors().unwrap();
     window.add_priors(&known).unwrap();
     window
 }
@@ -28,6 +31,27 @@ fn exactly() -> Options {
 
 fn solved(problem: &Problem, system: impl LinearSystem) -> Solution {
     problem.solve_with(system, &exactly()).unwrap()
+}
+
+/// That no variable moved by more than a part of its standard deviation, and that every covariance
+/// among the first is the same among the second, to rounding by the least singular value that is seen.
+fn assert_alike(
+    moved: &[f64],
+    most: f64,
+    [first, second]: [&Covariance; 2],
+    values: &Values,
+    least: f64,
+) {
+    for at in 0..values.len() {
+        let Some(one) = first.of_number(at) else { continue };
+        let two = second.of_number(at).unwrap();
+        let coordinates = values.coordinates_of(at).unwrap();
+        for (step, variance) in moved[coordinates].iter().zip(one.diagonal().iter()) {
+            assert!(step.abs() < most * variance.sqrt(), "variable {at}: {step:e}");
+        }
+        let off = (&one - two).norm() / one.norm();
+        assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
+    }
 }
 
 #[test]
@@ -42,9 +66,7 @@ fn the_window_is_as_large_as_it_says_and_converges() {
 
 #[test]
 fn without_priors_the_window_may_be_shifted_and_turned_and_nothing_else() {
-    let (recording, known) = flight().unwrap();
-    let sensors = Sensors::from(&recording);
-    let mut window = Window::new(&sensors, &predicted(&sensors, &known).unwrap(), &known).unwrap();
+    let (_, _, mut window) = without_priors().unwrap();
     let (free, named) = window.free().unwrap();
     assert_eq!((free, named.len()), (6, 6));
     window.problem.hold(window.gravity).unwrap();
@@ -71,7 +93,7 @@ fn all_systems_give_one_estimate_and_one_covariance() {
         time_offset.then(|| problem.hold(window.time_offset).unwrap());
         gravity.then(|| problem.hold(window.gravity).unwrap());
 
-        let along = Fronts::order_along(&window.problem, &trunk(&window)).unwrap();
+        let along = Fronts::order_along(&window.problem, &window.trunk()).unwrap();
         let along = || Fronts::in_order(&window.problem, &along).unwrap();
         let dense = solved(&window.problem, Dense::new(&window.problem).unwrap());
         let covariance = window.problem.covariance(&dense.values).unwrap();
@@ -85,24 +107,9 @@ fn all_systems_give_one_estimate_and_one_covariance() {
         ] {
             let moved = dense.values.local(&other.values);
             let also = window.problem.covariance_with(system, &dense.values).unwrap();
-            for at in 0..window.problem.values().len() {
-                let Some(one) = covariance.of_number(at) else { continue };
-                let two = also.of_number(at).unwrap();
-                let coordinates = dense.values.coordinates_of(at).unwrap();
-                for (step, variance) in moved[coordinates].iter().zip(one.diagonal().iter()) {
-                    assert!(step.abs() < 1e-6 * variance.sqrt(), "variable {at}: {step:e}");
-                }
-                let off = (&one - two).norm() / one.norm();
-                assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
-            }
+            assert_alike(&moved, 1e-6, [&covariance, &also], &dense.values, least);
         }
     }
-}
-
-/// States and biases, by number, in the order of the flight.
-fn trunk(window: &Window) -> Vec<usize> {
-    let pairs = window.states.iter().zip(&window.biases);
-    pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
 }
 
 #[test]
@@ -118,23 +125,8 @@ fn what_is_taken_out_leaves_the_estimate_and_its_covariance() {
         let covariance =
             window.problem.covariance_with(Fronts::new(&window.problem).unwrap(), &values).unwrap();
         let moved = values.local(&after.values);
-        for at in 0..values.len() {
-            let Some(two) = covariance.of_number(at) else { continue };
-            let one = before.of_number(at).unwrap();
-            let coordinates = values.coordinates_of(at).unwrap();
-            for (step, variance) in moved[coordinates].iter().zip(one.diagonal().iter()) {
-                assert!(step.abs() < 1e-5 * variance.sqrt(), "variable {at}: {step:e}");
-            }
-            let off = (&one - two).norm() / one.norm();
-            assert!(off < 10.0 * f64::EPSILON / least.powi(2), "variable {at}: {off:e}");
-        }
+        assert_alike(&moved, 1e-5, [&covariance, &before], &values, least);
     }
-}
-
-/// A file of the folder that `VISLAM_DATA` names.
-fn data(file: &str) -> String {
-    let folder = std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
-    std::fs::read_to_string(format!("{folder}/euroc/{file}")).expect("the file")
 }
 
 #[test]
@@ -162,9 +154,9 @@ fn half_a_minute_of_a_real_flight_has_narrow_fronts_along_it() {
     assert_eq!(window.states.len(), 301);
     let problem = &window.problem;
     let in_order = |order: &[usize]| Fronts::in_order(problem, order).unwrap();
-    let along = in_order(&Fronts::order_along(problem, &trunk(&window)).unwrap());
+    let along = in_order(&Fronts::order_along(problem, &window.trunk()).unwrap());
     let landmarks = window.landmarks.values().map(Key::index);
-    let first = in_order(&landmarks.chain(trunk(&window)).collect::<Vec<_>>());
+    let first = in_order(&landmarks.chain(window.trunk()).collect::<Vec<_>>());
     assert!(along.widest() < 140, "{} columns", along.widest());
     assert!(along.products() < 25_000_000, "{} products", along.products());
     assert!(first.products() > 50 * along.products(), "{} products", first.products());

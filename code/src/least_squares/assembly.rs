@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::Linearized;
 use super::elimination_tree::Tree;
+use super::group::FactorGroup;
 use super::problem::{Columns, Problem};
 
 // ANCHOR: assembly
@@ -42,26 +43,23 @@ struct Placed {
 impl Segment {
     /// The segments of all factors, each factor's by their columns.
     pub fn of_factors(problem: &Problem, columns: &Columns, place: &[usize]) -> Vec<Vec<Self>> {
-        let mut all = Vec::with_capacity(problem.len());
-        for group in (0..problem.group_count()).map(|group| problem.group(group)) {
-            for factor in 0..group.count() {
-                let (mut segments, mut slot): (Vec<Self>, usize) = (Vec::new(), 0);
-                group.variables(factor, &mut |variable| {
-                    let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
-                    let columns = columns.of[coordinates].iter().enumerate();
-                    for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
-                        match segments.last_mut() {
-                            Some(last) if last.continues(slot, first, column) => last.len += 1,
-                            _ => segments.push(Self { slot, first, len: 1, column }),
-                        }
+        let of_factor = |(group, factor): (&dyn FactorGroup, usize)| {
+            let (mut segments, mut slot): (Vec<Self>, usize) = (Vec::new(), 0);
+            group.variables(factor, &mut |variable| {
+                let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
+                let columns = columns.of[coordinates].iter().enumerate();
+                for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
+                    match segments.last_mut() {
+                        Some(last) if last.continues(slot, first, column) => last.len += 1,
+                        _ => segments.push(Self { slot, first, len: 1, column }),
                     }
-                    slot += 1;
-                });
-                segments.sort_by_key(|segment| segment.column);
-                all.push(segments);
-            }
-        }
-        all
+                }
+                slot += 1;
+            });
+            segments.sort_by_key(|segment| segment.column);
+            segments
+        };
+        problem.factors().map(of_factor).collect()
     }
 
     fn continues(&self, slot: usize, coordinate: usize, column: usize) -> bool {

@@ -96,16 +96,13 @@ impl Fronts {
             columns.block_of(problem.values().coordinates_of(variable).unwrap_or_default())
         };
         let block_of: Vec<Option<usize>> = (0..problem.values().len()).map(block_of).collect();
-        let mut coupled = Vec::with_capacity(problem.len());
-        for group in (0..problem.group_count()).map(|group| problem.group(group)) {
-            for factor in 0..group.count() {
-                let mut blocks = Vec::new();
-                group.variables(factor, &mut |variable| blocks.extend(block_of[variable]));
-                coupled.push(blocks);
-            }
-        }
+        let coupled = problem.factors().map(|(group, factor)| {
+            let mut blocks = Vec::new();
+            group.variables(factor, &mut |variable| blocks.extend(block_of[variable]));
+            blocks
+        });
         let sizes: Vec<usize> = columns.blocks.iter().map(ExactSizeIterator::len).collect();
-        let neighbours = neighbours(sizes.len(), coupled.into_iter());
+        let neighbours = neighbours(sizes.len(), coupled);
         let mut variable = vec![0; sizes.len()];
         for (index, block) in block_of.iter().enumerate() {
             block.iter().for_each(|block| variable[*block] = index);
@@ -128,16 +125,14 @@ impl Fronts {
             *turn.get_mut(variable).ok_or(SolveError::NoSuchVariable { variable })? = Some(at);
         }
         let mut last = turn.clone();
-        for group in (0..problem.group_count()).map(|group| problem.group(group)) {
-            for factor in 0..group.count() {
-                let mut latest = None;
-                group.variables(factor, &mut |variable| latest = latest.max(turn[variable]));
-                group.variables(factor, &mut |variable| {
-                    if turn[variable].is_none() {
-                        last[variable] = last[variable].max(latest);
-                    }
-                });
-            }
+        for (group, factor) in problem.factors() {
+            let mut latest = None;
+            group.variables(factor, &mut |variable| latest = latest.max(turn[variable]));
+            group.variables(factor, &mut |variable| {
+                if turn[variable].is_none() {
+                    last[variable] = last[variable].max(latest);
+                }
+            });
         }
         let mut order: Vec<usize> =
             (0..last.len()).filter(|variable| last[*variable].is_some()).collect();

@@ -402,6 +402,12 @@ impl Problem {
         &*self.groups[group].factors
     }
 
+    /// All factors: their group, and their place in it.
+    pub(super) fn factors(&self) -> impl Iterator<Item = (&dyn FactorGroup, usize)> {
+        let groups = self.groups.iter().map(|group| &*group.factors);
+        groups.flat_map(|group| (0..group.count()).map(move |factor| (group, factor)))
+    }
+
     /// The number of a factor in a group.
     pub(super) fn number(&self, group: usize, factor: u32) -> usize {
         self.groups[group].numbers[factor as usize]

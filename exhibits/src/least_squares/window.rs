@@ -5,14 +5,13 @@ use std::fmt::Write;
 use std::process::Command;
 use std::time::Instant;
 
-use nalgebra::{DVector, Isometry3, Vector1, Vector3};
+use nalgebra::{DVector, Isometry3, Vector1};
 use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
 use vislam::least_squares::{
-    Covariance, Dense, Fronts, Key, LinearSystem, Manifold, Options, Problem, Search, Solution,
-    Values,
+    Dense, Fronts, LinearSystem, Manifold, Options, Problem, Search, Solution,
 };
 use vislam::manifold::so3;
-use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::simulation::FlightRecording;
 
 use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN, band};
 use crate::chapter::Chapter;
@@ -25,8 +24,8 @@ use crate::record::RecordValue;
 mod example;
 
 use example::{
-    BIAS, EXTRINSICS, Known, STATE, Sensors, TIME_OFFSET, Window, flight, intervals, predicted,
-    tracks,
+    BIAS, EXTRINSICS, Known, STATE, Sensors, TIME_OFFSET, Window, compare, intervals, record,
+    tracks, without_priors,
 };
 
 const SEEDS: usize = 50;
@@ -50,25 +49,16 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.record_of_data("window_speed", &[], inputs, speed);
 }
 
-/// The window of the example as it comes from the readings, and what is known beforehand.
-fn without_priors() -> (FlightRecording, Known, Window) {
-    let (recording, known) = flight().expect("the flight can be flown");
-    let sensors = Sensors::from(&recording);
-    let guess = predicted(&sensors, &known).expect("readings cover the pictures");
-    let window = Window::new(&sensors, &guess, &known).expect("the sensors fit the window");
-    (recording, known, window)
-}
-
-/// The same with priors.
+/// The window of the example, with priors.
 fn example_window() -> (FlightRecording, Window) {
-    let (recording, known, mut window) = without_priors();
+    let (recording, known, mut window) = without_priors().expect("the flight fits the window");
     window.add_priors(&known).expect("they fit the variables");
     (recording, window)
 }
 
 /// How many directions are free without priors, all of which have a name.
 fn free(change: impl FnOnce(&mut Window)) -> f64 {
-    let (_, _, mut window) = without_priors();
+    let (_, _, mut window) = without_priors().expect("the flight fits the window");
     change(&mut window);
     let (free, named) = window.free().expect("there is a gap");
     assert_eq!(free, named.len());
@@ -98,7 +88,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("window_freedom", (rows - columns) as f64, "", 0);
 
     let first = Fronts::new(&window.problem).expect("a problem");
-    let order = Fronts::order_along(&window.problem, &trunk(&window)).expect("they exist");
+    let order = Fronts::order_along(&window.problem, &window.trunk()).expect("they exist");
     let along = Fronts::in_order(&window.problem, &order).expect("a problem");
     chapter.number("window_products", 1e-6 * first.products() as f64, "million", 1);
     chapter.number("window_products_along", 1e-6 * along.products() as f64, "million", 1);
@@ -117,39 +107,18 @@ fn numbers(chapter: &mut Chapter) {
         chapter.number(sigma_name, scale * sigma, unit, decimals);
     };
     let state = window.states[window.states.len() - 1];
-    let compared = compare(state, &truth, &values, &covariance, 6..9);
+    let compared = compare((state, &truth), &values, &covariance, 6..9);
     error(["window_position_off", "window_position_sigma"], compared, "mm", 1e3, 1);
     let compared =
-        compare(window.extrinsics, &flight.rig.body_from_camera, &values, &covariance, 0..3);
+        compare((window.extrinsics, &flight.rig.body_from_camera), &values, &covariance, 0..3);
     error(["window_lever_off", "window_lever_sigma"], compared, "mm", 1e3, 1);
-    let compared = compare(window.time_offset, &late, &values, &covariance, 0..1);
+    let compared = compare((window.time_offset, &late), &values, &covariance, 0..1);
     error(["window_clock_off", "window_clock_sigma"], compared, "ms", 1e3, 2);
-    let compared = compare(window.gravity, &gravity, &values, &covariance, 0..2);
+    let compared = compare((window.gravity, &gravity), &values, &covariance, 0..2);
     error(["window_down_off", "window_down_sigma"], compared, "mrad", 1e3, 2);
 
     let named = window.take_out_oldest(&values).expect("it can go");
     chapter.number("window_named", named.len() as f64, "", 0);
-}
-
-/// The length of some coordinates of the step from the truth to an estimate, and the root of the sum
-/// of their variances.
-fn compare<V: Manifold>(
-    key: Key<V>,
-    truth: &V,
-    values: &Values,
-    covariance: &Covariance,
-    coordinates: std::ops::Range<usize>,
-) -> (f64, f64) {
-    let mut step = vec![0.0; truth.dimension()];
-    truth.local(&values[key], &mut step);
-    let matrix = covariance.of(key).expect("it moves");
-    let off = coordinates.clone().map(|at| step[at] * step[at]).sum::<f64>();
-    (off.sqrt(), coordinates.map(|at| matrix[(at, at)]).sum::<f64>().sqrt())
-}
-
-fn trunk(window: &Window) -> Vec<usize> {
-    let pairs = window.states.iter().zip(&window.biases);
-    pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
 }
 
 /// What one flight gives: whether the search converged, its steps, and the normalized errors of the
@@ -162,17 +131,7 @@ struct Flown {
 
 /// A minute of the motion of the example, with fewer tracks.
 fn minute(seed: u64) -> FlightRecording {
-    let mut flight = Flight {
-        seconds: SECONDS,
-        picture_rate: 4.0,
-        tracks: 40,
-        ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
-    };
-    flight.rig.time_offset = 0.008;
-    let room = flight.room(2.0, 400, seed).expect("a room");
-    let mut recording = flight.record(&room, seed).expect("it can be flown");
-    recording.pictures.remove(0);
-    recording
+    record(SECONDS, 40, 400, seed).expect("it can be flown")
 }
 
 /// A flight of a minute as one problem, from a start that is off.
@@ -279,7 +238,7 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
     std::fs::write(&file, exported(&window, &recording)).map_err(|error| failed(&error))?;
 
     let problem = &window.problem;
-    let order = Fronts::order_along(problem, &trunk(&window)).expect("they exist");
+    let order = Fronts::order_along(problem, &window.trunk()).expect("they exist");
     let mut best = [[f64::INFINITY; 2]; 4];
     for _ in 0..TURNS {
         let turn = [
