@@ -20,8 +20,8 @@ use vislam::inertial::{
     CameraImu, GRAVITY, Gravity, ImuBias, ImuNoise, NavState, StampedSample, WindowError, between,
 };
 use vislam::least_squares::{
-    Covariance, Fronts, Kernel, Key, Manifold, NullSpace, Options, Problem, Solution, SolveError,
-    Values,
+    Covariance, Fronts, Kernel, Key, LandmarkElimination, Manifold, NullSpace, Options, Problem,
+    Solution, SolveError, Values,
 };
 use vislam::manifold::so3;
 use vislam::preintegration::CombinedPreintegrator;
@@ -186,11 +186,19 @@ impl Window {
     }
     // ANCHOR_END: priors
 
-    /// States and biases, by number, in the order of the flight.
-    pub fn trunk(&self) -> Vec<usize> {
+    // ANCHOR: tiles
+    /// By picture the state and its biases, by number.
+    pub fn tiles(&self) -> Vec<Vec<usize>> {
         let pairs = self.states.iter().zip(&self.biases);
-        pairs.flat_map(|(state, bias)| [state.index(), bias.index()]).collect()
+        pairs.map(|(state, bias)| vec![state.index(), bias.index()]).collect()
     }
+
+    /// A linear system that eliminates the landmarks first, one by one. Each state shares a row of
+    /// 15×15 blocks with its biases, and a pixel sees the first 9 coordinates of a row.
+    pub fn landmarks_first(&self) -> Result<LandmarkElimination<15, 9>, SolveError> {
+        LandmarkElimination::in_tiles::<Vector3<f64>>(&self.problem, &self.tiles())
+    }
+    // ANCHOR_END: tiles
 
     // ANCHOR: take_out
     /// Takes out the oldest state and its bias, keeps what the factors said that go with them, and
@@ -405,7 +413,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("without priors {free} directions are free: {}", named.join(", "));
 
     window.add_priors(&known)?;
-    let along = Fronts::order_along(&window.problem, &window.trunk())?;
+    let along = Fronts::order_along(&window.problem, &window.tiles().concat())?;
     let products = |fronts: Fronts| 1e-6 * fronts.products() as f64;
     println!(
         "an elimination takes {:.1} million products, along the flight {:.1}",

@@ -1,6 +1,10 @@
 //! A search takes its memory once. What an iteration allocates would be noticed by whoever has to
 //! be ready for the next picture.
 
+#[allow(dead_code)]
+#[path = "../examples/window.rs"]
+mod window;
+
 use nalgebra::{Isometry3, Vector2, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -69,6 +73,20 @@ fn an_iteration_with_the_landmarks_eliminated_allocates_nothing() {
     let system = LandmarkElimination::<6>::new::<Vector3<f64>>(&problem).unwrap();
     let counts = each_iteration(&problem, system);
     assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
+}
+
+#[test]
+fn an_iteration_of_a_window_with_the_landmarks_first_allocates_nothing() {
+    let (_, known, mut window) = window::without_priors().unwrap();
+    window.add_priors(&known).unwrap();
+    let options = Options { decrease_tolerance: 0.0, ..Options::default() };
+    let system = window.landmarks_first().unwrap();
+    let mut search = Search::new(&window.problem, system, &options).unwrap();
+    search.iterate(&window.problem).unwrap();
+    for _ in 0..4 {
+        let once = || assert!(search.iterate(&window.problem).unwrap().is_none());
+        assert_eq!(allocation_counter::measure(once).count_total, 0);
+    }
 }
 
 #[test]

@@ -7,15 +7,18 @@ mod window;
 mod measured;
 
 use measured::data;
+use nalgebra::{Isometry3, Matrix6, Vector2, Vector3};
 use vislam::datasets::euroc::{GroundTruth, read_ground_truth};
 use vislam::datasets::recording::read_recording;
 use vislam::datasets::tracks::Picture;
+use vislam::factors::{PixelByBody, Prior};
 use vislam::inertial::{CameraImu, ImuNoise, NavState};
 use vislam::least_squares::{
-    Covariance, Dense, Fronts, Key, LinearSystem, Options, Problem, Solution, Values,
+    Covariance, Dense, Fronts, Kernel, Key, LandmarkElimination, LinearSystem, Options, Problem,
+    Solution, SolveError, Values,
 };
 use vislam::reprojection::Pinhole;
-use window::{Known, Sensors, Window, solve, without_priors};
+use window::{Known, Sensors, Window, solve, tracks, without_priors};
 
 /// The window of the example, with priors.
 fn example() -> Window {
@@ -29,8 +32,16 @@ fn exactly() -> Options {
     Options { decrease_tolerance: 1e-15, gradient_tolerance: 1e-10, ..Options::default() }
 }
 
-fn solved(problem: &Problem, system: impl LinearSystem) -> Solution {
-    problem.solve_with(system, &exactly()).unwrap()
+/// The values at the minimum. A cost decides between two of them only to the root of its last digit,
+/// so the last steps are taken whatever it says.
+fn solved(problem: &mut Problem, system: impl LinearSystem + Clone) -> Values {
+    let start = problem.values().clone();
+    let near = problem.solve_with(system.clone(), &exactly()).unwrap().values;
+    problem.set_values(near).unwrap();
+    let last = Options { max_iterations: 4, ..Options::gauss_newton() };
+    let exact = problem.solve_with(system, &Options { decrease_tolerance: 0.0, ..last }).unwrap();
+    problem.set_values(start).unwrap();
+    exact.values
 }
 
 /// That no variable moved by more than a part of its standard deviation, and that every covariance
@@ -77,6 +88,36 @@ fn without_priors_the_window_may_be_shifted_and_turned_and_nothing_else() {
     );
 }
 
+/// What the dense system finds.
+struct Reference {
+    values: Values,
+    covariance: Covariance,
+    least: f64,
+}
+
+impl Reference {
+    fn of(problem: &mut Problem) -> Self {
+        let dense = Dense::new(problem).unwrap();
+        let values = solved(problem, dense);
+        let covariance = problem.covariance(&values).unwrap();
+        let least = problem.null_space(&values).unwrap().least_seen.unwrap();
+        Self { values, covariance, least }
+    }
+
+    /// That another system ends there too, and is as sure of it.
+    fn assert_same(&self, problem: &mut Problem, system: impl LinearSystem + Clone) {
+        let moved = self.values.local(&solved(problem, system.clone()));
+        let covariance = problem.covariance_with(system, &self.values).unwrap();
+        assert_alike(&moved, 1e-6, [&self.covariance, &covariance], &self.values, self.least);
+    }
+}
+
+/// That eliminating the landmarks first gives what the dense system does.
+fn assert_landmarks_first(window: &mut Window) {
+    let system = window.landmarks_first().unwrap();
+    Reference::of(&mut window.problem).assert_same(&mut window.problem, system);
+}
+
 #[test]
 fn all_systems_give_one_estimate_and_one_covariance() {
     for known in [
@@ -93,38 +134,108 @@ fn all_systems_give_one_estimate_and_one_covariance() {
         time_offset.then(|| problem.hold(window.time_offset).unwrap());
         gravity.then(|| problem.hold(window.gravity).unwrap());
 
-        let along = Fronts::order_along(&window.problem, &window.trunk()).unwrap();
-        let along = || Fronts::in_order(&window.problem, &along).unwrap();
-        let dense = solved(&window.problem, Dense::new(&window.problem).unwrap());
-        let covariance = window.problem.covariance(&dense.values).unwrap();
-        let least = window.problem.null_space(&dense.values).unwrap().least_seen.unwrap();
-        for (other, system) in [
-            (solved(&window.problem, along()), along()),
-            (
-                solved(&window.problem, Fronts::new(&window.problem).unwrap()),
-                Fronts::new(&window.problem).unwrap(),
-            ),
-        ] {
-            let moved = dense.values.local(&other.values);
-            let also = window.problem.covariance_with(system, &dense.values).unwrap();
-            assert_alike(&moved, 1e-6, [&covariance, &also], &dense.values, least);
+        let along = Fronts::order_along(&window.problem, &window.tiles().concat()).unwrap();
+        let along = Fronts::in_order(&window.problem, &along).unwrap();
+        let fronts = Fronts::new(&window.problem).unwrap();
+        let landmarks_first = window.landmarks_first().unwrap();
+        let reference = Reference::of(&mut window.problem);
+        reference.assert_same(&mut window.problem, along);
+        reference.assert_same(&mut window.problem, fronts);
+        reference.assert_same(&mut window.problem, landmarks_first);
+    }
+}
+
+/// The window with a second camera, in the place of the first and with a calibration of its own,
+/// that sees every other landmark.
+fn of_two_cameras() -> (Window, Key<Isometry3<f64>>) {
+    let (recording, known, mut window) = without_priors().unwrap();
+    window.add_priors(&known).unwrap();
+    let sensors = Sensors::from(&recording);
+    let extrinsics = window.problem.add_variable(known.rig.body_from_camera);
+    let anchor = known.rig.body_from_camera;
+    let prior =
+        Prior { variable: extrinsics, anchor, sqrt_information: 50.0 * Matrix6::identity() };
+    window.problem.add_factor(prior, Kernel::Squared).unwrap();
+    for (track, landmark) in window.landmarks.iter().step_by(2) {
+        for &(k, pixel) in &tracks(&sensors)[track] {
+            let factor = PixelByBody {
+                state: window.states[k],
+                landmark: *landmark,
+                extrinsics,
+                time_offset: window.time_offset,
+                camera: sensors.camera,
+                angular_velocity: Vector3::zeros(),
+                pixel: pixel + Vector2::new(0.3, -0.2),
+                inverse_sigma: 1.0 / sensors.pixel_sigma,
+            };
+            window.problem.add_factor(factor, Kernel::Squared).unwrap();
         }
     }
+    (window, extrinsics)
+}
+
+#[test]
+fn two_calibrations_stand_in_one_border() {
+    let (mut window, _) = of_two_cameras();
+    assert_landmarks_first(&mut window);
+    let (mut tied, second) = of_two_cameras();
+    tied.problem.tie(second, tied.extrinsics).unwrap();
+    assert_landmarks_first(&mut tied);
+}
+
+#[test]
+fn some_coordinates_of_a_state_and_of_the_border_may_be_held() {
+    let mut window = example();
+    window.problem.hold(window.biases[3]).unwrap();
+    window.problem.hold_coordinates(window.states[0], 6..9).unwrap();
+    window.problem.hold_coordinates(window.extrinsics, 3..6).unwrap();
+    assert_landmarks_first(&mut window);
+}
+
+#[test]
+fn tiles_that_do_not_fit_are_refused() {
+    type Tiles = LandmarkElimination<15, 9>;
+    let mut window = example();
+    let refused = |window: &Window, tiles: &[Vec<usize>]| {
+        Tiles::in_tiles::<Vector3<f64>>(&window.problem, tiles).unwrap_err()
+    };
+    let mut wide = window.tiles();
+    wide[0].push(window.extrinsics.index());
+    let variable = window.extrinsics.index();
+    let error = refused(&window, &wide);
+    assert_eq!(error, SolveError::Block { variable, found: 21, dimension: 15 });
+
+    let missing = window.problem.values().len();
+    let error = refused(&window, &[vec![missing]]);
+    assert_eq!(error, SolveError::NoSuchVariable { variable: missing });
+
+    let biases_first: Vec<_> =
+        window.tiles().into_iter().map(|tile| tile.into_iter().rev().collect()).collect();
+    let said = refused(&window, &biases_first).to_string();
+    assert!(said.ends_with("sees a landmark and another part of a tile than the first"), "{said}");
+
+    // What is left of the oldest state names all landmarks that it saw.
+    let values = window.problem.values().clone();
+    window.take_out_oldest(&values).unwrap();
+    let said = refused(&window, &window.tiles()).to_string();
+    assert!(said.ends_with("sees two landmarks; only factors of one can be eliminated"), "{said}");
 }
 
 #[test]
 fn what_is_taken_out_leaves_the_estimate_and_its_covariance() {
     let mut window = example();
-    let values = solved(&window.problem, Fronts::new(&window.problem).unwrap()).values;
+    let fronts = Fronts::new(&window.problem).unwrap();
+    let values = solved(&mut window.problem, fronts);
     let before =
         window.problem.covariance_with(Fronts::new(&window.problem).unwrap(), &values).unwrap();
     let least = window.problem.null_space(&values).unwrap().least_seen.unwrap();
     for _ in 0..3 {
         window.take_out_oldest(&values).unwrap();
-        let after = solved(&window.problem, Fronts::new(&window.problem).unwrap());
+        let fronts = Fronts::new(&window.problem).unwrap();
+        let after = solved(&mut window.problem, fronts);
         let covariance =
             window.problem.covariance_with(Fronts::new(&window.problem).unwrap(), &values).unwrap();
-        let moved = values.local(&after.values);
+        let moved = values.local(&after);
         assert_alike(&moved, 1e-5, [&covariance, &before], &values, least);
     }
 }
@@ -154,9 +265,9 @@ fn half_a_minute_of_a_real_flight_has_narrow_fronts_along_it() {
     assert_eq!(window.states.len(), 301);
     let problem = &window.problem;
     let in_order = |order: &[usize]| Fronts::in_order(problem, order).unwrap();
-    let along = in_order(&Fronts::order_along(problem, &window.trunk()).unwrap());
+    let along = in_order(&Fronts::order_along(problem, &window.tiles().concat()).unwrap());
     let landmarks = window.landmarks.values().map(Key::index);
-    let first = in_order(&landmarks.chain(window.trunk()).collect::<Vec<_>>());
+    let first = in_order(&landmarks.chain(window.tiles().concat()).collect::<Vec<_>>());
     assert!(along.widest() < 140, "{} columns", along.widest());
     assert!(along.products() < 25_000_000, "{} products", along.products());
     assert!(first.products() > 50 * along.products(), "{} products", first.products());

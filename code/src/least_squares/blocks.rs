@@ -8,8 +8,8 @@ use nalgebra::DMatrix;
 pub type Block<const D: usize> = [[f64; D]; D];
 // ANCHOR_END: block
 
-/// Adds to a block the product L Rᵀ of two matrices with D rows, given column by column,
-/// times a sign.
+/// Adds to the upper left part of a block the product L Rᵀ of two matrices with N and M rows, given
+/// column by column, times a sign.
 ///
 /// Nearly all of the arithmetic of bundle adjustment happens here: three columns for a
 /// pair of cameras that share a point, D and more in the factorization. The compiler
@@ -17,29 +17,43 @@ pub type Block<const D: usize> = [[f64; D]; D];
 /// They are taken a third of the block apart, because it would tangle neighbours.
 // ANCHOR: kernel
 #[inline(always)]
-pub fn add_product<const D: usize>(
+pub fn add_product<const D: usize, const N: usize, const M: usize>(
     block: &mut Block<D>,
     sign: f64,
-    l: &[[f64; D]],
-    r: &[[f64; D]],
+    l: &[[f64; N]],
+    r: &[[f64; M]],
 ) {
-    let (first, others) = block.split_at_mut(D / 3);
-    let (second, others) = others.split_at_mut(D / 3);
-    let (third, left_over) = others.split_at_mut(D / 3);
-    for (i, ((x, y), z)) in first.iter_mut().zip(second).zip(third).enumerate() {
+    let (left, others) = block[..M].split_at_mut(M / 3);
+    let (middle, others) = others.split_at_mut(M / 3);
+    let (right, left_over) = others.split_at_mut(M / 3);
+    for (i, ((x, y), z)) in left.iter_mut().zip(middle).zip(right).enumerate() {
+        let (x, y, z) = (first_mut(x), first_mut(y), first_mut(z));
         let mut sums = (*x, *y, *z);
         for (l, r) in l.iter().zip(r) {
             add_multiple(&mut sums.0, sign * r[i], l);
-            add_multiple(&mut sums.1, sign * r[i + D / 3], l);
-            add_multiple(&mut sums.2, sign * r[i + D / 3 * 2], l);
+            add_multiple(&mut sums.1, sign * r[i + M / 3], l);
+            add_multiple(&mut sums.2, sign * r[i + M / 3 * 2], l);
         }
         (*x, *y, *z) = sums;
     }
-    for (i, x) in left_over.iter_mut().enumerate() {
-        l.iter().zip(r).for_each(|(l, r)| add_multiple(x, sign * r[i + D / 3 * 3], l));
+    for (i, x) in left_over.iter_mut().map(first_mut).enumerate() {
+        l.iter().zip(r).for_each(|(l, r)| add_multiple(x, sign * r[i + M / 3 * 3], l));
     }
 }
 // ANCHOR_END: kernel
+
+/// The first numbers of an array.
+#[inline(always)]
+pub fn first<const D: usize, const N: usize>(array: &[f64; D]) -> &[f64; N] {
+    const { assert!(N <= D) };
+    array.first_chunk().expect("there are as many")
+}
+
+#[inline(always)]
+pub fn first_mut<const D: usize, const N: usize>(array: &mut [f64; D]) -> &mut [f64; N] {
+    const { assert!(N <= D) };
+    array.first_chunk_mut().expect("there are as many")
+}
 
 // ANCHOR: multiple
 /// Adds a multiple of a vector.

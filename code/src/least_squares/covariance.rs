@@ -102,7 +102,7 @@ impl Covariance {
     }
 }
 
-impl<const D: usize> LandmarkElimination<D> {
+impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     /// The covariance of all variables at the point that was linearized last, from that of those
     /// that have rows.
     ///
@@ -119,13 +119,12 @@ impl<const D: usize> LandmarkElimination<D> {
         let mut parts = vec![Part { columns: (0..start).collect(), matrix }];
         let mut of_variable = Vec::new();
         let columns = problem.columns();
-        for (variable, row) in self.rows(problem).into_iter().enumerate() {
+        for (variable, first) in self.firsts(problem).into_iter().enumerate() {
             let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
             let moving = columns.of[coordinates].iter().enumerate().filter(|(_, c)| c.is_some());
             let axes = moving.map(|(axis, _)| axis);
-            let first = row.map_or(start, |row| D * row);
-            let own: Vec<usize> = axes.map(|axis| first + axis).collect();
-            if row.is_none() && !own.is_empty() {
+            let own: Vec<usize> = axes.map(|axis| first.unwrap_or(start) + axis).collect();
+            if first.is_none() && !own.is_empty() {
                 let matrix = landmarks.next().unwrap_or_default();
                 let matrix = DMatrix::from_column_slice(3, 3, matrix.as_slice());
                 start += own.len();

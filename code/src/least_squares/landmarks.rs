@@ -1,16 +1,17 @@
 //! The normal equations with the landmarks eliminated, one after the other.
 
-use std::array;
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector, Vector3};
 
-use super::blocks::{SchurComplement, add_multiple, add_product, dot, multiply_add};
+use super::blocks::{SchurComplement, add_multiple, dot, first, multiply_add};
 use super::group::Point;
+use super::landmark_rows::{
+    Rows, add_forward, add_gradient, add_pair, explained, inverse_factor, landmark_block,
+};
 use super::linearized::Linearized;
 use super::problem::Problem;
 use super::solver::{LinearSystem, Pivots, Prediction, SolveError};
-use super::structure::{Landmark, Places, Slot, Structure};
+use super::structure::{Landmark, Slot, Structure};
+use super::tiles::{Member, Tiles};
 use super::{Covariance, Manifold};
 use crate::registers::wide;
 
@@ -25,13 +26,14 @@ pub enum Singular {
 
 // ANCHOR: landmark_elimination
 /// The damped normal equations of one step with the landmarks, of three coordinates each,
-/// eliminated. Every other variable that moves has `D` coordinates and a row of blocks in the
-/// Schur complement S ([@triggs2000]; [@agarwal2010]).
+/// eliminated. Every other variable that moves stands in a row of D×D blocks of the Schur complement
+/// S ([@triggs2000]; [@agarwal2010]), alone or with others. Those that factors with landmarks see
+/// take up the first `C` coordinates of a row.
 #[derive(Debug, Clone)]
-pub struct LandmarkElimination<const D: usize> {
+pub struct LandmarkElimination<const D: usize, const C: usize = D> {
     structure: Structure,
     /// The rows of the Jacobian that depend on landmarks.
-    rows: Rows<D>,
+    rows: Rows<D, C>,
     /// The factors that see no landmark, by group.
     others: Vec<Linearized>,
     landmarks: Vec<Eliminated>,
@@ -54,16 +56,6 @@ pub struct LandmarkElimination<const D: usize> {
 }
 // ANCHOR_END: landmark_elimination
 
-/// Rows of the Jacobian that depend on landmarks, in the order of the structure.
-#[derive(Debug, Clone)]
-struct Rows<const D: usize> {
-    residual: Vec<f64>,
-    /// Derivatives by the landmark.
-    landmark: Vec<[f64; 3]>,
-    /// Derivatives by the other variable. They have no meaning where that is held.
-    variable: Vec<[f64; D]>,
-}
-
 // ANCHOR: eliminated
 /// What is kept of a landmark, enough to find its move once the others' are known.
 #[derive(Debug, Clone, Copy, Default)]
@@ -80,24 +72,51 @@ struct Eliminated {
 
 impl<const D: usize> LandmarkElimination<D> {
     /// Room for all that the steps of a problem need, in which the variables of the kind `L` are
-    /// landmarks.
+    /// landmarks and every other one has a row of blocks of its own.
     ///
     /// # Errors
     ///
     /// [`SolveError::Block`], [`SolveError::TiedLandmark`] and [`SolveError::Structure`] when the
     /// problem is not of this form, [`SolveError::NothingFree`] when nothing moves.
     pub fn new<L: Manifold>(problem: &Problem) -> Result<Self, SolveError> {
-        let structure = Structure::new::<L>(problem, D)?;
+        Self::of_tiles::<L>(problem, None)
+    }
+}
+
+impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
+    /// The same with rows of blocks that several variables share, given by number, as the state of a
+    /// body and its biases: up to `D` coordinates, and of `C` the first, which alone may share a
+    /// factor with a landmark. All that no row names stands in one more row, the border, which every
+    /// factor may see: calibration, a time offset, gravity.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`LandmarkElimination::new`] and [`SolveError::NoSuchVariable`].
+    pub fn in_tiles<L: Manifold>(
+        problem: &Problem,
+        tiles: &[Vec<usize>],
+    ) -> Result<Self, SolveError> {
+        Self::of_tiles::<L>(problem, Some(tiles))
+    }
+
+    fn of_tiles<L: Manifold>(
+        problem: &Problem,
+        variables: Option<&[Vec<usize>]>,
+    ) -> Result<Self, SolveError> {
+        const { assert!(C <= D, "what is seen is a part of the row") };
+        let structure = Structure::new::<L>(problem, &Tiles { size: D, seen: C, variables })?;
         if structure.landmarks.is_empty() && structure.row_count() == 0 {
             return Err(SolveError::NothingFree);
         }
+        let on_border = if structure.on_border.is_empty() { 0 } else { structure.rows };
         let zeros = vec![[0.0; D]; structure.row_count()];
         let most_rows = structure.landmarks.iter().map(|landmark| landmark.rows.len()).max();
         Ok(Self {
             rows: Rows {
                 residual: vec![0.0; structure.rows],
                 landmark: vec![[0.0; 3]; structure.rows],
-                variable: vec![[0.0; D]; structure.rows],
+                variable: vec![[0.0; C]; structure.rows],
+                border: vec![[0.0; D]; on_border],
             },
             others: vec![Linearized::default(); structure.others.len()],
             landmarks: vec![Eliminated::default(); structure.landmarks.len()],
@@ -127,7 +146,7 @@ impl<const D: usize> LandmarkElimination<D> {
             let factors = &structure.factors[run.factors.clone()];
             let outcome = problem.group(run.group).linearize(factors, at, linear);
             outcome.map_err(|at| problem.undefined(run.group, at))?;
-            rows.take(run.rows.clone(), linear, structure.places[run.group]);
+            rows.take(run, linear, structure);
         }
         self.sum_up(index);
         Ok(())
@@ -147,6 +166,10 @@ impl<const D: usize> LandmarkElimination<D> {
                 (&mut self.gradient[*variable], &mut self.curvature[*variable]);
             let (slopes, residuals) = (&rows.variable[own.clone()], &rows.residual[own.clone()]);
             add_gradient(gradient, curvature, slopes, residuals);
+        }
+        if let Some(border) = structure.border.filter(|_| landmark.sees_border) {
+            let (gradient, curvature) = (&mut self.gradient[border], &mut self.curvature[border]);
+            add_gradient(gradient, curvature, &rows.border[landmark.rows.clone()], residuals);
         }
     }
 
@@ -171,6 +194,7 @@ impl<const D: usize> LandmarkElimination<D> {
         for index in 0..self.landmarks.len() {
             self.eliminate(index, damping)?;
             self.add_pairs(index);
+            self.add_border(index);
         }
         self.add_others();
         self.damp(damping);
@@ -213,47 +237,82 @@ impl<const D: usize> LandmarkElimination<D> {
             let (own, (blocks, first)) = (rows_of(slot), schur.row(slot.variable));
             let explained = explained(own);
             for other in &slots[..number] {
-                add_pair(&mut blocks[other.variable - first], &explained, rows_of(other), false);
+                add_pair(&mut blocks[other.variable - first], &explained, None, rows_of(other));
             }
-            add_pair(&mut blocks[slot.variable - first], &explained, own, true);
-            let rhs = &mut rhs[slot.variable];
-            forward.iter().zip(&explained).for_each(|(f, row)| add_multiple(rhs, *f, row));
+            add_pair(&mut blocks[slot.variable - first], &explained, Some(own.0), own);
+            add_forward(&mut rhs[slot.variable], forward, &explained);
         }
     }
     // ANCHOR_END: add_pairs
+
+    #[inline(always)]
+    // ANCHOR: add_border
+    /// Adds the same to the row that all factors may see.
+    fn add_border(&mut self, index: usize) {
+        let Self { structure, rows, whitened, schur, rhs, .. } = self;
+        let landmark = &structure.landmarks[index];
+        let Some(border) = structure.border.filter(|_| landmark.sees_border) else { return };
+        let (slopes, first) = (&rows.border[landmark.rows.clone()], landmark.rows.start);
+        let own = (slopes, &whitened[..slopes.len()]);
+        let (explained, (blocks, _)) = (explained(own), schur.row(border));
+        for Slot { variable, rows: seen } in &structure.slots[landmark.slots.clone()] {
+            let local = seen.start - first..seen.end - first;
+            let other = (&rows.variable[seen.clone()], &whitened[local.clone()]);
+            add_pair(&mut blocks[*variable], &explained, Some(&slopes[local]), other);
+        }
+        for (slopes, whitened) in own.0.chunks(2).zip(own.1.chunks(2)) {
+            add_pair(&mut blocks[border], &explained, Some(slopes), (slopes, whitened));
+        }
+        add_forward(&mut rhs[border], self.landmarks[index].forward, &explained);
+    }
+    // ANCHOR_END: add_border
 
     /// Linearizes the factors that see no landmark.
     fn linearize_others(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
         for (others, linear) in self.structure.others.iter().zip(&mut self.others) {
             let outcome = problem.group(others.group).linearize(&others.factors, at, linear);
             outcome.map_err(|at| problem.undefined(others.group, at))?;
-            for (factor, residual) in linear.residuals().chunks(linear.rows()).enumerate() {
-                for (row, slopes) in others.slopes(linear, factor) {
-                    add_gradient(
-                        &mut self.gradient[row],
-                        &mut self.curvature[row],
-                        slopes,
-                        residual,
-                    );
+            for (factor, residuals) in linear.residuals().chunks(linear.rows()).enumerate() {
+                for (place, slopes) in others.slopes(linear, factor) {
+                    let gradient = &mut self.gradient[place.row][place.first..];
+                    let curvature = &mut self.curvature[place.row][place.first..];
+                    for (slopes, residual) in slopes.zip(residuals) {
+                        for ((g, h), slope) in gradient.iter_mut().zip(&mut *curvature).zip(slopes)
+                        {
+                            (*g, *h) = (
+                                multiply_add(*slope, *residual, *g),
+                                multiply_add(*slope, *slope, *h),
+                            );
+                        }
+                    }
                 }
             }
         }
         Ok(())
     }
 
+    #[inline(always)]
+    // ANCHOR: add_others
     /// Adds the factors that see no landmark.
     fn add_others(&mut self) {
         for (others, linear) in self.structure.others.iter().zip(&self.others) {
             for factor in 0..linear.len() {
-                for (row, left) in others.slopes::<D>(linear, factor) {
-                    let columns = others.slopes(linear, factor);
-                    for (column, right) in columns.filter(|(column, _)| *column <= row) {
-                        add_product(self.schur.block(row, column), 1.0, left, right);
+                for (down, left) in others.slopes(linear, factor) {
+                    let across = others.slopes(linear, factor);
+                    for (across, right) in across.filter(|(across, _)| across.row <= down.row) {
+                        let block = &mut self.schur.block(down.row, across.row)[across.first..];
+                        for (left, right) in left.clone().zip(right) {
+                            for (column, slope) in block.iter_mut().zip(right) {
+                                let entries = column[down.first..].iter_mut().zip(left);
+                                entries.for_each(|(e, l)| *e = multiply_add(*slope, *l, *e));
+                            }
+                        }
                     }
                 }
             }
         }
     }
+    // ANCHOR_END: add_others
 
     /// Damps the variables, when all factors are in.
     fn damp(&mut self, damping: f64) {
@@ -323,9 +382,9 @@ impl<const D: usize> LandmarkElimination<D> {
 
     /// Writes the step of the variables that have rows.
     fn write_variables(&self, step: &mut [f64]) {
-        for (row, variables) in self.structure.variables.iter().enumerate() {
-            for start in variables {
-                step[*start..start + D].copy_from_slice(&self.rhs[row]);
+        for (row, members) in self.rhs.iter().zip(&self.structure.variables) {
+            for Member { coordinates, first } in members {
+                step[coordinates.clone()].copy_from_slice(&row[*first..][..coordinates.len()]);
             }
         }
     }
@@ -336,11 +395,18 @@ impl<const D: usize> LandmarkElimination<D> {
     #[inline(always)]
     fn landmark_step(&self, landmark: &Landmark, eliminated: &Eliminated) -> Vector3<f64> {
         let mut pull = eliminated.gradient;
+        let mut follow = |moved: f64, slope: &[f64; 3]| add_multiple(pull.as_mut(), moved, slope);
         for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
-            let by_landmark = &self.rows.landmark[rows.clone()];
-            for (slope, by_variable) in by_landmark.iter().zip(&self.rows.variable[rows.clone()]) {
-                let moved = dot(by_variable, &self.rhs[*variable]);
-                add_multiple(pull.as_mut(), moved, slope);
+            let (slopes, step) = (&self.rows.landmark[rows.clone()], first(&self.rhs[*variable]));
+            for (slope, by_variable) in slopes.iter().zip(&self.rows.variable[rows.clone()]) {
+                follow(dot(by_variable, step), slope);
+            }
+        }
+        if let Some(border) = self.structure.border.filter(|_| landmark.sees_border) {
+            let rows = landmark.rows.clone();
+            for (slope, by) in self.rows.landmark[rows.clone()].iter().zip(&self.rows.border[rows])
+            {
+                follow(dot(by, &self.rhs[border]), slope);
             }
         }
         let factor = &eliminated.inverse_factor;
@@ -370,15 +436,22 @@ impl<const D: usize> LandmarkElimination<D> {
     /// For each variable the row of blocks that it has in the Schur complement, `None` when it is
     /// held or a landmark.
     pub fn rows(&self, problem: &Problem) -> Vec<Option<usize>> {
-        let mut row_of_start = std::collections::BTreeMap::new();
-        for (row, starts) in self.structure.variables.iter().enumerate() {
-            row_of_start.extend(starts.iter().map(|start| (*start, row)));
+        let firsts = self.firsts(problem).into_iter();
+        firsts.map(|first| first.map(|first| first / D)).collect()
+    }
+
+    /// The same with the first of its coordinates in the Schur complement.
+    pub(super) fn firsts(&self, problem: &Problem) -> Vec<Option<usize>> {
+        let mut first_of_start = std::collections::BTreeMap::new();
+        for (row, members) in self.structure.variables.iter().enumerate() {
+            let of_member = |member: &Member| (member.coordinates.start, D * row + member.first);
+            first_of_start.extend(members.iter().map(of_member));
         }
-        let row = |index| {
+        let first = |index| {
             let start = problem.values().coordinates_of(index)?.start;
-            row_of_start.get(&start).copied()
+            first_of_start.get(&start).copied()
         };
-        (0..problem.values().len()).map(row).collect()
+        (0..problem.values().len()).map(first).collect()
     }
 
     /// The memory that it holds, in bytes.
@@ -389,13 +462,14 @@ impl<const D: usize> LandmarkElimination<D> {
             + size_of_val(self.landmarks.as_slice())
             + size_of_val(self.whitened.as_slice())
             + self.others.iter().chain([&self.linear]).map(Linearized::bytes).sum::<usize>()
-            + self.structure.rows * size_of::<f64>() * (1 + 3 + D)
+            + self.structure.rows * size_of::<f64>() * (1 + 3 + C)
+            + size_of_val(self.rows.border.as_slice())
             + self.structure.bytes()
     }
 }
 
 /// What is asked about the point that was linearized last.
-impl<const D: usize> LandmarkElimination<D> {
+impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     /// The Schur complement as a dense matrix, with its right-hand side: `D` rows for each of
     /// [`LandmarkElimination::rows`]. Implements {eq:reduced-camera-system}, and
     /// {eq:damped-reduction} with a damping.
@@ -467,14 +541,7 @@ impl<const D: usize> LandmarkElimination<D> {
     fn landmark_covariance(&self, index: usize, others: &DMatrix<f64>) -> Matrix3<f64> {
         let block = |row: usize, column: usize| others.fixed_view::<D, D>(D * row, D * column);
         let factor = &self.landmarks[index].inverse_factor;
-        let slots = &self.structure.slots[self.structure.landmarks[index].slots.clone()];
-        let coupling = |slot: &Slot| {
-            let rows = self.rows.variable[slot.rows.clone()].iter();
-            rows.zip(&self.rows.landmark[slot.rows.clone()])
-                .map(|(j, l)| SVector::from(*j) * (factor * Vector3::from(*l)).transpose())
-                .sum::<SMatrix<f64, D, 3>>()
-        };
-        let couplings: Vec<_> = slots.iter().map(|slot| (slot.variable, coupling(slot))).collect();
+        let couplings = self.couplings(&self.structure.landmarks[index], factor);
         let mut sum = Matrix3::identity();
         for (row, left) in &couplings {
             for (column, right) in &couplings {
@@ -484,9 +551,37 @@ impl<const D: usize> LandmarkElimination<D> {
         factor.tr_mul(&sum) * factor
     }
     // ANCHOR_END: landmark_covariance
+
+    /// The rows of blocks that share factors with a landmark, and the block that couples each with
+    /// it, times the factor of the landmark's own.
+    fn couplings(
+        &self,
+        landmark: &Landmark,
+        factor: &Matrix3<f64>,
+    ) -> Vec<(usize, SMatrix<f64, D, 3>)> {
+        let whitened = |slope: &[f64; 3]| (factor * Vector3::from(*slope)).transpose();
+        let mut couplings = Vec::new();
+        for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
+            let mut coupling = SMatrix::<f64, D, 3>::zeros();
+            let slopes = self.rows.variable[rows.clone()].iter();
+            for (slope, by_landmark) in slopes.zip(&self.rows.landmark[rows.clone()]) {
+                let product = SVector::from(*slope) * whitened(by_landmark);
+                let mut seen = coupling.fixed_rows_mut::<C>(0);
+                seen += product;
+            }
+            couplings.push((*variable, coupling));
+        }
+        if let Some(border) = self.structure.border.filter(|_| landmark.sees_border) {
+            let slopes = self.rows.border[landmark.rows.clone()].iter();
+            let slopes = slopes.zip(&self.rows.landmark[landmark.rows.clone()]);
+            let products = slopes.map(|(slope, by)| SVector::from(*slope) * whitened(by));
+            couplings.push((border, products.sum()));
+        }
+        couplings
+    }
 }
 
-impl<const D: usize> LinearSystem for LandmarkElimination<D> {
+impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> {
     fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
         self.gradient.fill([0.0; D]);
         self.curvature.fill([0.0; D]);
@@ -547,19 +642,6 @@ impl<const D: usize> LinearSystem for LandmarkElimination<D> {
     }
 }
 
-impl<const D: usize> Rows<D> {
-    /// Takes linearized factors as the rows in a range.
-    fn take(&mut self, range: Range<usize>, linear: &Linearized, places: Places) {
-        self.residual[range.clone()].copy_from_slice(linear.residuals());
-        self.landmark[range.clone()].copy_from_slice(linear.rows_of(places.landmark));
-        let other = places.other.map_or(&[][..], |slot| linear.rows_of(slot));
-        // What is held may have another dimension.
-        if other.len() == range.len() {
-            self.variable[range].copy_from_slice(other);
-        }
-    }
-}
-
 /// Room for the factors of any one landmark.
 fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
     let mut linear = Linearized::default();
@@ -569,115 +651,6 @@ fn room_for_linearized(problem: &Problem, structure: &Structure) -> Linearized {
     }
     linear
 }
-
-/// The rows J and Q of a variable.
-type Own<'a, const D: usize> = (&'a [[f64; D]], &'a [[f64; 3]]);
-
-/// The product Qᵀ J of the rows of a variable: what motions of the landmark explain.
-#[inline(always)]
-fn explained<const D: usize>((slopes, whitened): Own<D>) -> [[f64; D]; 3] {
-    let mut explained = [[0.0; D]; 3];
-    for (slope, whitened) in slopes.iter().zip(whitened) {
-        for (row, whitened) in explained.iter_mut().zip(whitened) {
-            add_multiple(row, *whitened, slope);
-        }
-    }
-    explained
-}
-
-/// Adds Jᵀ (δ I − Q Q'ᵀ) J' to the block of two variables, of which the first is given by its
-/// Qᵀ J. Here δ is one for a variable with itself, and zero otherwise.
-#[inline(always)]
-fn add_pair<const D: usize>(
-    block: &mut [[f64; D]; D],
-    explained: &[[f64; D]; 3],
-    (slopes, whitened): Own<D>,
-    is_own: bool,
-) {
-    // Pixels have two rows; a number that is known when compiling keeps the sums in registers.
-    if let (Some(slopes), Some(whitened)) = (slopes.as_array::<2>(), whitened.as_array()) {
-        return add_rows(block, explained, slopes, whitened, is_own);
-    }
-    for (slope, whitened) in slopes.iter().zip(whitened) {
-        add_rows(block, explained, array::from_ref(slope), array::from_ref(whitened), is_own);
-    }
-}
-
-#[inline(always)]
-// ANCHOR: add_pair
-fn add_rows<const D: usize, const N: usize>(
-    block: &mut [[f64; D]; D],
-    explained: &[[f64; D]; 3],
-    slopes: &[[f64; D]; N],
-    whitened: &[[f64; 3]; N],
-    is_own: bool,
-) {
-    let mut unexplained = if is_own { *slopes } else { [[0.0; D]; N] };
-    for (row, whitened) in unexplained.iter_mut().zip(whitened) {
-        for (whitened, explained) in whitened.iter().zip(explained) {
-            add_multiple(row, -whitened, explained);
-        }
-    }
-    add_product(block, 1.0, &unexplained, slopes);
-}
-// ANCHOR_END: add_pair
-
-/// Adds rows to the gradient and to the diagonal of the Hessian.
-#[inline(always)]
-fn add_gradient<const D: usize>(
-    gradient: &mut [f64; D],
-    curvature: &mut [f64; D],
-    rows: &[[f64; D]],
-    residuals: &[f64],
-) {
-    let mut sums = (*gradient, *curvature);
-    for (row, residual) in rows.iter().zip(residuals) {
-        add_multiple(&mut sums.0, *residual, row);
-        (0..D).for_each(|axis| sums.1[axis] = multiply_add(row[axis], row[axis], sums.1[axis]));
-    }
-    (*gradient, *curvature) = sums;
-}
-
-// ANCHOR: landmark_block
-/// The lower triangle of a landmark's 3×3 block, and its gradient, from the rows that depend on it.
-///
-/// Implements the middle line of {eq:ba-blocks}.
-#[inline(always)]
-fn landmark_block(slopes: &[[f64; 3]], residuals: &[f64]) -> (Matrix3<f64>, Vector3<f64>) {
-    let (mut block, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-    for (slope, residual) in slopes.iter().zip(residuals) {
-        for column in 0..3 {
-            gradient[column] = multiply_add(slope[column], *residual, gradient[column]);
-            for below in column..3 {
-                let sum = multiply_add(slope[column], slope[below], block[(below, column)]);
-                block[(below, column)] = sum;
-            }
-        }
-    }
-    (block, gradient)
-}
-// ANCHOR_END: landmark_block
-
-// ANCHOR: inverse_factor
-/// The lower triangular M with M H Mᵀ = I, the inverse of the Cholesky factor of a 3×3
-/// matrix H of which the lower triangle is read. `None` when a pivot is not above
-/// `smallest` times its place on the diagonal.
-#[inline(always)]
-fn inverse_factor(h: &Matrix3<f64>, smallest: f64) -> Option<Matrix3<f64>> {
-    let m11 = 1.0 / h.m11.sqrt();
-    let (l21, l31) = (m11 * h.m21, m11 * h.m31);
-    let second = h.m22 - l21 * l21;
-    let m22 = 1.0 / second.sqrt();
-    let l32 = m22 * (h.m32 - l31 * l21);
-    let third = h.m33 - l31 * l31 - l32 * l32;
-    let m33 = 1.0 / third.sqrt();
-    let regular = h.m11 > 0.0 && second > smallest * h.m22 && third > smallest * h.m33;
-    let m21 = -m22 * l21 * m11;
-    let m31 = -m33 * (l31 * m11 + l32 * m21);
-    let m32 = -m33 * l32 * m22;
-    regular.then(|| Matrix3::new(m11, 0.0, 0.0, m21, m22, 0.0, m31, m32, m33))
-}
-// ANCHOR_END: inverse_factor
 
 #[cfg(test)]
 mod tests {

@@ -11,8 +11,8 @@
 //! - a Gauss-Newton step δ solves H δ = −g, with H = Σ w Jᵀ J.
 //!
 //! A [`Search`] goes from step to step over any [`LinearSystem`]: [`Dense`] normal equations are
-//! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks seen by cameras
-//! alone, and [`Fronts`] for variables of any kinds, as a flight has them.
+//! right for hundreds of columns, [`LandmarkElimination`] for thousands of landmarks of which each
+//! factor sees one, and [`Fronts`] for whatever there is, in any order.
 //! [`Problem::null_space`] says what the factors leave free, whichever system solves for the rest.
 
 mod assembly;
@@ -24,6 +24,7 @@ mod front;
 mod fronts;
 mod group;
 mod kernel;
+mod landmark_rows;
 mod landmarks;
 mod linear_prior;
 mod linearized;
@@ -38,6 +39,7 @@ mod solver;
 mod spectrum;
 mod square_root;
 mod structure;
+mod tiles;
 mod values;
 mod whitening;
 

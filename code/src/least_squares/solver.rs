@@ -632,13 +632,14 @@ pub enum SolveError {
     },
     /// A variable does not fit into the blocks of the linear system.
     #[error(
-        "variable {variable} moves in {found} coordinates, or is a landmark of which some are \
-         held; the landmark elimination wants blocks of {dimension}"
+        "variable {variable} moves in {found} coordinates, those before it in its row counted, or is \
+         a landmark of which some are held; the landmark elimination wants blocks of {dimension}: \
+         choose them larger, or solve with fronts"
     )]
     Block {
         /// The variable's number.
         variable: usize,
-        /// Its dimension.
+        /// Its dimension, and that of those which stand before it in its row of blocks.
         found: usize,
         /// The size of a block.
         dimension: usize,

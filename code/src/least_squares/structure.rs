@@ -2,12 +2,14 @@
 //! and within a landmark by the row of the other variable.
 
 use std::ops::Range;
+use std::slice::ChunksExact;
 
 use super::Manifold;
 use super::linearized::Linearized;
 use super::ordering::{envelope, neighbours, reverse_cuthill_mckee};
 use super::problem::Problem;
 use super::solver::SolveError;
+use super::tiles::{Member, Place, Role, Roles, Tiles};
 
 // ANCHOR: landmark
 /// A landmark: where its coordinates are, and where its lists begin and end.
@@ -21,12 +23,14 @@ pub struct Landmark {
     pub slots: Range<usize>,
     /// The rows of the Jacobian that depend on it.
     pub rows: Range<usize>,
+    /// Whether some of them depend on the border too.
+    pub sees_border: bool,
 }
 
 /// The rows of the Jacobian that depend on a landmark and on one other variable.
 #[derive(Debug, Clone)]
 pub struct Slot {
-    /// The variable's row of blocks in the Schur complement.
+    /// That variable's row of blocks in the Schur complement.
     pub variable: usize,
     /// A part of the landmark's rows.
     pub rows: Range<usize>,
@@ -41,10 +45,24 @@ pub struct Run {
     pub factors: Range<usize>,
     /// Their rows of the Jacobian.
     pub rows: Range<usize>,
+    /// Their part of [`Structure::on_border`].
+    pub on_border: Range<usize>,
 }
 // ANCHOR_END: landmark
 
-/// Which of the variables of a group's factors is the landmark, and which has a row of blocks.
+/// A variable of the border that a factor of a run sees.
+#[derive(Debug, Clone, Copy)]
+pub struct OnBorder {
+    /// The factor's number in the run.
+    pub factor: usize,
+    /// The variable's in the factor.
+    pub slot: usize,
+    /// Its first coordinate in the border.
+    pub first: usize,
+}
+
+/// Which of the variables of a group's factors is the landmark, and which has a row of blocks that
+/// is not the border.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Places {
     pub landmark: usize,
@@ -57,21 +75,23 @@ pub struct Others {
     pub group: usize,
     /// Places in the group.
     pub factors: Vec<u32>,
-    /// The rows of blocks of their variables, factor by factor.
-    pub variables: Vec<Option<usize>>,
+    /// Where their variables stand, factor by factor.
+    pub variables: Vec<Option<Place>>,
 }
 
 impl Others {
-    /// The rows of blocks of a factor's variables that move, each with the derivatives by it.
-    pub fn slopes<'a, const D: usize>(
+    /// Where a factor's variables stand that move, each with the derivatives by it, row by row.
+    pub fn slopes<'a>(
         &'a self,
         linear: &'a Linearized,
         factor: usize,
-    ) -> impl Iterator<Item = (usize, &'a [[f64; D]])> {
+    ) -> impl Iterator<Item = (Place, ChunksExact<'a, f64>)> {
         let (each, count) = (linear.rows(), self.variables.len() / self.factors.len());
         let variables = &self.variables[factor * count..(factor + 1) * count];
-        variables.iter().enumerate().filter_map(move |(slot, row)| {
-            Some(((*row)?, &linear.rows_of(slot)[factor * each..(factor + 1) * each]))
+        variables.iter().enumerate().filter_map(move |(slot, place)| {
+            let (place, columns) = ((*place)?, linear.columns(slot));
+            let size = each * columns;
+            Some((place, linear.jacobian(slot)[factor * size..][..size].chunks_exact(columns)))
         })
     }
 }
@@ -89,52 +109,52 @@ pub struct Structure {
     pub rows: usize,
     /// By landmark, the variables that see it, ascending.
     pub slots: Vec<Slot>,
+    /// By run, the variables of the border.
+    pub on_border: Vec<OnBorder>,
     /// By group.
     pub places: Vec<Places>,
     /// What sees no landmark.
     pub others: Vec<Others>,
-    /// For each row of blocks in the Schur complement the first coordinates of its variables.
-    pub variables: Vec<Vec<usize>>,
+    /// For each row of blocks in the Schur complement its variables.
+    pub variables: Vec<Vec<Member>>,
+    /// The row that variables share which any factor may see.
+    pub border: Option<usize>,
     /// By row, the first column in which something stands.
     pub first_columns: Vec<usize>,
-    /// Coordinates that are held although their variable has a row: row and axis.
+    /// Coordinates of rows that are held, or nobody's: row and axis.
     pub held: Vec<(usize, usize)>,
 }
 // ANCHOR_END: structure
 
-/// What a variable is to the elimination.
-#[derive(Clone, Copy, PartialEq)]
-enum Role {
-    Held,
-    Landmark(usize),
-    Row(usize),
-}
-
 /// A factor that sees a landmark, and the row of blocks of its other variable.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Seen {
     row: Option<usize>,
     group: usize,
     factor: u32,
     /// How many numbers its residual has.
     len: usize,
+    /// The variables of the border that it sees, with their first coordinates there.
+    on_border: Vec<(usize, usize)>,
 }
 
 impl Structure {
     /// The structure of a problem in which the variables of the kind `L` are landmarks, and all
-    /// others that move have `dimension` coordinates.
-    pub fn new<L: Manifold>(problem: &Problem, dimension: usize) -> Result<Self, SolveError> {
-        let mut roles = Roles::of::<L>(problem, dimension)?;
-        let mut structure = Self::default();
+    /// others that move stand in tiles.
+    pub fn new<L: Manifold>(problem: &Problem, tiles: &Tiles) -> Result<Self, SolveError> {
+        let mut roles = Roles::of::<L>(problem, tiles)?;
+        let mut structure = Self { border: roles.border, ..Self::default() };
         let mut seen_by = vec![Vec::new(); roles.landmarks.len()];
         for group in 0..problem.group_count() {
-            structure.sort_group(problem, group, &roles, &mut seen_by)?;
+            structure.sort_group(problem, group, (&roles, tiles.seen), &mut seen_by)?;
         }
         let order = structure.order(&seen_by, roles.variables.len());
         roles.reorder(&order);
-        let new_row = |row: &mut Option<usize>| *row = row.map(|row| order[row]);
-        seen_by.iter_mut().flatten().for_each(|seen| new_row(&mut seen.row));
-        structure.others.iter_mut().flat_map(|other| &mut other.variables).for_each(new_row);
+        for row in seen_by.iter_mut().flatten().filter_map(|seen| seen.row.as_mut()) {
+            *row = order[*row];
+        }
+        let places = structure.others.iter_mut().flat_map(|other| &mut other.variables);
+        places.flatten().for_each(|place| place.row = order[place.row]);
         for (coordinate, seen_by) in roles.landmarks.into_iter().zip(seen_by) {
             structure.add_landmark(coordinate, seen_by);
         }
@@ -142,6 +162,7 @@ impl Structure {
         structure.runs.shrink_to_fit();
         structure.factors.shrink_to_fit();
         structure.slots.shrink_to_fit();
+        structure.on_border.shrink_to_fit();
         (structure.variables, structure.held) = (roles.variables, roles.held);
         Ok(structure)
     }
@@ -151,7 +172,7 @@ impl Structure {
         &mut self,
         problem: &Problem,
         group: usize,
-        roles: &Roles,
+        (roles, seen): (&Roles, usize),
         seen_by: &mut [Vec<Seen>],
     ) -> Result<(), SolveError> {
         let factors = problem.group(group);
@@ -164,13 +185,13 @@ impl Structure {
             let wrong =
                 |what| SolveError::Structure { factor: problem.number(group, factor), what };
             let landmark = named.iter().position(|role| matches!(role, Role::Landmark(_)));
-            let row = |role: &Role| if let Role::Row(row) = role { Some(*row) } else { None };
-            let rows: Vec<Option<usize>> = named.iter().map(row).collect();
-            let moving = rows.iter().flatten().count();
+            let place = |role: &Role| if let Role::Row(place) = role { Some(*place) } else { None };
+            let stand: Vec<Option<Place>> = named.iter().map(place).collect();
+            let moving = stand.iter().flatten().count();
             let Some(Role::Landmark(index)) = landmark.map(|slot| named[slot]) else {
                 if moving > 0 {
                     others.factors.push(factor);
-                    others.variables.extend(rows);
+                    others.variables.extend(stand);
                 }
                 continue;
             };
@@ -181,13 +202,16 @@ impl Structure {
             if moving + 1 < named.iter().filter(|role| **role != Role::Held).count() {
                 return Err(wrong("sees two landmarks; only factors of one can be eliminated"));
             }
-            let other = rows.iter().position(Option::is_some);
-            if moving > 1 || (places.other.is_some() && other.is_some() && places.other != other) {
+            let (other, on_border) = roles
+                .beside_landmark(&stand, |slot| factors.columns()[slot] == seen)
+                .map_err(wrong)?;
+            let slot = other.map(|(slot, _)| slot);
+            if slot.and(places.other).is_some() && places.other != slot {
                 return Err(wrong("has a landmark and more than one variable that moves besides"));
             }
-            places.other = places.other.or(other);
-            let row = other.and_then(|slot| rows[slot]);
-            seen_by[index].push(Seen { row, group, factor, len: factors.rows() });
+            places.other = places.other.or(slot);
+            let (row, len) = (other.map(|(_, row)| row), factors.rows());
+            seen_by[index].push(Seen { row, group, factor, len, on_border });
         }
         self.places.push(places);
         if !others.factors.is_empty() {
@@ -196,20 +220,28 @@ impl Structure {
         Ok(())
     }
 
-    /// The new place of each row: that which keeps the envelope small.
+    /// The new place of each row: that which keeps the envelope small. The border stays the last.
     fn order(&mut self, seen_by: &[Vec<Seen>], rows: usize) -> Vec<usize> {
+        let inner = rows - usize::from(self.border.is_some());
         let of_landmarks = seen_by.iter().map(|seen| seen.iter().filter_map(|s| s.row).collect());
         let of_others = self.others.iter().flat_map(|others| {
             let each = others.variables.len() / others.factors.len();
-            others.variables.chunks(each).map(|rows| rows.iter().flatten().copied().collect())
+            let rows = |places: &[Option<Place>]| {
+                let rows = places.iter().flatten().map(|place| place.row);
+                rows.filter(|row| *row < inner).collect()
+            };
+            others.variables.chunks(each).map(rows)
         });
-        let neighbours = neighbours(rows, of_landmarks.chain(of_others));
-        let orders = [(0..rows).collect(), reverse_cuthill_mckee(&neighbours)];
+        let neighbours = neighbours(inner, of_landmarks.chain(of_others));
+        let orders = [(0..inner).collect(), reverse_cuthill_mckee(&neighbours)];
         let [before, after] = orders.map(|order| (envelope(&neighbours, &order), order));
         let stored = |first: &[usize]| first.iter().zip(0..).map(|(f, row)| row - f).sum::<usize>();
         let better = if stored(&after.0) < stored(&before.0) { after } else { before };
-        self.first_columns = better.0;
-        better.1
+        let (mut first_columns, mut order) = better;
+        first_columns.extend(self.border.map(|_| 0));
+        order.extend(self.border);
+        self.first_columns = first_columns;
+        order
     }
 
     /// Adds a landmark with the factors that see it. The rows of one variable stand together, in
@@ -217,13 +249,22 @@ impl Structure {
     fn add_landmark(&mut self, coordinate: usize, mut seen_by: Vec<Seen>) {
         let (runs, slots, rows) = (self.runs.len(), self.slots.len(), self.rows);
         seen_by.sort_by_key(|seen| (seen.row.is_none(), seen.row, seen.group));
-        for Seen { row, group, factor, len } in seen_by {
-            let (at, end) = (self.factors.len(), self.rows + len);
+        let sees_border = seen_by.iter().any(|seen| !seen.on_border.is_empty());
+        for Seen { row, group, factor, len, on_border } in seen_by {
+            let (at, end, border) = (self.factors.len(), self.rows + len, self.on_border.len());
             self.factors.push(factor);
-            match self.runs[runs..].last_mut().filter(|run| run.group == group) {
-                Some(run) => (run.factors.end, run.rows.end) = (at + 1, end),
-                None => self.runs.push(Run { group, factors: at..at + 1, rows: self.rows..end }),
+            if self.runs[runs..].last().is_none_or(|run| run.group != group) {
+                let (factors, rows) = (at..at, self.rows..self.rows);
+                self.runs.push(Run { group, factors, rows, on_border: border..border });
             }
+            let run = self.runs.last_mut().expect("there is one by now");
+            let of_factor = on_border.into_iter().map(|(slot, first)| {
+                let factor = at - run.factors.start;
+                OnBorder { factor, slot, first }
+            });
+            self.on_border.extend(of_factor);
+            (run.factors.end, run.rows.end) = (at + 1, end);
+            run.on_border.end = self.on_border.len();
             match (row, self.slots[slots..].last_mut()) {
                 (Some(row), Some(slot)) if slot.variable == row => slot.rows.end = end,
                 (Some(row), _) => self.slots.push(Slot { variable: row, rows: self.rows..end }),
@@ -232,7 +273,8 @@ impl Structure {
             self.rows = end;
         }
         let (runs, slots) = (runs..self.runs.len(), slots..self.slots.len());
-        self.landmarks.push(Landmark { coordinate, runs, slots, rows: rows..self.rows });
+        let rows = rows..self.rows;
+        self.landmarks.push(Landmark { coordinate, runs, slots, rows, sees_border });
     }
 
     /// How many rows of blocks the Schur complement has.
@@ -246,8 +288,11 @@ impl Structure {
     ///
     /// Implements {eq:block-products}.
     pub fn block_products(&self) -> usize {
-        let pairs = |landmark: &Landmark| landmark.slots.len() * (landmark.slots.len() + 1) / 2;
-        self.landmarks.iter().map(pairs).sum()
+        let of_landmark = |landmark: &Landmark| {
+            let variables = landmark.slots.len() + usize::from(landmark.sees_border);
+            variables * (variables + 1) / 2
+        };
+        self.landmarks.iter().map(of_landmark).sum()
     }
     // ANCHOR_END: block_products
 
@@ -257,68 +302,7 @@ impl Structure {
             + size_of_val(self.runs.as_slice())
             + size_of_val(self.factors.as_slice())
             + size_of_val(self.slots.as_slice())
-            + size_of::<usize>() * 4 * self.variables.len()
-    }
-}
-
-/// What each variable of a problem is to the elimination.
-struct Roles {
-    of: Vec<Role>,
-    /// First coordinate of each landmark.
-    landmarks: Vec<usize>,
-    /// First coordinates of the variables of each row.
-    variables: Vec<Vec<usize>>,
-    /// Row and axis of single coordinates that are held.
-    held: Vec<(usize, usize)>,
-}
-
-impl Roles {
-    fn of<L: Manifold>(problem: &Problem, dimension: usize) -> Result<Self, SolveError> {
-        let columns = problem.columns();
-        let mut roles =
-            Self { of: Vec::new(), landmarks: Vec::new(), variables: Vec::new(), held: Vec::new() };
-        let mut of_blocks: Vec<Option<Role>> = vec![None; columns.blocks.len()];
-        for variable in 0..problem.values().len() {
-            let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
-            let own = &columns.of[coordinates.clone()];
-            let Some(block) = columns.block_of(coordinates.clone()) else {
-                roles.of.push(Role::Held);
-                continue;
-            };
-            let is_landmark = problem.values().key::<L>(variable).is_some();
-            let moves_whole = own.iter().all(Option::is_some);
-            let role = match of_blocks[block] {
-                Some(Role::Landmark(_)) => return Err(SolveError::TiedLandmark { variable }),
-                Some(tied) => tied,
-                None if is_landmark && moves_whole => Role::Landmark(roles.landmarks.len()),
-                None if is_landmark || own.len() != dimension => {
-                    return Err(SolveError::Block { variable, found: own.len(), dimension });
-                }
-                None => {
-                    let row = roles.variables.len();
-                    roles.variables.push(Vec::new());
-                    let held = own.iter().enumerate().filter(|(_, column)| column.is_none());
-                    roles.held.extend(held.map(|(axis, _)| (row, axis)));
-                    Role::Row(row)
-                }
-            };
-            match role {
-                Role::Row(row) => roles.variables[row].push(coordinates.start),
-                _ => roles.landmarks.push(coordinates.start),
-            }
-            of_blocks[block] = Some(role);
-            roles.of.push(role);
-        }
-        Ok(roles)
-    }
-
-    /// Gives each row its new place.
-    fn reorder(&mut self, order: &[usize]) {
-        let mut variables = vec![Vec::new(); order.len()];
-        for (row, list) in self.variables.drain(..).enumerate() {
-            variables[order[row]] = list;
-        }
-        self.variables = variables;
-        self.held.iter_mut().for_each(|(row, _)| *row = order[*row]);
+            + size_of_val(self.on_border.as_slice())
+            + size_of::<usize>() * 6 * self.variables.len()
     }
 }

@@ -88,7 +88,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("window_freedom", (rows - columns) as f64, "", 0);
 
     let first = Fronts::new(&window.problem).expect("a problem");
-    let order = Fronts::order_along(&window.problem, &window.trunk()).expect("they exist");
+    let order = Fronts::order_along(&window.problem, &window.tiles().concat()).expect("they exist");
     let along = Fronts::in_order(&window.problem, &order).expect("a problem");
     chapter.number("window_products", 1e-6 * first.products() as f64, "million", 1);
     chapter.number("window_products_along", 1e-6 * along.products() as f64, "million", 1);
@@ -238,13 +238,14 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
     std::fs::write(&file, exported(&window, &recording)).map_err(|error| failed(&error))?;
 
     let problem = &window.problem;
-    let order = Fronts::order_along(problem, &window.trunk()).expect("they exist");
-    let mut best = [[f64::INFINITY; 2]; 4];
+    let order = Fronts::order_along(problem, &window.tiles().concat()).expect("they exist");
+    let mut best = [[f64::INFINITY; 2]; 5];
     for _ in 0..TURNS {
         let turn = [
             least(problem, || Dense::new(problem).expect("a problem")),
             least(problem, || Fronts::new(problem).expect("a problem")),
             least(problem, || Fronts::in_order(problem, &order).expect("they exist")),
+            least(problem, || window.landmarks_first().expect("pixels see one state each")),
             theirs(&python, &file).map_err(|error| failed(&error))?,
         ];
         for (best, [time, cost]) in best.iter_mut().zip(turn) {
@@ -252,15 +253,17 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
         }
     }
     std::fs::remove_file(&file).map_err(|error| failed(&error))?;
-    let [dense, fronts, along, theirs] = best;
+    let [dense, fronts, along, landmarks_first, theirs] = best;
     let value =
         |name, value, unit, decimals, within| RecordValue { name, value, unit, decimals, within };
     Ok(vec![
         value("dense", dense[0], "ms", 1, 3.0),
         value("fronts", fronts[0], "ms", 2, 3.0),
         value("along", along[0], "ms", 1, 3.0),
+        value("landmarks_first", landmarks_first[0], "ms", 2, 3.0),
         value("gtsam", theirs[0], "ms", 1, 3.0),
         value("ratio", fronts[0] / theirs[0], "", 2, 1.0),
+        value("ratio_landmarks_first", landmarks_first[0] / theirs[0], "", 2, 1.0),
         value("cost", fronts[1], "", 2, 1e-6),
         value("gtsam_cost", theirs[1], "", 2, 1e-6),
     ])
