@@ -13,6 +13,8 @@ use crate::fault::Faults;
 pub struct Page {
     /// The file as faults name it: `src/bearing.md`.
     pub file: String,
+    /// What the table of contents calls it.
+    pub name: String,
     /// The file relative to `src`.
     pub path: PathBuf,
     /// The word that leads to everything of this chapter.
@@ -31,6 +33,7 @@ impl Page {
                 let path = chapter.source_path.clone()?;
                 let mut page = Page {
                     file: format!("src/{}", slashed(&path)),
+                    name: chapter.name.clone(),
                     slug: path.file_stem()?.to_str()?.to_owned(),
                     number: chapter
                         .number

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { after, before, test } from "node:test";
+import { terms } from "./terms.mjs";
 import { axe, bookDir, launch, libraryPages, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
 
 let browser, server;
@@ -115,6 +116,24 @@ test("search finds a word of a heading and shows no TeX", async () => {
     });
     const index = fs.readdirSync(bookDir).find(name => /^searchindex.*\.js$/.test(name));
     assert.doesNotMatch(read(index), /\\(frac|begin|mathbf|htmlClass|tilde)\b/, "raw TeX in the search index");
+});
+
+test("what a practitioner types finds its section among the first three", async () => {
+    await at("index.html", {}, async page => {
+        await page.keyboard.press("/");
+        const bar = page.locator("#mdbook-searchbar");
+        const header = page.locator("#mdbook-searchresults-header");
+        const astray = [];
+        for (const [term, section] of Object.entries(terms)) {
+            await bar.fill(term);
+            await bar.press("End");
+            await header.getByText(`'${term}'`).waitFor();
+            const found = await page.locator("#mdbook-searchresults li a")
+                .evaluateAll(links => links.slice(0, 3).map(link => link.getAttribute("href").replace(/\?[^#]*/, "")));
+            if (!found.includes(section)) astray.push(`${term}: ${found.join(", ") || "nothing"}, not ${section}`);
+        }
+        assert.deepEqual(astray, []);
+    });
 });
 
 test("search keeps the place of the reader", async () => {

@@ -87,6 +87,13 @@ fn every_page_has_a_language_a_title_and_one_heading_of_the_first_rank() {
 }
 
 #[test]
+fn every_chapter_has_its_picture_under_its_term() {
+    let chapters = pages().into_iter().filter(|(_, page)| !all(page, ".opening").is_empty());
+    let without = chapters.filter(|(_, page)| all(page, "main h1 + .subtitle").is_empty());
+    assert_eq!(without.map(|(name, _)| name).collect::<Vec<_>>(), Vec::<String>::new());
+}
+
+#[test]
 fn every_numbered_equation_shows_its_check_or_that_it_is_a_definition() {
     let mut numbered = 0;
     for (name, page) in pages() {

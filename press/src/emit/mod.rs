@@ -163,6 +163,15 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn heading(&mut self, block: &Block, level: usize, title: &str, attributes: &Attributes) {
         let shown = self.resolve(block.line, title);
+        if level == 1 && self.page.number.is_some() && title != self.page.name {
+            let problem = format!("the table of contents calls this page “{}”", self.page.name);
+            self.fault(
+                block.line,
+                title,
+                problem,
+                "give both the same words, in src/SUMMARY.md or here",
+            );
+        }
         let number = match level {
             1 => self.page.number.as_deref().unwrap_or_default(),
             _ => &block.number,
@@ -174,6 +183,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
             false => format!(" {{#{}}}", attributes.id),
         };
         self.out.push_str(&format!("{} {number}{shown}{id}\n", "#".repeat(level)));
+        if !attributes.value("subtitle").is_empty() {
+            let subtitle = self.resolve(block.line, attributes.value("subtitle"));
+            self.out.push_str(&format!("\n<p class=\"subtitle\">{subtitle}</p>\n"));
+        }
     }
 }
 

@@ -539,6 +539,13 @@ fn a_record_that_was_never_made_or_from_other_inputs_is_named() {
 }
 
 #[test]
+fn a_chapter_that_the_contents_call_something_else_is_named() {
+    let book = SmallBook::sound().with("src/SUMMARY.md", "[One]", "[Two]");
+    let said = "src/one.md:1: One: the table of contents calls this page “Two”";
+    says(&book.faults(), &[said]);
+}
+
+#[test]
 fn a_chapter_that_summary_names_and_nobody_wrote_is_an_error() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "(one.md)", "(two.md)");
     let report = book.faults();
