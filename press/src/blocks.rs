@@ -13,6 +13,8 @@ pub struct Block {
     pub indent: String,
     /// The number that the book gives it, `1.2`; empty where it has none.
     pub number: String,
+    /// Whether it is in depth, off the main road.
+    pub deep: bool,
     /// What it is.
     pub kind: Kind,
 }
@@ -94,13 +96,19 @@ impl Reader<'_> {
         self.end_text();
         let line = self.lines[at];
         let indent = line[..line.len() - line.trim_start().len()].to_owned();
-        self.blocks.push(Block { line: at + 1, indent, number: String::new(), kind });
+        self.blocks.push(Block { line: at + 1, indent, number: String::new(), deep: false, kind });
     }
 
     fn end_text(&mut self) {
         if let Some((at, text)) = self.text.take() {
             let (indent, number) = (String::new(), String::new());
-            self.blocks.push(Block { line: at + 1, indent, number, kind: Kind::Text(text) });
+            self.blocks.push(Block {
+                line: at + 1,
+                indent,
+                number,
+                deep: false,
+                kind: Kind::Text(text),
+            });
         }
     }
 

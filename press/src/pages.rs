@@ -43,6 +43,7 @@ impl Page {
                     path,
                 };
                 page.number_blocks();
+                page.mark_depth();
                 Some(page)
             }
             _ => None,
@@ -62,6 +63,18 @@ impl Page {
             let count = counts.entry(kind).or_default();
             *count += 1;
             block.number = format!("{}{count}", chapter.as_deref().unwrap_or_default());
+        }
+    }
+
+    /// A heading of the class `depth` covers what is below it, until one of its level or above.
+    fn mark_depth(&mut self) {
+        let mut depth = None;
+        for block in &mut self.blocks {
+            if let Kind::Heading { level, attributes, .. } = &block.kind {
+                depth = depth.filter(|depth| level > depth);
+                depth = depth.or(attributes.has("depth").then_some(*level));
+            }
+            block.deep = depth.is_some();
         }
     }
 
@@ -125,6 +138,8 @@ pub struct Target {
     pub title: String,
     /// Whether it is the title of a whole chapter.
     pub chapter: bool,
+    /// Whether it is in depth, off the main road.
+    pub deep: bool,
 }
 
 /// All labels of the book.
@@ -150,6 +165,7 @@ impl Labels {
                         number,
                         title: title.to_owned(),
                         chapter,
+                        deep: block.deep,
                     };
                     labels.insert(page, label, target, faults);
                 }

@@ -11,7 +11,7 @@ use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::formulas::Formula;
-use crate::inline::{LABEL_KINDS, Mark, tokens};
+use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
 
@@ -65,6 +65,8 @@ pub struct Prose<'a> {
     pub line: usize,
     /// Whether marks become HTML, or plain text as in an alternative text.
     pub html: bool,
+    /// Whether it is in depth, off the main road.
+    pub deep: bool,
 }
 
 impl Prose<'_> {
@@ -106,7 +108,10 @@ impl One<'_> {
             Mark::Code(code) => out.push_str(code),
             Mark::Math(tex) => out.push_str(&self.math(tex, found)),
             Mark::Value(name) => out.push_str(&self.value(name, found)),
-            Mark::Reference { label, bare } => out.push_str(&self.reference(label, *bare, found)),
+            Mark::Reference { label, bare } => {
+                let name = self.reference(label, *bare, self.prose.deep, found);
+                out.push_str(&name);
+            }
             Mark::Citation { keys, narrative } => {
                 out.push_str(&self.citation(keys, *narrative, found));
             }
@@ -173,7 +178,8 @@ impl One<'_> {
         }
     }
 
-    fn reference(&self, label: &str, bare: bool, found: &mut Found<'_>) -> String {
+    /// A link to what a label stands for. From the main road, only a pointer `leads_on` into depth.
+    fn reference(&self, label: &str, bare: bool, leads_on: bool, found: &mut Found<'_>) -> String {
         let Some(target) = self.known.labels.get(label) else {
             let mend = match self.known.labels.like(label) {
                 Some(like) => format!("did you mean @{like}?"),
@@ -187,6 +193,12 @@ impl One<'_> {
             );
             return format!("[{label}]");
         };
+        if target.deep && !leads_on {
+            let problem = "the main road needs something that is in depth";
+            let mend =
+                format!("say it here, or point to it for further reading: [@{label}]{{.further}}");
+            found.faults.add(self.place, format!("@{label}"), problem, mend);
+        }
         let name = name_of(label, target, bare);
         if !self.prose.html {
             return name;
@@ -235,7 +247,24 @@ impl One<'_> {
         format!("<a class=\"citation\" id=\"{anchor}\" href=\"{way}#ref:{key}\">{name}</a>")
     }
 
+    /// A pointer from the main road into depth: one reference and nothing else.
+    fn further(&self, text: &str, found: &mut Found<'_>) -> String {
+        match &tokens(text)[..] {
+            [Token { mark: Mark::Reference { label, bare }, .. }] => {
+                self.reference(label, *bare, true, found)
+            }
+            _ => {
+                let mend = "write [@sec:name]{.further}";
+                found.faults.add(self.place, text, "a pointer into depth is one reference", mend);
+                text.to_owned()
+            }
+        }
+    }
+
     fn span(&self, text: &str, classes: &[String], found: &mut Found<'_>) -> String {
+        if matches!(classes, [class] if class == "further") {
+            return self.further(text, found);
+        }
         let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
         match classes {
             [class] if TERMS.contains(&class.as_str()) => match self.prose.html {
@@ -247,7 +276,10 @@ impl One<'_> {
                     self.place,
                     classes.join(" "),
                     "a span has no class that the book knows",
-                    format!("coloured terms are {}", TERMS.join(", ")),
+                    format!(
+                        "coloured terms are {}, and a pointer into depth is further",
+                        TERMS.join(", ")
+                    ),
                 );
                 inside
             }

@@ -1,6 +1,7 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
 use super::Emitter;
+use super::depth::minutes;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::pages::Page;
@@ -82,10 +83,13 @@ impl Emitter<'_, '_> {
     fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
         let difficulty = self.said(line, attributes, "difficulty");
         let needs = self.said(line, attributes, "needs");
+        let (main, all) = minutes(self.page);
+        let with_depth = if all > main { format!(", {all} with all depth") } else { String::new() };
         format!(
-            "<div class=\"opening\">\n<dl><dt>Difficulty</dt><dd>{difficulty} of 3</dd>\
-             <dt>Reading time</dt><dd>{} minutes</dd><dt>Needs</dt><dd>{needs}</dd></dl>\n",
-            minutes(self.page)
+            "<div class=\"opening\" data-main=\"{main}\" data-all=\"{all}\">\n\
+             <dl><dt>Difficulty</dt><dd>{difficulty} of 3</dd>\
+             <dt>Reading time</dt><dd>{main} minutes{with_depth}</dd>\
+             <dt>Needs</dt><dd>{needs}</dd></dl>\n"
         )
     }
 
@@ -185,18 +189,4 @@ fn legend(page: &Page) -> String {
         true => String::new(),
         false => format!("<p class=\"legend\">{}</p>", terms.join("; ")),
     }
-}
-
-/// Reading time: prose at 200 words a minute, half a minute for an equation or a figure, one for a listing.
-fn minutes(page: &Page) -> usize {
-    let seconds = |kind: &Kind| match kind {
-        Kind::Text(text) | Kind::Choice { text, .. } => {
-            text.split_whitespace().count() as f64 * 0.3
-        }
-        Kind::Equation { .. } | Kind::Figure { .. } => 30.0,
-        Kind::Fence { .. } => 60.0,
-        _ => 0.0,
-    };
-    let total: f64 = page.blocks.iter().map(|block| seconds(&block.kind)).sum();
-    (total / 300.0).ceil().max(1.0) as usize * 5
 }

@@ -1,5 +1,6 @@
 //! Writes a chapter for mdBook: its blocks as Markdown and HTML, with everything resolved.
 
+mod depth;
 mod divisions;
 mod equations;
 mod figures;
@@ -29,6 +30,8 @@ pub struct Emitter<'a, 'f> {
     /// What is learned on the way.
     pub found: &'a mut Found<'f>,
     open: Vec<Division>,
+    /// The level of the heading that led into depth.
+    depth: Option<usize>,
     out: String,
 }
 
@@ -50,6 +53,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             accepted,
             found,
             open: Vec::new(),
+            depth: None,
             out: String::new(),
         }
     }
@@ -69,6 +73,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 "close it with ::: on a line of its own",
             );
         }
+        self.end_depth(1);
         self.definitions();
         self.out
     }
@@ -120,11 +125,19 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     fn resolve(&mut self, line: usize, text: &str) -> String {
-        Prose { page: self.page, line, html: true }.resolve(text, self.known, self.found)
+        let deep = self.depth.is_some();
+        Prose { page: self.page, line, html: true, deep }.resolve(text, self.known, self.found)
     }
 
     fn plain(&mut self, line: usize, text: &str) -> String {
-        Prose { page: self.page, line, html: false }.resolve(text, self.known, self.found)
+        let deep = self.depth.is_some();
+        Prose { page: self.page, line, html: false, deep }.resolve(text, self.known, self.found)
+    }
+
+    /// What is read on the main road although it belongs to a section in depth.
+    fn resolve_on_main(&mut self, line: usize, text: &str) -> String {
+        Prose { page: self.page, line, html: true, deep: false }
+            .resolve(text, self.known, self.found)
     }
 
     /// Writes lines with the indentation of their block, so that what stands in a list stays there.
@@ -162,6 +175,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     fn heading(&mut self, block: &Block, level: usize, title: &str, attributes: &Attributes) {
+        self.end_depth(level);
         let shown = self.resolve(block.line, title);
         if level == 1 && self.page.number.is_some() && title != self.page.name {
             let problem = format!("the table of contents calls this page “{}”", self.page.name);
@@ -186,6 +200,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         if !attributes.value("subtitle").is_empty() {
             let subtitle = self.resolve(block.line, attributes.value("subtitle"));
             self.out.push_str(&format!("\n<p class=\"subtitle\">{subtitle}</p>\n"));
+        }
+        if attributes.has("depth") {
+            self.begin_depth(block, attributes);
         }
     }
 }

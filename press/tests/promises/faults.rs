@@ -538,6 +538,43 @@ fn a_record_that_was_never_made_or_from_other_inputs_is_named() {
     says(&book.faults(), &["long: the record was made from other inputs"]);
 }
 
+/// The small book with its second section in depth.
+fn in_depth() -> SmallBook {
+    let heading = "## More {#sec:more .depth establishes=\"There is more.\"}";
+    SmallBook::sound().with("src/one.md", "## More {#sec:more}", heading)
+}
+
+#[test]
+fn the_main_road_that_needs_what_is_in_depth_is_named() {
+    let book = in_depth().with("src/one.md", "A sum, as in", "By @sec:more, a sum, as in");
+    says(
+        &book.faults(),
+        &["src/one.md:3: @sec:more: the main road needs something that is in depth"],
+    );
+}
+
+#[test]
+fn the_main_road_may_point_into_depth_and_what_is_there_needs_what_it_likes() {
+    let book = in_depth()
+        .with("src/one.md", "A sum, as in", "By [@sec:more]{.further}, a sum, as in")
+        .with("src/one.md", "An [inner link]", "By @eq:sum and @sec:more, an [inner link]");
+    assert!(book.run(&["check"]).status.success());
+}
+
+#[test]
+fn a_pointer_into_depth_is_one_reference() {
+    let book =
+        in_depth().with("src/one.md", "A sum, as in", "[See @sec:more]{.further}. A sum, as in");
+    says(&book.faults(), &["a pointer into depth is one reference"]);
+}
+
+#[test]
+fn a_section_in_depth_that_does_not_say_what_it_establishes_is_named() {
+    let book =
+        SmallBook::sound().with("src/one.md", "## More {#sec:more}", "## More {#sec:more .depth}");
+    says(&book.faults(), &["a section in depth does not say what it establishes"]);
+}
+
 #[test]
 fn a_chapter_that_the_contents_call_something_else_is_named() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "[One]", "[Two]");
