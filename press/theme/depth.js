@@ -60,11 +60,11 @@
         return label;
     }
     if (opening) {
-        const box = document.createElement("fieldset");
+        const box = document.createElement("div");
         box.className = "depth-choice";
-        const legend = document.createElement("legend");
-        legend.textContent = "Read";
-        box.append(legend, choice("main", "the main road", opening.dataset.main), choice("all", "everything", opening.dataset.all));
+        box.setAttribute("role", "radiogroup");
+        box.setAttribute("aria-label", "How much to read");
+        box.append(choice("main", "Main road", opening.dataset.main), choice("all", "Everything", opening.dataset.all));
         opening.querySelector("dl").after(box);
     }
     parts.forEach(part => fold(part, chosen() === "main"));

@@ -80,8 +80,11 @@ export async function launch() {
     });
     const browser = context.browser();
     return {
-        /** A page in a fresh context; `page.complaints` collects console output, errors, failed and foreign requests. */
-        async page({ width = 1280, height = 900, dark = false, ...options } = {}) {
+        /**
+         * A page in a fresh context; `page.complaints` collects console output, errors, failed and foreign requests.
+         * Sections in depth are open unless they are to be `folded`, as a reader finds them.
+         */
+        async page({ width = 1280, height = 900, dark = false, folded = false, ...options } = {}) {
             const context = await browser.newContext({
                 viewport: { width, height },
                 colorScheme: dark ? "dark" : "light",
@@ -91,6 +94,11 @@ export async function launch() {
             // The page with the whole book takes ten seconds and more on a busy machine.
             context.setDefaultTimeout(60_000);
             const page = await context.newPage();
+            if (!folded) {
+                await page.addInitScript(() => {
+                    try { localStorage.depth ??= "all"; } catch { /* a test of just that */ }
+                });
+            }
             page.complaints = [];
             page.scripted = options.javaScriptEnabled !== false;
             const complain = text => page.complaints.push(text);

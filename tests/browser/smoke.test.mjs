@@ -273,6 +273,44 @@ test("a prediction asks for a choice, keeps it over a reload, and can be made ag
     });
 });
 
+test("sections in depth fold to a sentence; a button, an address and the choice of everything open them", async () => {
+    const file = pageWith(/<div class="depth">/);
+    const shown = part => part.evaluate(node => node.checkVisibility({ contentVisibilityAuto: true }) && node.lastElementChild.checkVisibility({ contentVisibilityAuto: true }));
+    for (const options of [{}, { width: 360, dark: true }]) {
+        await at(file, { folded: true, ...options }, async page => {
+            const part = page.locator(".depth").first();
+            const button = page.locator(".depth-fold").first();
+            const radio = name => page.getByRole("radiogroup", { name: "How much to read" }).getByRole("radio", { name });
+            assert.ok(await radio(/^Main road, \d+ minutes$/).isChecked());
+            assert.equal(await page.locator(".depth:not([hidden])").count(), 0);
+            assert.equal(await shown(part), false);
+            assert.ok((await page.locator(".establishes").first().innerText()).length > 40);
+            assert.deepEqual([await overhang(page), await axe(page)], [null, []]);
+
+            await button.click();
+            assert.deepEqual([await shown(part), await button.getAttribute("aria-expanded")], [true, "true"]);
+            await button.press("Enter");
+            assert.equal(await shown(part), false);
+
+            const label = await page.evaluate(() => document.querySelector(".depth [id]").id);
+            await page.evaluate(label => { location.hash = label; }, label);
+            await page.waitForFunction(() => !document.querySelector(".depth").hasAttribute("hidden"));
+            assert.ok(await page.evaluate(label => document.getElementById(label).getBoundingClientRect().top < innerHeight, label));
+
+            await radio(/Everything/).check();
+            assert.equal(await page.locator(".depth[hidden]").count(), 0);
+            await page.reload();
+            assert.equal(await page.locator(".depth[hidden]").count(), 0, "the choice is forgotten");
+            await radio(/Main road/).check();
+            await page.emulateMedia({ media: "print" });
+            assert.equal(await shown(part), true, "paper lacks what is folded");
+        });
+    }
+    await at(file, { javaScriptEnabled: false }, async page => {
+        assert.equal(await shown(page.locator(".depth").first()), true);
+    });
+});
+
 test("a prediction works where the browser keeps nothing", async () => {
     const page = await browser.page();
     await page.addInitScript(() => Object.defineProperty(window, "localStorage", {
