@@ -31,3 +31,4 @@ pub mod settings;
 pub mod sources;
 pub mod steps;
 pub mod warnings;
+mod ways;

@@ -120,6 +120,12 @@ fn label(kind: &Kind) -> Option<(&str, &str)> {
     (!attributes.id.is_empty()).then_some((attributes.id.as_str(), title))
 }
 
+/// An anchor made from a title.
+pub fn anchor(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect::<Vec<_>>().join("-")
+}
+
 /// A path with the slashes of the web.
 pub fn slashed(path: &Path) -> String {
     path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")

@@ -24,6 +24,7 @@ use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
 use crate::settings::{Layout, Settings};
 use crate::sources;
+use crate::ways::Ways;
 
 /// Resolves labels, numbers, figures and listings, and finds what the book says and no program does.
 ///
@@ -83,8 +84,10 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let bibliography = Bibliography::parse(&works, &mut faults);
     faults.extend(exhibits.faults());
     let library = Library::read(&layout.root, &settings.library_package)?;
+    let ways = Ways::collect(&pages);
     let known = Known {
         labels: &labels,
+        ways: &ways,
         exhibits: &exhibits,
         bibliography: &bibliography,
         library: &library,

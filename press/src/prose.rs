@@ -14,6 +14,7 @@ use crate::formulas::Formula;
 use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
+use crate::ways::{Ways, planned};
 
 static UNIT: LazyLock<Regex> =
     LazyLock::new(|| Regex::new(&format!(r"^\s(?:{UNITS})(?:$|[^\w])")).expect("a valid pattern"));
@@ -28,6 +29,8 @@ pub const TERMS: [&str; 3] = ["measured", "estimated", "prior"];
 pub struct Known<'a> {
     /// Every label and where it stands.
     pub labels: &'a Labels,
+    /// Chapters and sections, and how long they take.
+    pub ways: &'a Ways,
     /// What the program computed.
     pub exhibits: &'a Exhibits,
     /// What can be cited.
@@ -122,6 +125,12 @@ impl One<'_> {
             Mark::Directive(word @ ("ledger" | "bibliography")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
+            Mark::Directive(words) if words.starts_with("way ") => {
+                out.push_str(&self.stop(&words["way ".len()..], found));
+            }
+            Mark::Directive(words) if words.starts_with("time ") => {
+                out.push_str(&self.time(&words["time ".len()..], found));
+            }
             Mark::Directive(_) | Mark::UnclosedMath | Mark::MisplacedDisplay => {
                 self.misused(mark, found);
             }
@@ -133,7 +142,7 @@ impl One<'_> {
             Mark::Directive(word) => (
                 *word,
                 "the press knows no such directive",
-                "it knows {{value chapter.name}}, {{ledger}} and {{bibliography}}; code is included by a listing",
+                "it knows {{value chapter.name}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}} and {{bibliography}}; code is included by a listing",
             ),
             Mark::UnclosedMath => (
                 "$",
@@ -162,6 +171,51 @@ impl One<'_> {
             });
         }
         format!("${filled}$")
+    }
+
+    /// A link to a chapter or a section on a way through the book, with the time that it takes. Behind
+    /// `all` what is in depth counts too.
+    fn stop(&self, words: &str, found: &mut Found<'_>) -> String {
+        let (name, depth) = match words.strip_prefix("all ") {
+            Some(name) => (name.trim(), 1),
+            None => (words.trim(), 0),
+        };
+        let Some(stop) = self.known.ways.get(name) else { return self.no_stop(name, found) };
+        let anchor =
+            if stop.anchor.is_empty() { String::new() } else { format!("#{}", stop.anchor) };
+        let way = self.prose.page.way_to(&stop.path);
+        let title = Prose { line: self.place.1, deep: true, ..*self.prose }.resolve(
+            &stop.title,
+            self.known,
+            found,
+        );
+        let time = planned(stop.seconds[depth]).replace(' ', "\u{a0}");
+        format!("<a class=\"stop\" href=\"{way}{anchor}\">{} {title}</a> ({time})", stop.number)
+    }
+
+    /// The time that several chapters and sections take together on the main road; `all` as above.
+    fn time(&self, words: &str, found: &mut Found<'_>) -> String {
+        let (names, depth) = match words.strip_prefix("all ") {
+            Some(names) => (names, 1),
+            None => (words, 0),
+        };
+        let mut seconds = 0.0;
+        for name in names.split_whitespace() {
+            match self.known.ways.get(name) {
+                Some(stop) => seconds += stop.seconds[depth],
+                None => drop(self.no_stop(name, found)),
+            }
+        }
+        planned(seconds).replace(' ', "\u{a0}")
+    }
+
+    fn no_stop(&self, name: &str, found: &mut Found<'_>) -> String {
+        let mend = match self.known.ways.like(name) {
+            Some(like) => format!("did you mean {like}?"),
+            None => "write the chapter's slug, and behind # the anchor of a section".to_owned(),
+        };
+        found.faults.add(self.place, name, "the book has no such chapter or section", mend);
+        format!("[{name}]")
     }
 
     fn value(&self, name: &str, found: &mut Found<'_>) -> String {

@@ -3,7 +3,6 @@
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
-use crate::pages::Page;
 
 impl Emitter<'_, '_> {
     /// Begins what a heading puts in depth: a sentence that the main road reads, and what folds.
@@ -33,27 +32,5 @@ impl Emitter<'_, '_> {
             self.depth = None;
             self.out.push_str("\n\n</div>\n\n");
         }
-    }
-}
-
-/// The time that a page takes, on the main road and with what is in depth, in minutes.
-pub(super) fn minutes(page: &Page) -> (usize, usize) {
-    let [main, deep] = [false, true].map(|deep| {
-        let blocks = page.blocks.iter().filter(|block| block.deep == deep);
-        blocks.map(|block| seconds(&block.kind)).sum::<f64>()
-    });
-    let rounded = |seconds: f64| (seconds / 300.0).ceil().max(1.0) as usize * 5;
-    (rounded(main), rounded(main + deep))
-}
-
-/// Prose at 200 words a minute, half a minute for an equation or a figure, one for a listing.
-fn seconds(kind: &Kind) -> f64 {
-    match kind {
-        Kind::Text(text) | Kind::Choice { text, .. } => {
-            text.split_whitespace().count() as f64 * 0.3
-        }
-        Kind::Equation { .. } | Kind::Figure { .. } => 30.0,
-        Kind::Fence { .. } => 60.0,
-        _ => 0.0,
     }
 }

@@ -1,11 +1,11 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
 use super::Emitter;
-use super::depth::minutes;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::pages::Page;
 use crate::prose::TERMS;
+use crate::ways::{fives, seconds};
 
 /// An open `:::` and what was seen in it.
 pub(super) struct Division {
@@ -83,7 +83,7 @@ impl Emitter<'_, '_> {
     fn opening(&mut self, line: usize, attributes: &Attributes) -> String {
         let difficulty = self.said(line, attributes, "difficulty");
         let needs = self.said(line, attributes, "needs");
-        let (main, all) = minutes(self.page);
+        let [main, all] = seconds(&self.page.blocks).map(fives);
         let with_depth = if all > main { format!(", {all} with all depth") } else { String::new() };
         format!(
             "<div class=\"opening\" data-main=\"{main}\" data-all=\"{all}\">\n\

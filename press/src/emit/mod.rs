@@ -11,7 +11,7 @@ use divisions::Division;
 use crate::accepted::Accepted;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
-use crate::pages::Page;
+use crate::pages::{Page, anchor};
 use crate::prose::{Found, Known, Prose, source};
 use crate::settings::{Layout, Settings};
 
@@ -205,10 +205,4 @@ impl<'a, 'f> Emitter<'a, 'f> {
             self.begin_depth(block, attributes);
         }
     }
-}
-
-/// An anchor made from a title.
-fn anchor(title: &str) -> String {
-    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    words.map(str::to_lowercase).collect::<Vec<_>>().join("-")
 }

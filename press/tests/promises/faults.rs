@@ -576,6 +576,16 @@ fn a_section_in_depth_that_does_not_say_what_it_establishes_is_named() {
 }
 
 #[test]
+fn a_way_to_a_section_that_is_not_there_is_named_with_the_nearest_one() {
+    let way = "A sum ({{way one#sec:mor}}), as in";
+    let book = SmallBook::sound().with("src/one.md", "A sum, as in", way);
+    says(
+        &book.faults(),
+        &["one#sec:mor: the book has no such chapter or section", "did you mean one#sec:more?"],
+    );
+}
+
+#[test]
 fn a_chapter_that_the_contents_call_something_else_is_named() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "[One]", "[Two]");
     let said = "src/one.md:1: One: the table of contents calls this page “Two”";
