@@ -146,6 +146,8 @@ pub struct Target {
     pub chapter: bool,
     /// Whether it is in depth, off the main road.
     pub deep: bool,
+    /// What an equation says; empty for everything else.
+    pub tex: String,
 }
 
 /// All labels of the book.
@@ -172,6 +174,10 @@ impl Labels {
                         title: title.to_owned(),
                         chapter,
                         deep: block.deep,
+                        tex: match &block.kind {
+                            Kind::Equation { tex, .. } => tex.clone(),
+                            _ => String::new(),
+                        },
                     };
                     labels.insert(page, label, target, faults);
                 }

@@ -125,6 +125,9 @@ impl One<'_> {
             Mark::Directive(word @ ("ledger" | "bibliography")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
+            Mark::Directive(words) if words.starts_with("again ") => {
+                out.push_str(&self.again(words["again ".len()..].trim(), found));
+            }
             Mark::Directive(words) if words.starts_with("way ") => {
                 out.push_str(&self.stop(&words["way ".len()..], found));
             }
@@ -142,7 +145,7 @@ impl One<'_> {
             Mark::Directive(word) => (
                 *word,
                 "the press knows no such directive",
-                "it knows {{value chapter.name}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}} and {{bibliography}}; code is included by a listing",
+                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}} and {{bibliography}}; code is included by a listing",
             ),
             Mark::UnclosedMath => (
                 "$",
@@ -171,6 +174,21 @@ impl One<'_> {
             });
         }
         format!("${filled}$")
+    }
+
+    /// A numbered equation once more, with the way to where it is derived.
+    fn again(&self, label: &str, found: &mut Found<'_>) -> String {
+        let name = self.reference(label, true, self.prose.deep, found);
+        let Some(target) = self.known.labels.get(label) else { return name };
+        let tex = fill(&target.tex, self.prose.page, self.place, self.known, found);
+        if tex.is_empty() {
+            let mend = "name an equation";
+            found.faults.add(self.place, label, "this is no equation to show again", mend);
+        }
+        let number = name.replacen("class=\"xref\"", "class=\"equation-number\"", 1);
+        format!(
+            "\n<div class=\"equation\">\n<div class=\"equation-body\">\n\n$${tex}$$\n\n</div>\n{number}\n</div>\n"
+        )
     }
 
     /// A link to a chapter or a section on a way through the book, with the time that it takes. Behind

@@ -576,6 +576,16 @@ fn a_section_in_depth_that_does_not_say_what_it_establishes_is_named() {
 }
 
 #[test]
+fn only_an_equation_is_shown_again() {
+    let again = |what| {
+        let text = format!("\n\n{{{{again {what}}}}}\n\nAn [inner link]");
+        SmallBook::sound().with("src/one.md", "An [inner link]", &text)
+    };
+    assert!(again("eq:sum").run(&["check"]).status.success());
+    says(&again("lst:add").faults(), &["lst:add: this is no equation to show again"]);
+}
+
+#[test]
 fn a_way_to_a_section_that_is_not_there_is_named_with_the_nearest_one() {
     let way = "A sum ({{way one#sec:mor}}), as in";
     let book = SmallBook::sound().with("src/one.md", "A sum, as in", way);
