@@ -15,6 +15,7 @@ pub mod fault;
 pub mod files;
 pub mod formulas;
 pub mod guard;
+pub mod index;
 pub mod inline;
 pub mod ledger;
 pub mod links;

@@ -18,6 +18,7 @@ use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::files;
 use crate::formulas;
+use crate::index::Terms;
 use crate::ledger;
 use crate::lint::Lint;
 use crate::pages::{Labels, Page};
@@ -98,6 +99,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         values: BTreeMap::new(),
         figures: BTreeSet::new(),
         citations: BTreeMap::new(),
+        terms: Terms::default(),
         sources: BTreeSet::new(),
         generated: BTreeMap::new(),
         lint: Lint::new(&settings.allow),
@@ -116,6 +118,9 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
                 *content = content
                     .replace("{{ledger}}", &ledger::ledger(page, &pages, &known, &mut found));
             }
+            if content.contains("{{index}}") {
+                *content = content.replace("{{index}}", &found.terms.index(page, &pages));
+            }
             if content.contains("{{bibliography}}") {
                 *content = content.replace(
                     "{{bibliography}}",
@@ -130,6 +135,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         }
     });
     unused(&pages, &exhibits, &mut found);
+    found.terms.check(&pages, &mut found.faults);
     found.lint.finish(&mut found.faults);
     let plan = Plan::new(layout, &settings, config, &pages, &known, &mut found)?;
     formulas::try_all(&layout.root, config, &layout.work(), &found.formulas, &mut found.faults)?;

@@ -11,6 +11,7 @@ use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::formulas::Formula;
+use crate::index::{Definition, Terms};
 use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
@@ -51,6 +52,8 @@ pub struct Found<'a> {
     pub figures: BTreeSet<String>,
     /// The citations of each work: page, title of the page, anchor.
     pub citations: BTreeMap<String, Vec<(PathBuf, String)>>,
+    /// The terms that the book defines.
+    pub terms: Terms,
     /// The source files that pages link to.
     pub sources: BTreeSet<String>,
     /// Files for mdBook to copy, by path below `src/generated`.
@@ -119,10 +122,13 @@ impl One<'_> {
                 out.push_str(&self.citation(keys, *narrative, found));
             }
             Mark::Item { text, path } => out.push_str(&self.item(text, path, found)),
+            Mark::Span { text, attributes } if attributes.has("defined") => {
+                out.push_str(&self.defined(text, attributes.value("term"), found));
+            }
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
-            Mark::Directive(word @ ("ledger" | "bibliography")) => {
+            Mark::Directive(word @ ("ledger" | "bibliography" | "index")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
             Mark::Directive(words) if words.starts_with("again ") => {
@@ -145,7 +151,7 @@ impl One<'_> {
             Mark::Directive(word) => (
                 *word,
                 "the press knows no such directive",
-                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}} and {{bibliography}}; code is included by a listing",
+                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}}, {{index}} and {{bibliography}}; code is included by a listing",
             ),
             Mark::UnclosedMath => (
                 "$",
@@ -174,6 +180,25 @@ impl One<'_> {
             });
         }
         format!("${filled}$")
+    }
+
+    /// A term where it is defined. The index has it under `term`, or as it stands here.
+    fn defined(&self, text: &str, term: &str, found: &mut Found<'_>) -> String {
+        let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
+        let term = if term.is_empty() {
+            text.split_whitespace().collect::<Vec<_>>().join(" ")
+        } else {
+            term.to_owned()
+        };
+        let place = (self.place.0.to_owned(), self.place.1);
+        let definition =
+            Definition { path: self.prose.page.path.clone(), place, deep: self.prose.deep };
+        let id = Terms::anchor(&term);
+        found.terms.define(&term, definition, &mut found.faults);
+        match self.prose.html {
+            true => format!("<dfn id=\"{id}\">{inside}</dfn>"),
+            false => inside,
+        }
     }
 
     /// A numbered equation once more, with the way to where it is derived.
@@ -349,7 +374,7 @@ impl One<'_> {
                     classes.join(" "),
                     "a span has no class that the book knows",
                     format!(
-                        "coloured terms are {}, and a pointer into depth is further",
+                        "coloured terms are {}, a term that is explained is defined, and a pointer into depth is further",
                         TERMS.join(", ")
                     ),
                 );

@@ -576,6 +576,25 @@ fn a_section_in_depth_that_does_not_say_what_it_establishes_is_named() {
 }
 
 #[test]
+fn a_term_that_is_defined_twice_is_named_with_its_first_place() {
+    let text = "A [sum]{.defined}, and again a [sum]{.defined}, as in";
+    let book = SmallBook::sound().with("src/one.md", "A sum, as in", text);
+    says(&book.faults(), &["src/one.md:3: sum: src/one.md:3 defines this term"]);
+}
+
+#[test]
+fn a_term_that_only_depth_defines_is_not_for_the_main_road() {
+    let book =
+        in_depth().with("src/one.md", "An [inner link]", "A [Sum]{.defined}, and an [inner link]");
+    let said = "Sum: the main road uses a term that src/one.md:25 defines in depth";
+    let report = book.faults();
+    assert!(report.contains(said), "{report}");
+    let elsewhere =
+        SmallBook::sound().with("src/one.md", "A sum, as in", "A [sum]{.defined}, as in");
+    assert!(elsewhere.run(&["check"]).status.success());
+}
+
+#[test]
 fn only_an_equation_is_shown_again() {
     let again = |what| {
         let text = format!("\n\n{{{{again {what}}}}}\n\nAn [inner link]");

@@ -1,0 +1,87 @@
+//! The index: every term that the book defines, with the place that defines it.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use regex::{Regex, escape as literally};
+
+use crate::blocks::Kind;
+use crate::fault::Faults;
+use crate::pages::{Page, anchor};
+use crate::prose::link;
+
+/// Where a term is defined.
+#[derive(Debug)]
+pub struct Definition {
+    pub path: PathBuf,
+    /// The page as faults name it, and the line.
+    pub place: (String, usize),
+    /// Whether it stands in depth.
+    pub deep: bool,
+}
+
+/// Terms and where they are defined.
+#[derive(Debug, Default)]
+pub struct Terms(BTreeMap<String, Definition>);
+
+impl Terms {
+    /// The anchor of a term.
+    pub fn anchor(term: &str) -> String {
+        format!("term:{}", anchor(term))
+    }
+
+    /// Adds a definition; a second one of the same term is a fault.
+    pub fn define(&mut self, term: &str, definition: Definition, faults: &mut Faults) {
+        if let Some(first) = self.0.get(term) {
+            let problem = format!("{}:{} defines this term", first.place.0, first.place.1);
+            let (file, line) = &definition.place;
+            faults.add((file, *line), term, problem, "define it once, and write *…* here");
+            return;
+        }
+        self.0.insert(term.to_owned(), definition);
+    }
+
+    /// What the main road uses although only depth defines it.
+    pub fn check(&self, pages: &[Page], faults: &mut Faults) {
+        for (term, definition) in self.0.iter().filter(|(_, definition)| definition.deep) {
+            let word = Regex::new(&format!(r"(?i)\b{}\b", literally(term))).expect("a literal");
+            for (page, block) in
+                pages.iter().flat_map(|page| page.blocks.iter().map(move |block| (page, block)))
+            {
+                let Kind::Text(text) = &block.kind else { continue };
+                if let Some(found) = word.find(text).filter(|_| !block.deep) {
+                    let line = block.line + text[..found.start()].matches('\n').count();
+                    let problem = format!(
+                        "the main road uses a term that {}:{} defines in depth",
+                        definition.place.0, definition.place.1
+                    );
+                    let mend = "define it on the main road, or use another word";
+                    faults.add((&page.file, line), term, problem, mend);
+                }
+            }
+        }
+    }
+
+    /// The index as a page shows it, letter by letter.
+    pub fn index(&self, here: &Page, pages: &[Page]) -> String {
+        let mut letters: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+        for (term, definition) in &self.0 {
+            let page = pages.iter().find(|page| page.path == definition.path);
+            let chapter = page.map_or_else(String::new, |page| match &page.number {
+                Some(number) => format!("Chapter {number}"),
+                None => page.title().to_owned(),
+            });
+            let entry = link(here, &definition.path, &Terms::anchor(term), term);
+            let first = term.chars().find(|c| c.is_alphanumeric()).unwrap_or('#');
+            let entries = letters.entry(first.to_uppercase().to_string()).or_default();
+            entries.push((term.to_lowercase(), format!("<li>{entry}, {chapter}</li>")));
+        }
+        let mut html = String::from("<div class=\"index\">\n");
+        for (letter, mut entries) in letters {
+            entries.sort();
+            let entries: Vec<String> = entries.into_iter().map(|(_, entry)| entry).collect();
+            html.push_str(&format!("<h2>{letter}</h2>\n<ul>{}</ul>\n", entries.join("\n")));
+        }
+        html + "</div>\n"
+    }
+}
