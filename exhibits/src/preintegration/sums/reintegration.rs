@@ -9,6 +9,7 @@ use vislam::simulation::Trajectory;
 use super::oracle::{Readings, bias, difference, stack};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::noise::blocks::correlation;
 use crate::random::Random;
 
 /// Random readings at which the bound is compared, and directions from which a search for the
@@ -148,6 +149,12 @@ fn of_tenths(noise: &ImuNoise, seconds: f64) -> f64 {
     worst(&mut Random::new(42), &whitener(&sums), &tenths)
 }
 
+/// The least eigenvalue of the correlations of the nine errors.
+fn least_correlated(noise: &ImuNoise, seconds: f64) -> f64 {
+    let sums = at_rest(noise, seconds, &ImuBias::default());
+    correlation(&sums.covariance).symmetric_eigenvalues().min()
+}
+
 fn numbers(chapter: &mut Chapter) {
     let (mems, euroc) = (ImuNoise::mems(), ImuNoise::euroc());
     chapter.number("again_limit", 9.0 * FRACTION, "", 2);
@@ -155,6 +162,8 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("again_mems_added", added(&mems, farthest(&mems, 1.0)), "", 3);
     chapter.number("again_euroc_mrad", 1e3 * farthest(&euroc, 1.0), "mrad/s", 0);
     chapter.number("again_euroc_short_mrad", 1e3 * farthest(&euroc, 0.1), "mrad/s", 0);
+    chapter.number("again_least", least_correlated(&mems, 1.0), "", 3);
+    chapter.number("again_least_long", least_correlated(&mems, 5.0), "", 4);
     chapter.number("again_tenths", of_tenths(&mems, 1.0), "", 2);
     chapter.number("again_tenths_long", of_tenths(&mems, 5.0), "", 1);
     // Standard deviations of the walk in a minute, which is how far a bias moves by itself.
