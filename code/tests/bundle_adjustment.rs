@@ -117,16 +117,16 @@ impl Camera<1> for OnRail {
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<1>> {
         let by_point = pinhole().projection_jacobian(&(point_in_world - self.0))?;
         let pixel = self.project(point_in_world)?;
-        // To push the camera to the right is to push the point to the left.
-        Some(LinearizedPixel { pixel, by_camera: -by_point.column(0), by_point })
+        // A twist moves the world, and the camera the other way.
+        Some(LinearizedPixel { pixel, by_camera: by_point.column(0).into_owned(), by_point })
     }
 
     fn retract(&self, change: &SVector<f64, 1>) -> Self {
-        Self(self.0 + change[0] * Vector3::x())
+        Self(self.0 - change[0] * Vector3::x())
     }
 
     fn local(&self, to: &Self) -> SVector<f64, 1> {
-        SVector::from([to.0.x - self.0.x])
+        SVector::from([self.0.x - to.0.x])
     }
 
     fn local_jacobian(&self, _to: &Self) -> SMatrix<f64, 1, 1> {
@@ -156,11 +156,11 @@ fn two_cameras_on_rails_go_where_the_sum_by_hand_says() {
     let (s, rhs) = solver.schur_complement(0.0).unwrap();
     let by_hand = DMatrix::from_row_slice(2, 2, &[7500.0, -2500.0, -2500.0, 7500.0]);
     assert_abs_diff_eq!(s, by_hand, epsilon = 1e-9);
-    assert_abs_diff_eq!(rhs, DVector::from_vec(vec![-200.0, 0.0]), epsilon = 1e-9);
+    assert_abs_diff_eq!(rhs, DVector::from_vec(vec![200.0, 0.0]), epsilon = 1e-9);
 
     let step = solver.step(0.0).unwrap();
-    assert_abs_diff_eq!(step.cameras[2][0], -0.03, epsilon = 1e-12);
-    assert_abs_diff_eq!(step.cameras[3][0], -0.01, epsilon = 1e-12);
+    assert_abs_diff_eq!(step.cameras[2][0], 0.03, epsilon = 1e-12);
+    assert_abs_diff_eq!(step.cameras[3][0], 0.01, epsilon = 1e-12);
     assert_abs_diff_eq!(step.points[0], Vector3::zeros(), epsilon = 1e-12);
     assert_abs_diff_eq!(step.cost, 0.0, epsilon = 1e-12);
 }

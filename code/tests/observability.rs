@@ -62,7 +62,11 @@ fn with_enough_excitation_four_directions_are_free_and_no_bias_matters() {
 #[test]
 fn at_constant_velocity_scale_is_free_even_with_known_biases() {
     let five = format!("5: {POSITION}, yaw, scale");
-    assert_eq!(free(Trajectory::constant_velocity(&VELOCITY, turning())), [five.clone(), five]);
+    let turning = Trajectory::constant_velocity(&VELOCITY, turning());
+    assert_eq!(free(turning), [five.clone(), five.clone()]);
+    let seven = format!("7: {POSITION}, tilt x, tilt y, yaw, scale");
+    let straight = Trajectory::constant_velocity(&VELOCITY, EulerAngles::default());
+    assert_eq!(free(straight), [seven, five]);
 }
 
 #[test]

@@ -75,10 +75,10 @@ fn on_rails(chapter: &mut Chapter) {
     chapter.number("rail_rhs_lower", rhs[1], "", 0);
     chapter.number("rail_step_upper", step.cameras[2][0], "m", 2);
     chapter.number("rail_step_lower", step.cameras[3][0], "m", 2);
-    let coupled = -camera * (step.cameras[2][0] + step.cameras[3][0]);
+    let coupled = camera * (step.cameras[2][0] + step.cameras[3][0]);
     chapter.number("rail_coupled", coupled, "", 0);
-    chapter.number("rail_step_upper_cm", -100.0 * step.cameras[2][0], "cm", 0);
-    chapter.number("rail_step_lower_cm", -100.0 * step.cameras[3][0], "cm", 0);
+    chapter.number("rail_step_upper_cm", 100.0 * step.cameras[2][0], "cm", 0);
+    chapter.number("rail_step_lower_cm", 100.0 * step.cameras[3][0], "cm", 0);
     chapter.number("rail_cost", rails::solver().cost(), "", 0);
 }
 

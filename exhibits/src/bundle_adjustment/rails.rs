@@ -32,16 +32,16 @@ impl Camera<1> for OnRail {
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<1>> {
         let by_point = CAMERA.projection_jacobian(&(point_in_world - self.0))?;
         let pixel = self.project(point_in_world)?;
-        // To push the camera to the right is to push the point to the left.
-        Some(LinearizedPixel { pixel, by_camera: -by_point.column(0), by_point })
+        // A twist moves the world, and the camera the other way.
+        Some(LinearizedPixel { pixel, by_camera: by_point.column(0).into_owned(), by_point })
     }
 
     fn retract(&self, change: &SVector<f64, 1>) -> Self {
-        Self(self.0 + change[0] * Vector3::x())
+        Self(self.0 - change[0] * Vector3::x())
     }
 
     fn local(&self, to: &Self) -> SVector<f64, 1> {
-        SVector::from([to.0.x - self.0.x])
+        SVector::from([self.0.x - to.0.x])
     }
 
     fn local_jacobian(&self, _to: &Self) -> SMatrix<f64, 1, 1> {

@@ -11,9 +11,10 @@ use super::worked::{self, TURN, cases, free, window};
 use crate::chapter::Chapter;
 
 /// Names of the table's numbers by motion: unknown constant, walking, known.
-const TABLE: [[&str; 3]; 11] = [
+const TABLE: [[&str; 3]; 12] = [
     ["eight_unknown", "eight_walking", "eight_known"],
     ["coast_unknown", "coast_walking", "coast_known"],
+    ["straight_unknown", "straight_walking", "straight_known"],
     ["turn_unknown", "turn_walking", "turn_known"],
     ["body_unknown", "body_walking", "body_known"],
     ["sway_unknown", "sway_walking", "sway_known"],

@@ -41,7 +41,7 @@ pub fn swaying(angles: EulerAngles) -> Trajectory {
     Trajectory { position, angles }
 }
 
-pub fn cases() -> [Case; 11] {
+pub fn cases() -> [Case; 12] {
     let case = |word, name, motion| Case { word, name, motion };
     let pitching =
         EulerAngles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..EulerAngles::default() };
@@ -52,6 +52,11 @@ pub fn cases() -> [Case; 11] {
             "coast",
             "constant velocity; turning",
             Trajectory::constant_velocity(&VELOCITY, turning()),
+        ),
+        case(
+            "straight",
+            "constant velocity; no rotation",
+            Trajectory::constant_velocity(&VELOCITY, straight),
         ),
         case("turn", "level turn", Trajectory::level_turn(TURN.0, TURN.1)),
         case(

@@ -1,6 +1,6 @@
 //! How errors of the deltas arise, what their covariance is, and how it grows.
 
-mod blocks;
+pub mod blocks;
 mod correlated;
 mod covariance;
 mod dynamics;

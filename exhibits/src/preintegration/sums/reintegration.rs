@@ -9,6 +9,7 @@ use vislam::simulation::Trajectory;
 use super::oracle::{Readings, bias, difference, stack};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::noise::blocks::correlation;
 use crate::random::Random;
 
 /// Random readings at which the bound is compared, and directions from which a search for the
@@ -141,11 +142,10 @@ fn added(noise: &ImuNoise, rate: f64) -> f64 {
     (whitener(&sums) * error).norm_squared()
 }
 
-/// What errors of a tenth of each standard deviation can add to it, if they point the worst way.
-fn of_tenths(noise: &ImuNoise, seconds: f64) -> f64 {
+/// The least eigenvalue of the correlations of the nine errors.
+fn least_correlated(noise: &ImuNoise, seconds: f64) -> f64 {
     let sums = at_rest(noise, seconds, &ImuBias::default());
-    let tenths = sums.sigmas().map(|sigma| 0.1 * sigma);
-    worst(&mut Random::new(42), &whitener(&sums), &tenths)
+    correlation(&sums.covariance).symmetric_eigenvalues().min()
 }
 
 fn numbers(chapter: &mut Chapter) {
@@ -155,8 +155,14 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("again_mems_added", added(&mems, farthest(&mems, 1.0)), "", 3);
     chapter.number("again_euroc_mrad", 1e3 * farthest(&euroc, 1.0), "mrad/s", 0);
     chapter.number("again_euroc_short_mrad", 1e3 * farthest(&euroc, 0.1), "mrad/s", 0);
-    chapter.number("again_tenths", of_tenths(&mems, 1.0), "", 2);
-    chapter.number("again_tenths_long", of_tenths(&mems, 5.0), "", 1);
+    let (least, least_long) = (least_correlated(&mems, 1.0), least_correlated(&mems, 5.0));
+    chapter.number("again_least", least, "", 3);
+    chapter.number("again_least_long", least_long, "", 3);
+    // What three errors of a tenth of a standard deviation add, with and without correlations.
+    let tenths = 3.0 * 0.1_f64.powi(2);
+    chapter.number("again_tenths_apart", tenths, "", 2);
+    chapter.number("again_tenths", tenths / least, "", 2);
+    chapter.number("again_tenths_long", tenths / least_long, "", 1);
     // Standard deviations of the walk in a minute, which is how far a bias moves by itself.
     chapter.number("walk_minute_mrad", 1e3 * mems.gyro_walk * 60_f64.sqrt(), "mrad/s", 1);
 }
