@@ -12,6 +12,7 @@ mod gravity;
 mod noise;
 mod oracle;
 mod rules;
+mod sheet;
 mod strapdown;
 
 use crate::chapter::Chapter;
@@ -24,6 +25,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     gravity::exhibits(chapter);
     noise::exhibits(chapter);
     averages::exhibits(chapter);
+    sheet::exhibits(chapter);
     strapdown::exhibits(chapter);
     rules::exhibits(chapter);
     drift::exhibits(chapter);
