@@ -11,6 +11,7 @@ mod figures;
 mod gravity;
 mod noise;
 mod oracle;
+mod rest;
 mod rules;
 mod sheet;
 mod strapdown;
@@ -25,6 +26,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     gravity::exhibits(chapter);
     noise::exhibits(chapter);
     averages::exhibits(chapter);
+    rest::record(chapter);
     sheet::exhibits(chapter);
     strapdown::exhibits(chapter);
     rules::exhibits(chapter);
