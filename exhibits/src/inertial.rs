@@ -13,6 +13,7 @@ mod noise;
 mod oracle;
 mod rest;
 mod rules;
+mod scale;
 mod sheet;
 mod strapdown;
 
@@ -28,6 +29,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     averages::exhibits(chapter);
     rest::record(chapter);
     sheet::exhibits(chapter);
+    scale::numbers(chapter);
     strapdown::exhibits(chapter);
     rules::exhibits(chapter);
     drift::exhibits(chapter);
