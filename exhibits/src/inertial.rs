@@ -15,6 +15,7 @@ mod rest;
 mod rules;
 mod scale;
 mod sheet;
+mod shutter;
 mod strapdown;
 
 use crate::chapter::Chapter;
@@ -35,6 +36,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     drift::exhibits(chapter);
     camera::exhibits(chapter);
     clock::exhibits(chapter);
+    shutter::exhibits(chapter);
     calibration::numbers(chapter);
     figures::figures(chapter);
 }

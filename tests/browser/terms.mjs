@@ -68,6 +68,7 @@ export const terms = {
     "data sheet": "inertial.html#sec:data-sheets",
     "scale factor": "inertial.html#sec:scale-factor",
     "misalignment": "inertial.html#sec:scale-factor",
+    "rolling shutter": "inertial.html#sec:rolling-shutter",
     "bias random walk": "inertial.html#bias-and-bias-random-walk",
     "strapdown": "inertial.html#strapdown-integration",
     "dead reckoning": "inertial.html#drift-of-dead-reckoning",
