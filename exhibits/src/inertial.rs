@@ -11,7 +11,11 @@ mod figures;
 mod gravity;
 mod noise;
 mod oracle;
+mod rest;
 mod rules;
+mod scale;
+mod sheet;
+mod shutter;
 mod strapdown;
 
 use crate::chapter::Chapter;
@@ -24,11 +28,15 @@ pub fn exhibits(chapter: &mut Chapter) {
     gravity::exhibits(chapter);
     noise::exhibits(chapter);
     averages::exhibits(chapter);
+    rest::record(chapter);
+    sheet::exhibits(chapter);
+    scale::numbers(chapter);
     strapdown::exhibits(chapter);
     rules::exhibits(chapter);
     drift::exhibits(chapter);
     camera::exhibits(chapter);
     clock::exhibits(chapter);
+    shutter::exhibits(chapter);
     calibration::numbers(chapter);
     figures::figures(chapter);
 }

@@ -183,7 +183,7 @@ pub fn allan_deviations(noise: &ImuNoise, windows: &[usize], seed: u64) -> Vec<[
 }
 
 /// From sums of the readings: half the mean squared difference of neighbouring means.
-fn allan_deviation(sums: &[Vector6<f64>], window: usize) -> [f64; 2] {
+pub fn allan_deviation(sums: &[Vector6<f64>], window: usize) -> [f64; 2] {
     let mean = |k: usize| (sums[k + window] - sums[k]) / window as f64;
     let starts = (0..sums.len() - 2 * window).step_by(window.div_ceil(4));
     let mut squares = [0.0; 2];

@@ -1,6 +1,9 @@
 //! Where the errors of intervals come from.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, DVector, Matrix3, Matrix3x6, Matrix6, Rotation3, SMatrix, Vector3, Vector6,
+};
+use vislam::datasets::euroc::GroundTruth;
 use vislam::inertial::{GRAVITY, ImuBias, StampedSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
@@ -29,6 +32,58 @@ pub fn gravity_found(flight: &Flight) -> (Vector3<f64>, Vector3<f64>) {
     let mean = missing.iter().sum::<Vector3<f64>>() / count;
     let squares: Vector3<f64> = missing.iter().map(|m| (m - mean).map(|x| x * x)).sum();
     (GRAVITY + mean, (squares / (count * (count - 1.0))).map(f64::sqrt))
+}
+
+/// Gravity and one constant bias of the accelerometer beyond the ground truth's own, both free.
+pub struct FreeBias {
+    /// Gravity in m/s², in the world.
+    pub gravity: Vector3<f64>,
+    /// The further bias in m/s², in the body.
+    pub bias: Vector3<f64>,
+    /// Covariance of gravity and bias, with the noise that the residuals show.
+    pub covariance: Matrix6<f64>,
+}
+
+impl FreeBias {
+    pub fn sigma(&self, index: usize) -> f64 {
+        self.covariance[(index, index)].sqrt()
+    }
+
+    pub fn correlation(&self, a: usize, b: usize) -> f64 {
+        self.covariance[(a, b)] / (self.sigma(a) * self.sigma(b))
+    }
+}
+
+/// Both as velocities over intervals of a second fit them best, all axes alike.
+pub fn gravity_beside_a_bias(flight: &Flight) -> FreeBias {
+    let rows = flight.intervals(Rule::Midpoint, 1.0, 0.0).into_iter().map(|interval| {
+        let sums = &interval.sums;
+        let body_from_world = interval.first.state.world_from_body.inverse();
+        let mut design = Matrix3x6::zeros();
+        design.fixed_columns_mut::<3>(0).copy_from(&(sums.duration * body_from_world.matrix()));
+        let by_bias = sums.bias_jacobian.fixed_view::<3, 3>(3, 3);
+        design.fixed_columns_mut::<3>(3).copy_from(&by_bias);
+        (design, interval.residual(&GRAVITY).fixed_rows::<3>(3).into_owned())
+    });
+    let rows: Vec<(Matrix3x6<f64>, Vector3<f64>)> = rows.collect();
+    let information: Matrix6<f64> = rows.iter().map(|(d, _)| d.transpose() * d).sum();
+    let moments: Vector6<f64> = rows.iter().map(|(d, r)| d.transpose() * r).sum();
+    let inverse = information.try_inverse().expect("a body that turns");
+    let found = inverse * moments;
+    let squares: f64 = rows.iter().map(|(d, r)| (r - d * found).norm_squared()).sum();
+    FreeBias {
+        gravity: GRAVITY + found.fixed_rows::<3>(0),
+        bias: found.fixed_rows::<3>(3).into_owned(),
+        covariance: squares / (3 * rows.len() - 6) as f64 * inverse,
+    }
+}
+
+/// The mean angle between the vertical and the direction of the body that points up on average, in
+/// radians.
+pub fn lean(flight: &Flight) -> f64 {
+    let up = |truth: &GroundTruth| truth.state.world_from_body.inverse() * Vector3::z();
+    let mean = flight.truth.iter().map(up).sum::<Vector3<f64>>();
+    flight.truth.iter().map(|truth| up(truth).angle(&mean)).sum::<f64>() / flight.truth.len() as f64
 }
 
 /// The flight in pieces between neighbouring states: errors of attitude and velocity, summed up.
@@ -294,4 +349,28 @@ pub fn normalized_with_truth(
         residual.dot(&solved)
     });
     each.sum::<f64>() / intervals.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use vislam::inertial::GRAVITY;
+
+    use super::{gravity_beside_a_bias, gravity_found};
+    use crate::real_flights::simulated::flight;
+
+    #[test]
+    fn a_bias_that_is_believed_is_weighed_as_gravity_and_one_that_is_free_is_not() {
+        let mut flight = flight(120.0, 7, None);
+        let wrong = Vector3::new(0.0, 0.0, 0.17);
+        flight.truth.iter_mut().for_each(|truth| truth.bias.accelerometer -= wrong);
+        assert!((gravity_found(&flight).0.norm() - GRAVITY.norm()).abs() > 0.1);
+        let free = gravity_beside_a_bias(&flight);
+        let (gravity, bias) = (free.gravity - GRAVITY, free.bias - wrong);
+        for axis in 0..3 {
+            assert!(gravity[axis].abs() < 4.0 * free.sigma(axis), "{gravity} of {axis}");
+            assert!(bias[axis].abs() < 4.0 * free.sigma(3 + axis), "{bias} of {axis}");
+        }
+        assert!(free.correlation(2, 5).abs() > 0.9);
+    }
 }

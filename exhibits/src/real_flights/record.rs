@@ -6,10 +6,10 @@ use vislam::inertial::{GRAVITY, ImuNoise};
 use vislam::preintegration::Rule;
 
 use super::budget::{
-    Pieces, Shares, best_offset, explained_by_the_gyroscope, gravity_found, normalized_with_truth,
-    roughness, shares, with_steady_bias,
+    Pieces, Shares, best_offset, explained_by_the_gyroscope, gravity_beside_a_bias, gravity_found,
+    lean, normalized_with_truth, roughness, shares, with_steady_bias,
 };
-use super::intervals::{Flight, Interval, LENGTHS, normalized, predicted, sizes};
+use super::intervals::{Flight, Interval, LENGTHS, predicted, sizes};
 use super::wander::Wander;
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
@@ -71,11 +71,7 @@ pub const SHARES: [[[&str; 4]; 3]; 2] = [
 ];
 const ATTITUDE_MODEL: [&str; 4] = each_length!("v1_attitude_wander");
 const VELOCITY_MODEL: [&str; 4] = each_length!("v1_velocity_wander");
-const NORMALIZED: [[&str; 4]; 3] = [
-    each_length!("v1_normalized"),
-    each_length!("v1_normalized_level"),
-    each_length!("v1_normalized_truth"),
-];
+const NORMALIZED: [&str; 4] = each_length!("v1_normalized_truth");
 const OFFSETS: [&str; 4] = each_length!("v1_offset");
 pub const LEICA: [[&str; 4]; 2] = [each_length!("mh_velocity"), each_length!("mh_position")];
 /// Seconds, and the error of attitude over them.
@@ -178,11 +174,21 @@ impl Values {
         self.add("v1_gravity_x", CM * gravity.x, "cm/s²", 1);
         self.add("v1_gravity_y", CM * gravity.y, "cm/s²", 1);
         self.add("v1_gravity_z", CM * gravity.z, "cm/s²", 1);
-        self.add("v1_gravity_size", gravity.norm(), "m/s²", 4);
+        self.add("v1_gravity_size", gravity.norm(), "m/s²", 3);
         self.add("v1_gravity_sigma", sigma.z, "m/s²", 4);
         let tilt = gravity.xy().norm().atan2(-gravity.z);
         self.add("v1_tilt_mrad", MRAD * tilt, "mrad", 1);
         self.add("v1_tilt_deg", tilt.to_degrees(), "°", 2);
+        // The first axis of the body is the one that points up most.
+        let free = gravity_beside_a_bias(vicon);
+        self.add("v1_free_x", CM * free.gravity.x, "cm/s²", 2);
+        self.add("v1_free_x_sigma", CM * free.sigma(0), "cm/s²", 2);
+        self.add("v1_free_size", free.gravity.norm(), "m/s²", 3);
+        self.add("v1_free_size_sigma", free.sigma(2), "m/s²", 3);
+        self.add("v1_free_bias", free.bias.x, "m/s²", 2);
+        self.add("v1_free_bias_sigma", free.sigma(3), "m/s²", 2);
+        self.add("v1_free_correlation", free.correlation(2, 3).abs(), "", 4);
+        self.add("v1_lean", lean(vicon).to_degrees(), "°", 1);
     }
 
     fn wander(&mut self, pieces: &Pieces, [attitude, velocity]: &[Wander; 2]) {
@@ -232,14 +238,8 @@ impl Values {
     ) {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
             let intervals = vicon.intervals(Rule::Midpoint, seconds, 0.0);
-            let of = [
-                normalized(&intervals, &GRAVITY),
-                normalized(&intervals, gravity),
-                normalized_with_truth(&intervals, gravity, attitude, velocity),
-            ];
-            for (kind, of) in of.into_iter().enumerate() {
-                self.add(NORMALIZED[kind][index], of, "", if kind < 2 { 0 } else { 1 });
-            }
+            let of = normalized_with_truth(&intervals, gravity, attitude, velocity);
+            self.add(NORMALIZED[index], of, "", 1);
         }
     }
 
@@ -288,7 +288,6 @@ impl Values {
         let of = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
         self.add("mh_attitude_0", MRAD * of[0], "mrad", 2);
         let (gravity, _) = gravity_found(leica);
-        self.add("mh_gravity_size", gravity.norm(), "m/s²", 3);
         let tilt = gravity.xy().norm().atan2(-gravity.z);
         self.add("mh_tilt_mrad", MRAD * tilt, "mrad", 2);
     }
