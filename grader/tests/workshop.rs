@@ -334,7 +334,7 @@ const DAMAGE: [(&str, &str, &str, &str); 27] = [
     ("src/SUMMARY.md", "(exercises/fill_in.md)", "(exercises/other.md)", "not in the book"),
     ("src/exercises.md", "(exercises/fill_in.md)", "()", "the row of the list"),
     ("src/instructors/misconceptions.md", "The exercise is `fill_in`.", "", "ACCEPT=1"),
-    ("src/exercises/fill_in.md", "{#sec:fill_in}", "", "the label of its heading"),
+    ("src/exercises/fill_in.md", "{#sec:fill_in ", "{", "the label of its heading"),
     ("src/exercises/fill_in.md", "hints.md:2\"", "hints.md:1\"", "so that hint is not shown"),
     (
         "src/exercises/fill_in.md",

@@ -304,7 +304,7 @@ impl Look<'_> {
         let path = format!("src/exercises/{name}.md");
         let Some(page) = self.file(&path, "the page") else { return };
         let mut words = vec![
-            (format!("{{#sec:{name}}}"), "the label of its heading"),
+            (format!("{{#sec:{name}"), "the label of its heading"),
             (
                 format!("exercises/spec/src/{name}.rs:"),
                 "so nothing is shown of what is to be written",

@@ -52,14 +52,15 @@ fn packages(root: &Path, path: &str) -> Result<Vec<String>, String> {
 
 /// A page with a section of that name.
 fn label(root: &Path, name: &str) -> Result<Option<String>, String> {
-    let label = format!("#sec:{name}}}");
+    let labels = [format!("#sec:{name}}}"), format!("#sec:{name} ")];
     for folder in ["src", "src/exercises", "src/instructors"] {
         let entries = root.join(folder).read_dir();
         let entries = entries.map_err(|error| format!("cannot read {folder}: {error}"))?;
         let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
         for page in names.filter(|name| name.ends_with(".md")) {
             let path = format!("{folder}/{page}");
-            if read(root, &path)?.contains(&label) {
+            let text = read(root, &path)?;
+            if labels.iter().any(|label| text.contains(label)) {
                 return Ok(Some(format!("a label in {path}")));
             }
         }

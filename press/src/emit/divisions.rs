@@ -84,11 +84,11 @@ impl Emitter<'_, '_> {
         let difficulty = self.said(line, attributes, "difficulty");
         let needs = self.said(line, attributes, "needs");
         let [main, all] = seconds(&self.page.blocks).map(fives);
-        let with_depth = if all > main { format!(", {all} with all depth") } else { String::new() };
+        let minutes = if all > main { format!("{main} to {all}") } else { main.to_string() };
         format!(
             "<div class=\"opening\" data-main=\"{main}\" data-all=\"{all}\">\n\
              <dl><dt>Difficulty</dt><dd>{difficulty} of 3</dd>\
-             <dt>Reading time</dt><dd>{main} minutes{with_depth}</dd>\
+             <dt>Reading time</dt><dd>{minutes} minutes</dd>\
              <dt>Needs</dt><dd>{needs}</dd></dl>\n"
         )
     }
