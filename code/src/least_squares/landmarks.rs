@@ -167,7 +167,7 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
             let (slopes, residuals) = (&rows.variable[own.clone()], &rows.residual[own.clone()]);
             add_gradient(gradient, curvature, slopes, residuals);
         }
-        if let Some(border) = structure.border.filter(|_| landmark.sees_border) {
+        if let Some(border) = landmark.border {
             let (gradient, curvature) = (&mut self.gradient[border], &mut self.curvature[border]);
             add_gradient(gradient, curvature, &rows.border[landmark.rows.clone()], residuals);
         }
@@ -251,7 +251,7 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     fn add_border(&mut self, index: usize) {
         let Self { structure, rows, whitened, schur, rhs, .. } = self;
         let landmark = &structure.landmarks[index];
-        let Some(border) = structure.border.filter(|_| landmark.sees_border) else { return };
+        let Some(border) = landmark.border else { return };
         let (slopes, first) = (&rows.border[landmark.rows.clone()], landmark.rows.start);
         let own = (slopes, &whitened[..slopes.len()]);
         let (explained, (blocks, _)) = (explained(own), schur.row(border));
@@ -395,19 +395,14 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     #[inline(always)]
     fn landmark_step(&self, landmark: &Landmark, eliminated: &Eliminated) -> Vector3<f64> {
         let mut pull = eliminated.gradient;
-        let mut follow = |moved: f64, slope: &[f64; 3]| add_multiple(pull.as_mut(), moved, slope);
         for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
-            let (slopes, step) = (&self.rows.landmark[rows.clone()], first(&self.rhs[*variable]));
-            for (slope, by_variable) in slopes.iter().zip(&self.rows.variable[rows.clone()]) {
-                follow(dot(by_variable, step), slope);
-            }
+            let both = (&self.rows.variable[rows.clone()], &self.rows.landmark[rows.clone()]);
+            add_pull(&mut pull, both, first(&self.rhs[*variable]));
         }
-        if let Some(border) = self.structure.border.filter(|_| landmark.sees_border) {
+        if let Some(border) = landmark.border {
             let rows = landmark.rows.clone();
-            for (slope, by) in self.rows.landmark[rows.clone()].iter().zip(&self.rows.border[rows])
-            {
-                follow(dot(by, &self.rhs[border]), slope);
-            }
+            let both = (&self.rows.border[rows.clone()], &self.rows.landmark[rows]);
+            add_pull(&mut pull, both, &self.rhs[border]);
         }
         let factor = &eliminated.inverse_factor;
         -factor.tr_mul(&(factor * pull))
@@ -559,25 +554,17 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
         landmark: &Landmark,
         factor: &Matrix3<f64>,
     ) -> Vec<(usize, SMatrix<f64, D, 3>)> {
-        let whitened = |slope: &[f64; 3]| (factor * Vector3::from(*slope)).transpose();
-        let mut couplings = Vec::new();
-        for Slot { variable, rows } in &self.structure.slots[landmark.slots.clone()] {
-            let mut coupling = SMatrix::<f64, D, 3>::zeros();
-            let slopes = self.rows.variable[rows.clone()].iter();
-            for (slope, by_landmark) in slopes.zip(&self.rows.landmark[rows.clone()]) {
-                let product = SVector::from(*slope) * whitened(by_landmark);
-                let mut seen = coupling.fixed_rows_mut::<C>(0);
-                seen += product;
-            }
-            couplings.push((*variable, coupling));
-        }
-        if let Some(border) = self.structure.border.filter(|_| landmark.sees_border) {
-            let slopes = self.rows.border[landmark.rows.clone()].iter();
-            let slopes = slopes.zip(&self.rows.landmark[landmark.rows.clone()]);
-            let products = slopes.map(|(slope, by)| SVector::from(*slope) * whitened(by));
-            couplings.push((border, products.sum()));
-        }
-        couplings
+        let Rows { landmark: slopes, variable, border, .. } = &self.rows;
+        let of_slot = |slot: &Slot| {
+            let rows = slot.rows.clone();
+            (slot.variable, coupling((&variable[rows.clone()], &slopes[rows]), factor))
+        };
+        let of_border = landmark.border.map(|row| {
+            let rows = landmark.rows.clone();
+            (row, coupling((&border[rows.clone()], &slopes[rows]), factor))
+        });
+        let slots = self.structure.slots[landmark.slots.clone()].iter();
+        slots.map(of_slot).chain(of_border).collect()
     }
 }
 
@@ -640,6 +627,33 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
         let whole = inverse.and_then(|inverse| self.with_landmarks(problem, inverse));
         whole.map_err(|_| null_space.undetermined())
     }
+}
+
+/// Adds to the gradient of a landmark what a step of another variable makes of it, from the rows that
+/// depend on both.
+#[inline(always)]
+fn add_pull<const N: usize>(
+    pull: &mut Vector3<f64>,
+    (slopes, by_landmark): (&[[f64; N]], &[[f64; 3]]),
+    step: &[f64; N],
+) {
+    for (slope, by_landmark) in slopes.iter().zip(by_landmark) {
+        add_multiple(pull.as_mut(), dot(slope, step), by_landmark);
+    }
+}
+
+/// The block that couples a variable with a landmark, times the factor of the landmark's own.
+fn coupling<const D: usize, const N: usize>(
+    (slopes, by_landmark): (&[[f64; N]], &[[f64; 3]]),
+    factor: &Matrix3<f64>,
+) -> SMatrix<f64, D, 3> {
+    let mut coupling = SMatrix::<f64, D, 3>::zeros();
+    for (slope, by_landmark) in slopes.iter().zip(by_landmark) {
+        let whitened = factor * Vector3::from(*by_landmark);
+        let mut seen = coupling.fixed_rows_mut::<N>(0);
+        seen += SVector::from(*slope) * whitened.transpose();
+    }
+    coupling
 }
 
 /// Room for the factors of any one landmark.

@@ -23,8 +23,8 @@ pub struct Landmark {
     pub slots: Range<usize>,
     /// The rows of the Jacobian that depend on it.
     pub rows: Range<usize>,
-    /// Whether some of them depend on the border too.
-    pub sees_border: bool,
+    /// The border's row of blocks, when some of them depend on it too.
+    pub border: Option<usize>,
 }
 
 /// The rows of the Jacobian that depend on a landmark and on one other variable.
@@ -250,12 +250,13 @@ impl Structure {
         let (runs, slots, rows) = (self.runs.len(), self.slots.len(), self.rows);
         seen_by.sort_by_key(|seen| (seen.row.is_none(), seen.row, seen.group));
         let sees_border = seen_by.iter().any(|seen| !seen.on_border.is_empty());
+        let border = self.border.filter(|_| sees_border);
         for Seen { row, group, factor, len, on_border } in seen_by {
-            let (at, end, border) = (self.factors.len(), self.rows + len, self.on_border.len());
+            let (at, end, of_border) = (self.factors.len(), self.rows + len, self.on_border.len());
             self.factors.push(factor);
             if self.runs[runs..].last().is_none_or(|run| run.group != group) {
                 let (factors, rows) = (at..at, self.rows..self.rows);
-                self.runs.push(Run { group, factors, rows, on_border: border..border });
+                self.runs.push(Run { group, factors, rows, on_border: of_border..of_border });
             }
             let run = self.runs.last_mut().expect("there is one by now");
             let of_factor = on_border.into_iter().map(|(slot, first)| {
@@ -274,7 +275,7 @@ impl Structure {
         }
         let (runs, slots) = (runs..self.runs.len(), slots..self.slots.len());
         let rows = rows..self.rows;
-        self.landmarks.push(Landmark { coordinate, runs, slots, rows, sees_border });
+        self.landmarks.push(Landmark { coordinate, runs, slots, rows, border });
     }
 
     /// How many rows of blocks the Schur complement has.
@@ -289,7 +290,7 @@ impl Structure {
     /// Implements {eq:block-products}.
     pub fn block_products(&self) -> usize {
         let of_landmark = |landmark: &Landmark| {
-            let variables = landmark.slots.len() + usize::from(landmark.sees_border);
+            let variables = landmark.slots.len() + landmark.border.iter().len();
             variables * (variables + 1) / 2
         };
         self.landmarks.iter().map(of_landmark).sum()
