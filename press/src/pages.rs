@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use mdbook_preprocessor::book::{Book, BookItem};
 
+use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind, blocks};
 use crate::fault::Faults;
 
@@ -126,6 +127,21 @@ pub fn anchor(title: &str) -> String {
     words.map(str::to_lowercase).collect::<Vec<_>>().join("-")
 }
 
+/// The anchor of a heading: its label, or one made from its title.
+pub fn anchor_of(title: &str, attributes: &Attributes) -> String {
+    if attributes.id.is_empty() { anchor(title) } else { attributes.id.clone() }
+}
+
+/// Of the names that there are, the one that most resembles one that there is not.
+pub fn nearest<'a>(known: impl Iterator<Item = &'a String>, name: &str) -> Option<&'a str> {
+    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
+    known
+        .map(|known| (known, likeness(known)))
+        .filter(|(_, ratio)| *ratio > 0.6)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(known, _)| known.as_str())
+}
+
 /// A path with the slashes of the web.
 pub fn slashed(path: &Path) -> String {
     path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
@@ -193,12 +209,7 @@ impl Labels {
 
     /// The labels that resemble one that is not there.
     pub fn like(&self, label: &str) -> Option<&str> {
-        let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, label);
-        let known = self.0.keys().map(|known| (known, likeness(known)));
-        known
-            .filter(|(_, ratio)| *ratio > 0.6)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(known, _)| known.as_str())
+        nearest(self.0.keys(), label)
     }
 
     fn insert(&mut self, page: &Page, label: &str, target: Target, faults: &mut Faults) {

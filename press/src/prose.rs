@@ -131,16 +131,13 @@ impl One<'_> {
             Mark::Directive(word @ ("ledger" | "bibliography" | "index")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
-            Mark::Directive(words) if words.starts_with("again ") => {
-                out.push_str(&self.again(words["again ".len()..].trim(), found));
-            }
-            Mark::Directive(words) if words.starts_with("way ") => {
-                out.push_str(&self.stop(&words["way ".len()..], found));
-            }
-            Mark::Directive(words) if words.starts_with("time ") => {
-                out.push_str(&self.time(&words["time ".len()..], found));
-            }
-            Mark::Directive(_) | Mark::UnclosedMath | Mark::MisplacedDisplay => {
+            Mark::Directive(words) => match words.split_once(char::is_whitespace) {
+                Some(("again", label)) => out.push_str(&self.again(label.trim(), found)),
+                Some(("way", words)) => out.push_str(&self.stop(words, found)),
+                Some(("time", words)) => out.push_str(&self.time(words, found)),
+                _ => self.misused(mark, found),
+            },
+            Mark::UnclosedMath | Mark::MisplacedDisplay => {
                 self.misused(mark, found);
             }
         }
@@ -203,45 +200,36 @@ impl One<'_> {
 
     /// A numbered equation once more, with the way to where it is derived.
     fn again(&self, label: &str, found: &mut Found<'_>) -> String {
-        let name = self.reference(label, true, self.prose.deep, found);
-        let Some(target) = self.known.labels.get(label) else { return name };
+        let Some(target) = self.target(label, self.prose.deep, found) else {
+            return format!("[{label}]");
+        };
         let tex = fill(&target.tex, self.prose.page, self.place, self.known, found);
         if tex.is_empty() {
             let mend = "name an equation";
             found.faults.add(self.place, label, "this is no equation to show again", mend);
         }
-        let number = name.replacen("class=\"xref\"", "class=\"equation-number\"", 1);
-        format!(
-            "\n<div class=\"equation\">\n<div class=\"equation-body\">\n\n$${tex}$$\n\n</div>\n{number}\n</div>\n"
-        )
+        let (way, number) = (self.way_to(label, target), &target.number);
+        format!("\n{}", equation_html("", &tex, &equation_number(&way, number)))
     }
 
     /// A link to a chapter or a section on a way through the book, with the time that it takes. Behind
     /// `all` what is in depth counts too.
     fn stop(&self, words: &str, found: &mut Found<'_>) -> String {
-        let (name, depth) = match words.strip_prefix("all ") {
-            Some(name) => (name.trim(), 1),
-            None => (words.trim(), 0),
-        };
+        let (name, depth) = with_depth(words);
         let Some(stop) = self.known.ways.get(name) else { return self.no_stop(name, found) };
-        let anchor =
-            if stop.anchor.is_empty() { String::new() } else { format!("#{}", stop.anchor) };
-        let way = self.prose.page.way_to(&stop.path);
         let title = Prose { line: self.place.1, deep: true, ..*self.prose }.resolve(
             &stop.title,
             self.known,
             found,
         );
         let time = planned(stop.seconds[depth]).replace(' ', "\u{a0}");
-        format!("<a class=\"stop\" href=\"{way}{anchor}\">{} {title}</a> ({time})", stop.number)
+        let text = format!("{} {title}", stop.number);
+        format!("{} ({time})", link(self.prose.page, &stop.path, &stop.anchor, &text))
     }
 
     /// The time that several chapters and sections take together on the main road; `all` as above.
     fn time(&self, words: &str, found: &mut Found<'_>) -> String {
-        let (names, depth) = match words.strip_prefix("all ") {
-            Some(names) => (names, 1),
-            None => (words, 0),
-        };
+        let (names, depth) = with_depth(words);
         let mut seconds = 0.0;
         for name in names.split_whitespace() {
             match self.known.ways.get(name) {
@@ -275,20 +263,28 @@ impl One<'_> {
         }
     }
 
-    /// A link to what a label stands for. From the main road, only a pointer `leads_on` into depth.
+    /// A link to what a label stands for.
     fn reference(&self, label: &str, bare: bool, leads_on: bool, found: &mut Found<'_>) -> String {
+        let Some(target) = self.target(label, leads_on, found) else {
+            return format!("[{label}]");
+        };
+        let name = name_of(label, target, bare);
+        match self.prose.html {
+            true => format!("<a class=\"xref\" href=\"{}\">{name}</a>", self.way_to(label, target)),
+            false => name,
+        }
+    }
+
+    /// What a label stands for. From the main road, only a pointer `leads_on` into depth.
+    fn target(&self, label: &str, leads_on: bool, found: &mut Found<'_>) -> Option<&Target> {
         let Some(target) = self.known.labels.get(label) else {
             let mend = match self.known.labels.like(label) {
                 Some(like) => format!("did you mean @{like}?"),
                 None => format!("write {{#{label}}} behind what it should lead to"),
             };
-            found.faults.add(
-                self.place,
-                format!("@{label}"),
-                "nothing in the book has this label",
-                mend,
-            );
-            return format!("[{label}]");
+            let problem = "nothing in the book has this label";
+            found.faults.add(self.place, format!("@{label}"), problem, mend);
+            return None;
         };
         if target.deep && !leads_on {
             let problem = "the main road needs something that is in depth";
@@ -296,13 +292,13 @@ impl One<'_> {
                 format!("say it here, or point to it for further reading: [@{label}]{{.further}}");
             found.faults.add(self.place, format!("@{label}"), problem, mend);
         }
-        let name = name_of(label, target, bare);
-        if !self.prose.html {
-            return name;
-        }
+        Some(target)
+    }
+
+    fn way_to(&self, label: &str, target: &Target) -> String {
         let page = self.prose.page;
         let way = if target.path == page.path { String::new() } else { page.way_to(&target.path) };
-        format!("<a class=\"xref\" href=\"{way}#{label}\">{name}</a>")
+        format!("{way}#{label}")
     }
 
     fn item(&self, text: &str, path: &str, found: &mut Found<'_>) -> String {
@@ -403,6 +399,28 @@ pub fn name_of(label: &str, target: &Target, bare: bool) -> String {
         true => number,
         false => format!("{word}\u{a0}{number}"),
     }
+}
+
+/// The names behind a directive, and which of the two times counts: behind `all`, that with depth.
+fn with_depth(words: &str) -> (&str, usize) {
+    match words.trim().strip_prefix("all ") {
+        Some(names) => (names.trim(), 1),
+        None => (words.trim(), 0),
+    }
+}
+
+/// An equation as a page shows it, with what stands beside it.
+pub fn equation_html(attributes: &str, tex: &str, beside: &str) -> String {
+    format!(
+        "<div class=\"equation\"{attributes}>\n<div class=\"equation-body\">\n\n$${tex}$$\n\n</div>\n{beside}</div>\n"
+    )
+}
+
+/// The number of an equation, which leads to it.
+pub fn equation_number(way: &str, number: &str) -> String {
+    format!(
+        "<a class=\"equation-number\" href=\"{way}\" aria-label=\"Equation {number}\">({number})</a>\n"
+    )
 }
 
 /// TeX with its computed numbers filled in.

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crate::blocks::{Block, Kind};
-use crate::pages::{Page, anchor};
+use crate::pages::{Page, anchor_of, nearest};
 
 /// A chapter or a section of it.
 #[derive(Debug)]
 pub struct Stop {
     /// Its page.
     pub path: PathBuf,
-    /// Where on the page it begins; empty for the whole of it.
+    /// Where on the page it begins.
     pub anchor: String,
     /// `2`, or `2.3`, or nothing.
     pub number: String,
@@ -38,33 +38,28 @@ impl Ways {
 
     /// The stops that resemble one that is not there.
     pub fn like(&self, name: &str) -> Option<&str> {
-        let likeness = |known: &&String| strsim::normalized_damerau_levenshtein(known, name);
-        let nearest = self.0.keys().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
-        (likeness(&nearest) > 0.5).then_some(nearest)
+        nearest(self.0.keys(), name)
     }
 }
 
+/// The stops of a page: what each of its headings begins.
 fn stops(page: &Page) -> Vec<(String, Stop)> {
-    let stop = |anchor: String, number: &str, title: &str, blocks: &[Block]| {
-        let (path, number, title) = (page.path.clone(), number.to_owned(), title.to_owned());
-        Stop { path, anchor, number, title, seconds: seconds(blocks) }
-    };
-    let whole = (page.number.as_deref().unwrap_or_default(), page.title());
-    let mut stops = vec![(page.slug.clone(), stop(String::new(), whole.0, whole.1, &page.blocks))];
-    for (at, block) in page.blocks.iter().enumerate() {
-        let Kind::Heading { level: level @ 2.., title, attributes } = &block.kind else { continue };
-        let next =
+    let stop = |(at, block): (usize, &Block)| {
+        let Kind::Heading { level, title, attributes } = &block.kind else { return None };
+        let ends =
             |block: &Block| matches!(block.kind, Kind::Heading { level: l, .. } if l <= *level);
-        let end = page.blocks[at + 1..].iter().position(next);
-        let blocks = &page.blocks[at..end.map_or(page.blocks.len(), |end| at + 1 + end)];
-        let anchor = match attributes.id.as_str() {
-            "" => anchor(title),
-            id => id.to_owned(),
+        let after = &page.blocks[at + 1..];
+        let length = after.iter().position(ends).unwrap_or(after.len());
+        let anchor = anchor_of(title, attributes);
+        let (name, number) = match level {
+            1 => (page.slug.clone(), page.number.clone().unwrap_or_default()),
+            _ => (format!("{}#{anchor}", page.slug), block.number.clone()),
         };
-        let name = format!("{}#{anchor}", page.slug);
-        stops.push((name, stop(anchor, &block.number, title, blocks)));
-    }
-    stops
+        let seconds = seconds(&page.blocks[at..=at + length]);
+        let (path, title) = (page.path.clone(), title.clone());
+        Some((name, Stop { path, anchor, number, title, seconds }))
+    };
+    page.blocks.iter().enumerate().filter_map(stop).collect()
 }
 
 /// The time that blocks take without those in depth, and with them: prose at 200 words a minute, half a

@@ -268,6 +268,66 @@
         all(".predict", text).forEach(prediction);
     }
 
+    // ---- Two depths: on the main road, sections in depth fold to the sentence that says what they establish. Folded
+    // content stays where the browser's own find can reach it, and paper has it by print.css.
+    (function depths() {
+        if (printed) {
+            return;
+        }
+        const parts = all(".depth", text).map(part => ({ part, sentence: part.previousElementSibling }));
+        const opening = text.querySelector(".opening");
+        const fold = ({ part, button }, folded) => {
+            if (folded) {
+                part.setAttribute("hidden", "until-found");
+            } else {
+                part.removeAttribute("hidden");
+            }
+            button.setAttribute("aria-expanded", String(!folded));
+            button.textContent = folded ? "Read it" : "Fold it";
+        };
+        const foldAll = choice => parts.forEach(each => fold(each, choice === "main"));
+        const chosen = memory.get("depth") === "all" ? "all" : "main";
+
+        parts.forEach((each, number) => {
+            each.part.id = "depth-" + (number + 1);
+            each.button = element("button", { type: "button", className: "depth-fold" });
+            each.button.setAttribute("aria-controls", each.part.id);
+            each.button.addEventListener("click", () => fold(each, !each.part.hasAttribute("hidden")));
+            each.part.addEventListener("beforematch", () => fold(each, false));
+            each.sentence.append(" ", each.button);
+        });
+        foldAll(chosen);
+
+        // The choice, for this chapter and those to come.
+        function choice(value, name) {
+            const input = element("input", { type: "radio", name: "depth", value, checked: chosen === value });
+            input.addEventListener("change", () => {
+                memory.set("depth", value);
+                foldAll(value);
+            });
+            return element("label", {}, input, " " + name + ", " + opening.dataset[value] + " minutes");
+        }
+        if (opening && parts.length > 0) {
+            const box = element("div", { className: "depth-choice" }, choice("main", "Main road"), choice("all", "Everything"));
+            box.setAttribute("role", "radiogroup");
+            box.setAttribute("aria-label", "How much to read");
+            opening.querySelector("dl").after(box);
+        }
+
+        // An address inside of a fold, or of the heading that leads into it, opens it.
+        function arrive() {
+            const label = decodeURIComponent(location.hash.slice(1));
+            const target = label && document.getElementById(label);
+            const each = target && parts.find(({ part }) => part.contains(target) || part.dataset.of === label);
+            if (each && each.part.hasAttribute("hidden")) {
+                fold(each, false);
+                target.scrollIntoView();
+            }
+        }
+        addEventListener("hashchange", arrive);
+        arrive();
+    })();
+
     // ---- Paper has every answer.
     const folds = all(".reveal", text);
     let shut = [];

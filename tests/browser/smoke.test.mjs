@@ -274,7 +274,7 @@ test("a prediction asks for a choice, keeps it over a reload, and can be made ag
 });
 
 test("sections in depth fold to a sentence; a button, an address and the choice of everything open them", async () => {
-    const file = pageWith(/<div class="depth">/);
+    const file = pageWith(/<div class="depth"/);
     const shown = part => part.evaluate(node => node.checkVisibility({ contentVisibilityAuto: true }) && node.lastElementChild.checkVisibility({ contentVisibilityAuto: true }));
     for (const options of [{}, { width: 360, dark: true }]) {
         await at(file, { folded: true, ...options }, async page => {

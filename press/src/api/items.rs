@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::scan::{Entry, Kind, entries};
 use crate::files;
-use crate::pages::slashed;
+use crate::pages::{nearest, slashed};
 
 /// The folder of the library's sources, below the root.
 pub const SOURCES: &str = "code/src";
@@ -97,12 +97,7 @@ impl Library {
 
     /// The path that resembles one that is not there.
     pub fn like(&self, path: &str) -> Option<&str> {
-        let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, path);
-        let known = self.items.keys().map(|known| (known, likeness(known)));
-        known
-            .filter(|(_, ratio)| *ratio > 0.6)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(known, _)| known.as_str())
+        nearest(self.items.keys(), path)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
+use crate::pages::anchor_of;
 
 impl Emitter<'_, '_> {
     /// Begins what a heading puts in depth: a sentence that the main road reads, and what folds.
@@ -14,15 +15,17 @@ impl Emitter<'_, '_> {
             self.fault(block.line, title, problem, "remove {.depth} here");
             return;
         }
+        // The main road reads this sentence, so it is resolved before depth begins.
+        let establishes = self.resolve(block.line, attributes.value("establishes"));
         self.depth = Some(*level);
-        let establishes = self.resolve_on_main(block.line, attributes.value("establishes"));
         if establishes.is_empty() {
             let problem = "a section in depth does not say what it establishes";
             let mend = "write {.depth establishes=\"…\"}: the sentence that whoever leaves it out has to believe";
             self.fault(block.line, title, problem, mend);
         }
+        let of = anchor_of(title, attributes);
         self.out.push_str(&format!(
-            "\n<p class=\"establishes\"><span class=\"depth-mark\">In depth.</span> {establishes}</p>\n\n<div class=\"depth\">\n\n"
+            "\n<p class=\"establishes\"><span class=\"depth-mark\">In depth.</span> {establishes}</p>\n\n<div class=\"depth\" data-of=\"{of}\">\n\n"
         ));
     }
 

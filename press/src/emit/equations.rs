@@ -6,7 +6,7 @@ use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::exhibits::Check;
 use crate::formulas::Formula;
-use crate::prose::{escape, fill};
+use crate::prose::{equation_html, equation_number, escape, fill};
 
 impl Emitter<'_, '_> {
     pub(super) fn equation(
@@ -29,7 +29,7 @@ impl Emitter<'_, '_> {
         let numbered = !attributes.id.is_empty()
             && self.labelled(block.line, attributes, "eq:", "a numbered equation");
         if !numbered {
-            return self.lines(&block.indent, &format!("<div class=\"equation\">\n<div class=\"equation-body\">\n\n$${filled}$$\n\n</div>\n</div>\n"));
+            return self.lines(&block.indent, &equation_html("", &filled, ""));
         }
         if block.number.is_empty() {
             self.fault(
@@ -44,10 +44,8 @@ impl Emitter<'_, '_> {
             true => self.definition(block.line, id),
             false => self.check(block.line, id, tex),
         };
-        let html = format!(
-            "<div class=\"equation\" id=\"{id}\">\n<div class=\"equation-body\">\n\n$${filled}$$\n\n</div>\n\
-             <a class=\"equation-number\" href=\"#{id}\" aria-label=\"Equation {number}\">({number})</a>\n{mark}\n</div>\n"
-        );
+        let beside = format!("{}{mark}\n", equation_number(&format!("#{id}"), number));
+        let html = equation_html(&format!(" id=\"{id}\""), &filled, &beside);
         self.lines(&block.indent, &html);
     }
 

@@ -11,7 +11,7 @@ use divisions::Division;
 use crate::accepted::Accepted;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
-use crate::pages::{Page, anchor};
+use crate::pages::{Page, anchor_of};
 use crate::prose::{Found, Known, Prose, source};
 use crate::settings::{Layout, Settings};
 
@@ -125,19 +125,15 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     fn resolve(&mut self, line: usize, text: &str) -> String {
-        let deep = self.depth.is_some();
-        Prose { page: self.page, line, html: true, deep }.resolve(text, self.known, self.found)
+        self.prose(line, true).resolve(text, self.known, self.found)
     }
 
     fn plain(&mut self, line: usize, text: &str) -> String {
-        let deep = self.depth.is_some();
-        Prose { page: self.page, line, html: false, deep }.resolve(text, self.known, self.found)
+        self.prose(line, false).resolve(text, self.known, self.found)
     }
 
-    /// What is read on the main road although it belongs to a section in depth.
-    fn resolve_on_main(&mut self, line: usize, text: &str) -> String {
-        Prose { page: self.page, line, html: true, deep: false }
-            .resolve(text, self.known, self.found)
+    fn prose(&self, line: usize, html: bool) -> Prose<'a> {
+        Prose { page: self.page, line, html, deep: self.depth.is_some() }
     }
 
     /// Writes lines with the indentation of their block, so that what stands in a list stays there.
@@ -193,8 +189,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let number = if number.is_empty() { String::new() } else { format!("{number} ") };
         let id = match attributes.id.is_empty() {
             true if block.number.is_empty() => String::new(),
-            true => format!(" {{#{}}}", anchor(title)),
-            false => format!(" {{#{}}}", attributes.id),
+            _ => format!(" {{#{}}}", anchor_of(title, attributes)),
         };
         self.out.push_str(&format!("{} {number}{shown}{id}\n", "#".repeat(level)));
         if !attributes.value("subtitle").is_empty() {
