@@ -50,6 +50,31 @@ impl Equation {
     }
 }
 
+/// A condition of a theorem, with a case that keeps it, where the statement holds, and one that does not.
+pub struct Counterexample {
+    pub theorem: &'static str,
+    pub condition: &'static str,
+    pub place: Place,
+    kept: Box<dyn Fn() -> Comparison>,
+    dropped: Box<dyn Fn() -> Comparison>,
+}
+
+impl Counterexample {
+    /// How far off the statement is with the condition and without it.
+    pub fn comparisons(&self) -> [Comparison; 2] {
+        [(self.kept)(), (self.dropped)()]
+    }
+}
+
+/// What is wrong with a counterexample: the statement has to hold with the condition, and to be off by several
+/// tolerances without it.
+pub fn counterexample_failure([kept, dropped]: &[Comparison; 2]) -> Option<String> {
+    kept.failure().map(|failure| format!("with the condition, {failure}")).or_else(|| {
+        let holds = dropped.worst <= 5.0 * dropped.tolerance;
+        holds.then(|| "the statement holds without the condition just as well".to_owned())
+    })
+}
+
 /// A number that a sentence of the book may quote.
 pub struct Number {
     pub name: &'static str,
@@ -71,6 +96,7 @@ pub struct NamedFigure {
 pub struct Chapter {
     pub slug: &'static str,
     pub equations: Vec<Equation>,
+    pub counterexamples: Vec<Counterexample>,
     pub numbers: Vec<Number>,
     pub figures: Vec<NamedFigure>,
     pub records: Vec<Record>,
@@ -83,6 +109,7 @@ impl Chapter {
         let mut chapter = Self {
             slug,
             equations: Vec::new(),
+            counterexamples: Vec::new(),
             numbers: Vec::new(),
             figures: Vec::new(),
             records: Vec::new(),
@@ -117,6 +144,25 @@ impl Chapter {
             mutants: names,
             check: Box::new(move || check(formula)),
             check_mutants: Box::new(move || wrong_formulas.iter().map(|f| check(*f)).collect()),
+        });
+    }
+
+    /// Registers a counterexample. `statement` tries what the theorem says on a case; it must find it true on the
+    /// case that keeps the condition and false on the one that drops it.
+    #[track_caller]
+    pub fn counterexample<C: Copy + 'static>(
+        &mut self,
+        theorem: &'static str,
+        condition: &'static str,
+        statement: fn(C) -> Comparison,
+        [kept, dropped]: [C; 2],
+    ) {
+        self.counterexamples.push(Counterexample {
+            theorem,
+            condition,
+            place: Place::of_caller(),
+            kept: Box::new(move || statement(kept)),
+            dropped: Box::new(move || statement(dropped)),
         });
     }
 
@@ -195,7 +241,7 @@ pub fn text(value: f64, decimals: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chapter, text};
+    use super::{Chapter, counterexample_failure, text};
     use crate::chapters;
     use crate::comparison::Comparison;
 
@@ -241,6 +287,39 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_theorem_of_the_book_needs_its_conditions() {
+        for chapter in chapters().unwrap() {
+            for case in &chapter.counterexamples {
+                let label = format!("{}, {}", case.theorem, case.condition);
+                assert_eq!(counterexample_failure(&case.comparisons()), None, "{label}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_condition_that_is_not_needed_is_found() {
+        let chapter = Chapter::registered("test", |chapter| {
+            let statement = |x: f64| {
+                let mut comparison = Comparison::absolute("its absolute value", 1e-12, "m");
+                comparison.add(&[x.abs()], &[x]);
+                comparison
+            };
+            chapter.counterexample("absolute", "positive", statement, [1.0, -1.0]);
+            chapter.counterexample("absolute", "whole", statement, [1.0, 1.5]);
+            chapter.counterexample("absolute", "negative", statement, [-1.0, 1.0]);
+        });
+        let failures: Vec<_> = chapter
+            .unwrap()
+            .counterexamples
+            .iter()
+            .map(|case| counterexample_failure(&case.comparisons()))
+            .collect();
+        assert_eq!(failures[0], None);
+        assert!(failures[1].as_ref().unwrap().contains("without the condition just as well"));
+        assert!(failures[2].as_ref().unwrap().starts_with("with the condition, the error"));
     }
 
     #[test]

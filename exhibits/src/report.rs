@@ -5,7 +5,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use crate::chapter::{Chapter, Equation, NamedFigure, text};
+use crate::chapter::{
+    Chapter, Counterexample, Equation, NamedFigure, counterexample_failure, text,
+};
 use crate::data::NotMade;
 use crate::figure::Figure;
 use crate::record::Record;
@@ -35,6 +37,7 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
     let summary = json!({
         "slug": chapter.slug,
         "equations": chapter.equations.iter().map(equation).collect::<Vec<_>>(),
+        "counterexamples": chapter.counterexamples.iter().map(counterexample).collect::<Vec<_>>(),
         "numbers": numbers(chapter),
         "figures": figures,
         "records": records(chapter),
@@ -79,6 +82,23 @@ fn equation(equation: &Equation) -> Value {
         "survivors": equation.survivors(),
         "file": equation.place.file,
         "line": equation.place.line,
+    })
+}
+
+fn counterexample(case: &Counterexample) -> Value {
+    let comparisons = case.comparisons();
+    let [kept, dropped] = &comparisons;
+    json!({
+        "theorem": case.theorem,
+        "condition": case.condition,
+        "kept": kept.worst,
+        "dropped": dropped.worst,
+        "tolerance": kept.tolerance,
+        "unit": kept.unit,
+        "against": kept.against,
+        "failure": counterexample_failure(&comparisons),
+        "file": case.place.file,
+        "line": case.place.line,
     })
 }
 

@@ -34,6 +34,8 @@ pub struct Work {
     pub link: Option<(String, String)>,
     /// Our sentence on what it is good for.
     pub annotation: String,
+    /// What of the entry could not be compared with the work's own page or a catalogue; empty when all was.
+    pub unverified: String,
 }
 
 impl Bibliography {
@@ -134,6 +136,7 @@ impl Work {
             place: place(entry),
             link: link(entry),
             annotation: text(entry, "annotation"),
+            unverified: text(entry, "unverified"),
             year,
         }
     }
@@ -165,12 +168,13 @@ fn place(entry: &Entry) -> String {
 }
 
 fn link(entry: &Entry) -> Option<(String, String)> {
-    let (doi, url) = (text(entry, "doi"), text(entry, "url"));
-    match (doi.is_empty(), url.is_empty()) {
-        (false, _) => Some((format!("doi:{doi}"), format!("https://doi.org/{doi}"))),
-        (true, false) => Some((url.clone(), url)),
-        (true, true) => None,
-    }
+    let link = |field: &str, name: &str, host: &str| {
+        let value = text(entry, field);
+        (!value.is_empty()).then(|| (format!("{name}{value}"), format!("{host}{value}")))
+    };
+    link("doi", "doi:", "https://doi.org/")
+        .or_else(|| link("eprint", "arXiv:", "https://arxiv.org/abs/"))
+        .or_else(|| link("url", "", ""))
 }
 
 fn line_at(text: &str, at: usize) -> usize {
@@ -183,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_work_is_ready_to_be_printed() {
-        let source = "@article{lupton2012,\n author = {Lupton, Todd and Sukkarieh, Salah},\n title = {Motion},\n journal = {T-RO}, volume = {28}, number = {1}, pages = {61--76}, year = {2012}, doi = {10.1/x}, annotation = {First.}\n}";
+        let source = "@article{lupton2012,\n author = {Lupton, Todd and Sukkarieh, Salah},\n title = {Motion},\n journal = {T-RO}, volume = {28}, number = {1}, pages = {61--76}, year = {2012}, doi = {10.1/x}, annotation = {First.}, verified = {its page}\n}";
         let mut faults = Faults::default();
         let works = Bibliography::parse(source, &mut faults);
         assert!(faults.is_empty(), "{}", faults.report());

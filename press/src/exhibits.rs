@@ -19,6 +19,8 @@ pub struct Shown {
     pub slug: String,
     /// The checks of its equations.
     pub equations: Vec<Check>,
+    /// What becomes of its theorems without their conditions.
+    pub counterexamples: Vec<Counterexample>,
     /// Its numbers.
     pub numbers: Vec<Number>,
     /// Its figures.
@@ -62,6 +64,31 @@ impl Check {
     pub fn place(&self) -> (String, usize) {
         (self.file.clone(), self.function.unwrap_or(self.line))
     }
+}
+
+/// A case in which a theorem fails because one of its conditions is dropped.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Counterexample {
+    /// The label of the theorem, without `thm:`.
+    pub theorem: String,
+    /// The name of the condition.
+    pub condition: String,
+    /// How far off the statement is with the condition.
+    pub kept: f64,
+    /// How far off it is without.
+    pub dropped: f64,
+    /// What it may be off by.
+    pub tolerance: f64,
+    /// The unit of all three; `relative` for none.
+    pub unit: String,
+    /// What the statement was compared with.
+    pub against: String,
+    /// Why it shows nothing, if it does not.
+    pub failure: Option<String>,
+    /// Where it is registered.
+    pub file: String,
+    /// The line of that.
+    pub line: usize,
 }
 
 /// A computed number.
@@ -150,6 +177,16 @@ impl Exhibits {
     /// The check of an equation of a chapter.
     pub fn check(&self, slug: &str, label: &str) -> Option<&Check> {
         self.chapters.get(slug)?.equations.iter().find(|check| check.label == label)
+    }
+
+    /// All counterexamples.
+    pub fn counterexamples(&self) -> impl Iterator<Item = &Counterexample> {
+        self.chapters.values().flat_map(|shown| &shown.counterexamples)
+    }
+
+    /// The counterexample to a theorem without one of its conditions.
+    pub fn counterexample(&self, theorem: &str, condition: &str) -> Option<&Counterexample> {
+        self.counterexamples().find(|case| case.theorem == theorem && case.condition == condition)
     }
 
     /// The figure `chapter/name` and the folder it lies in.

@@ -1,4 +1,4 @@
-//! The index: every term that the book defines, with the place that defines it.
+//! The index: every term, symbol and item of the library, with the place that defines, explains or prints it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use regex::{Regex, escape as literally};
 use crate::blocks::Kind;
 use crate::fault::Faults;
 use crate::pages::{Page, anchor};
-use crate::prose::link;
+use crate::prose::{Found, Known, item_link, link};
 
 /// Where a term is defined.
 #[derive(Debug)]
@@ -62,8 +62,8 @@ impl Terms {
         }
     }
 
-    /// The index as a page shows it, letter by letter.
-    pub fn index(&self, here: &Page, pages: &[Page]) -> String {
+    /// The terms as a page shows them, letter by letter.
+    fn index(&self, here: &Page, pages: &[Page]) -> String {
         let mut letters: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
         for (term, definition) in &self.0 {
             let page = pages.iter().find(|page| page.path == definition.path);
@@ -80,8 +80,34 @@ impl Terms {
         for (letter, mut entries) in letters {
             entries.sort();
             let entries: Vec<String> = entries.into_iter().map(|(_, entry)| entry).collect();
-            html.push_str(&format!("<h2>{letter}</h2>\n<ul>{}</ul>\n", entries.join("\n")));
+            html.push_str(&format!("<h3>{letter}</h3>\n<ul>{}</ul>\n", entries.join("\n")));
         }
         html + "</div>\n"
     }
+}
+
+/// The three parts of the index.
+pub fn index(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) -> String {
+    format!(
+        "## Terms\n\n{}\n## Symbols\n\n{}\n## The library\n\n{}",
+        found.terms.index(here, pages),
+        found.symbols.index(here, pages),
+        printed(here, known, found)
+    )
+}
+
+/// The items of the library that listings print.
+fn printed(here: &Page, known: &Known<'_>, found: &Found<'_>) -> String {
+    let mut html = String::from("<div class=\"index\">\n<ul>");
+    for (path, places) in &found.printed {
+        let Some(item) = known.library.item(path) else { continue };
+        let name = format!("<code>{path}</code>");
+        let listings: Vec<String> = places
+            .iter()
+            .map(|(page, id, number)| link(here, page, id, &format!("Listing {number}")))
+            .collect();
+        let item = item_link(here, known.library, item, &name);
+        html.push_str(&format!("<li>{item}, {}</li>\n", listings.join(", ")));
+    }
+    html + "</ul>\n</div>\n"
 }

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use crate::accepted::digest;
 use crate::attributes::Attributes;
+use crate::bibliography::Work;
 use crate::blocks::Kind;
 use crate::exhibits::Exhibits;
 use crate::pages::Page;
-use crate::prose::{Found, Known, escape, link, source};
+use crate::prose::{Found, Known, REFERENCES, escape, link, source};
 
 /// A table of the ledger.
 struct Table {
@@ -42,9 +43,11 @@ pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<
     let tables = [
         equations,
         definitions,
+        conditions(here, known, found),
         numbers(here, known.exhibits, found),
         figures(here, pages, known.exhibits, found),
         records(here, known.exhibits, found),
+        unverified(here, known),
     ];
     let states: usize = known
         .exhibits
@@ -54,13 +57,17 @@ pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<
         .map(|check| check.states)
         .sum();
     let head = format!(
-        "<p class=\"ledger-summary\">{} checked over {}, {}, {}, {}, {}.</p>\n\n",
+        "<p class=\"ledger-summary\">{} checked over {}, {}, {} with {}, each dropped in a counterexample, {}, {}, {}, {} of which {} could not be verified.</p>\n\n",
         counted(tables[0].rows.len(), "equation"),
         counted(states, "state"),
         counted(tables[1].rows.len(), "definition"),
-        counted(tables[2].rows.len(), "computed number"),
-        counted(tables[3].rows.len(), "figure"),
-        counted(tables[4].rows.len(), "record"),
+        counted(known.theorems.count(), "theorem"),
+        counted(tables[2].rows.len(), "condition"),
+        counted(tables[3].rows.len(), "computed number"),
+        counted(tables[4].rows.len(), "figure"),
+        counted(tables[5].rows.len(), "record"),
+        counted(known.bibliography.sorted().len(), "cited work"),
+        tables[6].rows.len(),
     );
     head + &tables
         .iter()
@@ -153,6 +160,26 @@ fn equations(
     )
 }
 
+fn conditions(here: &Page, known: &Known<'_>, found: &mut Found<'_>) -> Table {
+    let mut rows = Vec::new();
+    for case in known.exhibits.counterexamples() {
+        let id = format!("thm:{}", case.theorem);
+        let Some(target) = known.labels.get(&id) else { continue };
+        let href = source(here, &case.file, case.line, found);
+        rows.push(vec![
+            link(here, &target.path, &id, &format!("Theorem {}", target.number)),
+            format!("<a href=\"{href}\"><code>{}</code></a>", case.condition),
+            escape(&case.against),
+            format!("{:.1e}", case.kept),
+            format!("{:.1e}", case.dropped),
+            format!("{:.0e}", case.tolerance),
+        ]);
+    }
+    let columns =
+        &["Theorem", "Condition", "Compared with", "Error with it", "Without it", "Tolerance"];
+    Table { id: "conditions", title: "Conditions and counterexamples", columns, rows }
+}
+
 fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
     let mut rows = Vec::new();
     for shown in exhibits.chapters.values() {
@@ -236,6 +263,21 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
         title: "Records",
         columns: &["Record", "Values", "Made by", "When and on what", "Inputs"],
         rows,
+    }
+}
+
+fn unverified(here: &Page, known: &Known<'_>) -> Table {
+    let works = known.bibliography.sorted();
+    let rows = works.iter().filter(|(_, work)| !work.unverified.is_empty());
+    let row = |(key, work): &(&str, &Work)| {
+        let name = link(here, REFERENCES.as_ref(), &format!("ref:{key}"), &escape(&work.short));
+        vec![name, escape(&work.unverified)]
+    };
+    Table {
+        id: "unverified",
+        title: "Works that could not be verified",
+        columns: &["Work", "What could not be confirmed"],
+        rows: rows.map(row).collect(),
     }
 }
 

@@ -31,5 +31,7 @@ pub mod serve;
 pub mod settings;
 pub mod sources;
 pub mod steps;
+pub mod symbols;
+pub mod theorems;
 pub mod warnings;
 mod ways;

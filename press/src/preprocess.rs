@@ -18,13 +18,15 @@ use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::files;
 use crate::formulas;
-use crate::index::Terms;
+use crate::index::{self, Terms};
 use crate::ledger;
 use crate::lint::Lint;
 use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
 use crate::settings::{Layout, Settings};
 use crate::sources;
+use crate::symbols::Symbols;
+use crate::theorems::Theorems;
 use crate::ways::Ways;
 
 /// Resolves labels, numbers, figures and listings, and finds what the book says and no program does.
@@ -88,8 +90,11 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let library = Library::read(&layout.root, &settings.library_package)?;
     let ways = Ways::collect(&pages);
     let accepted = Accepted::read_all(layout)?;
+    let theorems = Theorems::collect(&pages, &mut faults);
+    theorems.check(&pages, &exhibits, &mut faults);
     let known = Known {
         labels: &labels,
+        theorems: &theorems,
         ways: &ways,
         exhibits: &exhibits,
         bibliography: &bibliography,
@@ -103,6 +108,8 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         figures: BTreeSet::new(),
         citations: BTreeMap::new(),
         terms: Terms::default(),
+        symbols: Symbols::default(),
+        printed: BTreeMap::new(),
         sources: BTreeSet::new(),
         generated: BTreeMap::new(),
         lint: Lint::new(&settings.allow),
@@ -121,7 +128,8 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
                     .replace("{{ledger}}", &ledger::ledger(page, &pages, &known, &mut found));
             }
             if content.contains("{{index}}") {
-                *content = content.replace("{{index}}", &found.terms.index(page, &pages));
+                *content =
+                    content.replace("{{index}}", &index::index(page, &pages, &known, &found));
             }
             if content.contains("{{bibliography}}") {
                 *content = content.replace(
@@ -138,6 +146,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     });
     unused(&pages, &exhibits, &mut found);
     found.terms.check(&pages, &mut found.faults);
+    found.symbols.check(&pages, &mut found.faults);
     found.lint.finish(&mut found.faults);
     let plan = Plan::new(layout, &settings, config, &pages, &known, &mut found)?;
     formulas::try_all(&layout.root, config, &layout.work(), &found.formulas, &mut found.faults)?;

@@ -8,6 +8,7 @@ use regex::{Captures, Regex};
 
 use crate::accepted::Accepted;
 use crate::api::items::{Item, Library};
+use crate::attributes::Attributes;
 use crate::bibliography::Bibliography;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
@@ -16,6 +17,8 @@ use crate::index::{Definition, Terms};
 use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
+use crate::symbols::{Symbol, Symbols};
+use crate::theorems::Theorems;
 use crate::ways::{Ways, planned};
 
 static UNIT: LazyLock<Regex> =
@@ -31,6 +34,8 @@ pub const TERMS: [&str; 3] = ["measured", "estimated", "prior"];
 pub struct Known<'a> {
     /// Every label and where it stands.
     pub labels: &'a Labels,
+    /// The theorems and their conditions.
+    pub theorems: &'a Theorems,
     /// Chapters and sections, and how long they take.
     pub ways: &'a Ways,
     /// What the program computed.
@@ -57,6 +62,10 @@ pub struct Found<'a> {
     pub citations: BTreeMap<String, Vec<(PathBuf, String)>>,
     /// The terms that the book defines.
     pub terms: Terms,
+    /// What its letters mean.
+    pub symbols: Symbols,
+    /// The items of the library that listings print: page, anchor and number of the listing.
+    pub printed: BTreeMap<String, Vec<(PathBuf, String, String)>>,
     /// The source files that pages link to.
     pub sources: BTreeSet<String>,
     /// Files for mdBook to copy, by path below `src/generated`.
@@ -128,6 +137,9 @@ impl One<'_> {
             Mark::Span { text, attributes } if attributes.has("defined") => {
                 out.push_str(&self.defined(text, attributes.value("term"), found));
             }
+            Mark::Span { text, attributes } if attributes.has("symbol") => {
+                out.push_str(&self.symbol(text, attributes, found));
+            }
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
@@ -198,6 +210,27 @@ impl One<'_> {
         match self.prose.html {
             true => format!("<dfn id=\"{id}\">{inside}</dfn>"),
             false => inside,
+        }
+    }
+
+    /// A letter where it is explained.
+    fn symbol(&self, text: &str, attributes: &Attributes, found: &mut Found<'_>) -> String {
+        let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
+        let tex = text.trim().trim_matches('$');
+        match Symbol::marked(tex, attributes, self.place, self.prose.deep) {
+            Ok((letter, symbol)) => {
+                let id = Symbols::anchor(&letter);
+                found.symbols.define(self.prose.page, letter, symbol, &mut found.faults);
+                match self.prose.html {
+                    true => format!("<span id=\"{id}\">{inside}</span>"),
+                    false => inside,
+                }
+            }
+            Err(problem) => {
+                let mend = "write [$…$]{.symbol means=\"…\" shape=\"…\" unit=\"…\" frame=\"…\"}";
+                found.faults.add(self.place, text, problem, mend);
+                inside
+            }
         }
     }
 
@@ -363,6 +396,11 @@ impl One<'_> {
         }
         let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
         match classes {
+            // The theorems know their conditions; in print they are what the counterexamples speak of.
+            [class] if class == "condition" => match self.prose.html {
+                true => format!("<span class=\"condition\">{inside}</span>"),
+                false => inside,
+            },
             [class] if TERMS.contains(&class.as_str()) => match self.prose.html {
                 true => format!("<span class=\"term {class}\">{inside}</span>"),
                 false => inside,
@@ -373,7 +411,7 @@ impl One<'_> {
                     classes.join(" "),
                     "a span has no class that the book knows",
                     format!(
-                        "coloured terms are {}, a term that is explained is defined, and a pointer into depth is further",
+                        "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, and a pointer into depth is further",
                         TERMS.join(", ")
                     ),
                 );

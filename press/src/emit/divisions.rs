@@ -1,11 +1,19 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
+use std::sync::LazyLock;
+
+use regex::Regex;
+
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
+use crate::emit::equations::unit;
 use crate::pages::Page;
-use crate::prose::TERMS;
+use crate::prose::{TERMS, escape};
 use crate::ways::{fives, seconds};
+
+static LABEL: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(r"@[a-z]+:[\w-]+").expect("a valid pattern"));
 
 /// An open `:::` and what was seen in it.
 pub(super) struct Division {
@@ -43,6 +51,7 @@ impl Emitter<'_, '_> {
                     block.number
                 )
             }
+            "counterexample" => self.counterexample(block, attributes),
             "proof" => "<div class=\"proof\">\n<p class=\"proof-title\">Proof.</p>\n".to_owned(),
             "hint" => {
                 let title = self.said(block.line, attributes, "title");
@@ -51,7 +60,7 @@ impl Emitter<'_, '_> {
             }
             "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
             other => {
-                let known = "opening, predict, reveal, theorem, proof, hint, note";
+                let known = "opening, predict, reveal, theorem, proof, counterexample, hint, note";
                 self.fault(
                     block.line,
                     other,
@@ -74,6 +83,38 @@ impl Emitter<'_, '_> {
         });
     }
 
+    /// A theorem without one of its conditions, and how far off it then is.
+    fn counterexample(&mut self, block: &Block, attributes: &Attributes) -> String {
+        let (of, without) = (attributes.value("of"), attributes.value("without"));
+        let label = of.trim_start_matches("thm:");
+        let known = self.known;
+        let words = known.theorems.get(label).and_then(|theorem| theorem.conditions.get(without));
+        let case = known.exhibits.counterexample(label, without);
+        let (Some(words), Some(case)) = (words, case) else {
+            let problem = match words {
+                None => "no theorem of this label has a condition of this name",
+                Some(_) => "no program computes this counterexample",
+            };
+            let mend =
+                "write of=\"thm:…\" without=\"…\", and register it: chapter.counterexample(…)";
+            self.fault(block.line, &format!("{of}, {without}"), problem, mend);
+            return "<div class=\"counterexample\">\n".to_owned();
+        };
+        let pointer = if block.deep { format!("@{of}") } else { format!("[@{of}]{{.further}}") };
+        let theorem = self.resolve(block.line, &pointer);
+        let words = self.resolve(block.line, words);
+        let href = self.source(&case.file, case.line);
+        let unit = unit(&case.unit);
+        format!(
+            "<div class=\"counterexample\">\n<details class=\"check margin\"><summary>off by <span class=\"quantity\">{:.0e}{unit}</span></summary><p>Compared with {}, what the theorem says is off by {:.0e}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. <a href=\"{href}\">Its code</a></p></details>\n<p class=\"counterexample-title\">{theorem} without “{words}”.</p>\n",
+            case.dropped,
+            escape(&case.against),
+            case.dropped,
+            case.kept,
+            case.tolerance,
+        )
+    }
+
     /// What a hint says: a piece of a file that the exercise's own program reads too.
     fn text_of(&mut self, block: &Block, target: &str) -> String {
         let text = self.cut(block, "hint", target).map(|(_, piece)| piece.code.join("\n"));
@@ -84,13 +125,26 @@ impl Emitter<'_, '_> {
         let difficulty = self.said(line, attributes, "difficulty");
         let needs = self.said(line, attributes, "needs");
         let [main, all] = seconds(&self.page.blocks).map(fives);
+        let road = self.road(attributes.value("needs"));
         let minutes = if all > main { format!("{main} to {all}") } else { main.to_string() };
         format!(
             "<div class=\"opening\" data-main=\"{main}\" data-all=\"{all}\">\n\
              <dl><dt>Difficulty</dt><dd>{difficulty} of 3</dd>\
              <dt>Reading time</dt><dd>{minutes} minutes</dd>\
-             <dt>Needs</dt><dd>{needs}</dd></dl>\n"
+             <dt>Needs</dt><dd>{needs}</dd>{road}</dl>\n"
         )
+    }
+
+    /// Which road an exercise asks for: what it needs may stand in depth.
+    fn road(&self, needs: &str) -> String {
+        if !self.page.path.starts_with("exercises") {
+            return String::new();
+        }
+        let deep = LABEL.find_iter(needs).any(|label| {
+            self.known.labels.get(&label.as_str()[1..]).is_some_and(|target| target.deep)
+        });
+        let road = if deep { "the main road and what is in depth" } else { "the main road" };
+        format!("<dt>Asks for</dt><dd>{road}</dd>")
     }
 
     /// What an opening or a hint says of a matter that it must not leave out.
@@ -125,7 +179,7 @@ impl Emitter<'_, '_> {
                 }
                 "</div>".to_owned()
             }
-            "theorem" | "proof" | "note" => "</div>".to_owned(),
+            "theorem" | "proof" | "counterexample" | "note" => "</div>".to_owned(),
             _ => String::new(),
         };
         self.out.push_str(&format!("\n{end}\n\n"));

@@ -140,13 +140,13 @@ fn note(check: &Check, href: &str) -> String {
         check.mutants.len(),
         escape(&check.mutants.join(", ")),
         states = check.states,
-        unit = unit(check),
+        unit = unit(&check.unit),
     )
 }
 
 /// The unit of an error as it follows the number; nothing for a relative one.
-fn unit(check: &Check) -> String {
-    match check.unit.as_str() {
+pub(super) fn unit(unit: &str) -> String {
+    match unit {
         "" | "relative" => String::new(),
         unit => format!("\u{a0}{}", escape(unit)),
     }

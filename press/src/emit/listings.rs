@@ -86,7 +86,7 @@ impl Emitter<'_, '_> {
         }
         let caption = self.resolve(block.line, &caption);
         let href = self.source(&file, cut.first);
-        let items = self.items(&file, cut.first, cut.last);
+        let items = self.items(block, id, (&file, cut.first, cut.last));
         let html = format!(
             "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines {}–{}</a>{items}\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
             block.number,
@@ -128,13 +128,23 @@ impl Emitter<'_, '_> {
     }
 
     /// Links to the pages of the public items that stand in full on these lines.
-    fn items(&self, file: &str, first: usize, last: usize) -> String {
+    fn items(
+        &mut self,
+        block: &Block,
+        id: &str,
+        (file, first, last): (&str, usize, usize),
+    ) -> String {
         let library = self.known.library;
+        let shown = library.shown(file, first, last);
+        for item in &shown {
+            let place = (self.page.path.clone(), id.to_owned(), block.number.clone());
+            self.found.printed.entry(item.path.clone()).or_default().push(place);
+        }
         let link = |item: &&Item| {
             let name = item.path.rsplit("::").next().unwrap_or_default();
             item_link(self.page, library, item, name)
         };
-        let links: Vec<String> = library.shown(file, first, last).iter().map(link).collect();
+        let links: Vec<String> = shown.iter().map(link).collect();
         match links.is_empty() {
             true => String::new(),
             false => format!(" <span class=\"source\">API: {}</span>", links.join(", ")),

@@ -642,3 +642,91 @@ fn a_folder_without_a_book_says_where_to_go() {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success() && text.contains("there is no book.toml"), "{text}");
 }
+
+#[test]
+fn a_theorem_without_conditions_is_named() {
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "[both are positive]{.condition name=\"positive\"}",
+        "both are positive",
+    );
+    let report = book.faults();
+    assert!(report.contains("thm:grows: the theorem names no conditions"), "{report}");
+}
+
+#[test]
+fn a_condition_without_a_counterexample_is_named() {
+    let shown = "::: {.counterexample of=\"thm:grows\" without=\"positive\"}";
+    let book = SmallBook::sound().with("src/one.md", shown, "::: note");
+    let report = book.faults();
+    assert!(
+        report.contains("thm:grows: 0 counterexamples drop its condition “positive”"),
+        "{report}"
+    );
+    assert!(report.contains("thm:grows, positive: no page shows this counterexample"), "{report}");
+}
+
+#[test]
+fn a_counterexample_that_no_program_computes_is_named() {
+    let computed = "{\"theorem\":\"grows\"";
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        computed,
+        "{\"theorem\":\"other\"",
+    );
+    let report = book.faults();
+    assert!(
+        report.contains("thm:grows, positive: no program computes this counterexample"),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_counterexample_that_shows_nothing_is_named() {
+    let book = SmallBook::sound().with(
+        "target/press/exhibits/one/exhibits.json",
+        "\"against\":\"counting\",\"failure\":null,\"file\":\"exhibits/src/one.rs\",\"line\":1}],\n\"numbers\"",
+        "\"against\":\"counting\",\"failure\":\"it holds\",\"file\":\"exhibits/src/one.rs\",\"line\":1}],\n\"numbers\"",
+    );
+    says(&book.faults(), &["thm:grows, positive: the counterexample shows nothing: it holds"]);
+}
+
+#[test]
+fn a_condition_outside_of_a_theorem_is_named() {
+    let book =
+        SmallBook::sound().with("src/one.md", "A sum, as", "A [sum]{.condition name=\"x\"}, as");
+    says(&book.faults(), &["src/one.md:3: sum: a condition has a name, and stands in a theorem"]);
+}
+
+#[test]
+fn a_letter_that_nothing_explains_is_named() {
+    let book = SmallBook::sound().with("src/one.md", "[$e$]{.symbol means=\"a product\"}", "$e$");
+    says(&book.faults(), &["src/one.md:11: e in eq:product: nothing explains this letter"]);
+}
+
+#[test]
+fn a_letter_with_two_meanings_is_named_with_the_first() {
+    let book = SmallBook::sound().with("src/one.md", "is one.", "is [$a$]{.symbol means=\"one\"}.");
+    says(&book.faults(), &["src/one.md:31: a: line 29 says that it is: the first"]);
+}
+
+#[test]
+fn a_letter_that_only_depth_explains_is_not_for_the_main_road() {
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "Two numbers",
+        "### Less {.depth establishes=\"Sums add.\"}\n\nTwo numbers",
+    );
+    let report = book.faults();
+    assert!(
+        report.contains("a in eq:sum: the main road uses a letter that only depth explains"),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_mark_that_does_not_say_what_a_letter_means_is_named() {
+    let book = SmallBook::sound().with("src/one.md", "means=\"a product\"", "unit=\"m\"");
+    let report = book.faults();
+    assert!(report.contains("the mark does not say what the letter means"), "{report}");
+}

@@ -60,13 +60,27 @@ The sum of the example is {{value one.sum}}, see @fig:sums and @lst:add.
 ## More {#sec:more}
 
 An [inner link](#sec:more) and [another](ledger.md).
+
+## Letters
+
+Two numbers [$a$]{.symbol means="the first"} and [$b$]{.symbol means="the second" unit="m"} have the sum
+[$c$]{.symbol means="a sum"}, the difference [$d$]{.symbol means="a difference"} and the product
+[$e$]{.symbol means="a product"}; [$s$]{.symbol means="one"} is one.
+
+::: {.theorem #thm:grows title="a sum grows"}
+If [both are positive]{.condition name="positive"}, the sum is larger than either.
+:::
+
+::: {.counterexample of="thm:grows" without="positive"}
+One less one is zero.
+:::
 "##;
 
 const CODE: &str = "// ANCHOR: add\n/// Implements {eq:sum}.\npub fn add(a: f64, b: f64) -> f64 {\n    a + b\n}\n// ANCHOR_END: add\n";
 
 const CHECKS: &str = "fn sum() {}\nfn difference() {}\nfn product() {}\n";
 
-const WORKS: &str = "@article{author2001,\n  author = {Author, Ann},\n  title = {Sums},\n  year = {2001},\n  annotation = {Adds.}\n}\n";
+const WORKS: &str = "@article{author2001,\n  author = {Author, Ann},\n  title = {Sums},\n  year = {2001},\n  verified = {its page},\n  annotation = {Adds.}\n}\n";
 
 const ACCEPTED: &str =
     "[equations]\nsum = 'c = a + b'\ndifference = 'd = a - b'\nproduct = 'e = a b'\n";
@@ -76,6 +90,7 @@ const EXHIBITS: &str = r##"{"slug":"one",
 {"label":"sum","worst":1e-16,"tolerance":1e-12,"unit":"relative","states":9,"against":"counting","failure":null,"mutants":["sign"],"survivors":[],"file":"exhibits/src/one.rs","line":1},
 {"label":"difference","worst":1e-16,"tolerance":1e-12,"unit":"relative","states":9,"against":"counting","failure":null,"mutants":["sign"],"survivors":[],"file":"exhibits/src/one.rs","line":2},
 {"label":"product","worst":1e-16,"tolerance":1e-12,"unit":"relative","states":9,"against":"counting","failure":null,"mutants":["sign"],"survivors":[],"file":"exhibits/src/one.rs","line":3}],
+"counterexamples":[{"theorem":"grows","condition":"positive","kept":0.0,"dropped":1.0,"tolerance":1e-12,"unit":"relative","against":"counting","failure":null,"file":"exhibits/src/one.rs","line":1}],
 "numbers":[{"name":"sum","value":3.0,"text":"3","unit":"","file":"exhibits/src/one.rs","line":1}],
 "figures":[{"name":"sums","columns":["a"],"rows":[["1"]],"file":"exhibits/src/one.rs","line":1}],
 "records":[]}"##;
