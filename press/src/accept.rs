@@ -1,5 +1,7 @@
 //! `cargo book accept` and `cargo book record`: what a person has looked at becomes what the build expects.
 
+use std::collections::BTreeMap;
+
 use anyhow::Result;
 use dissimilar::Chunk;
 
@@ -10,42 +12,82 @@ use crate::make::Maker;
 use crate::pages::Page;
 use crate::records::Record;
 
-/// Shows what changed since it was last accepted, and accepts it unless `only_show`.
-pub fn accept(maker: &Maker, only_show: bool) -> Result<()> {
-    let mut changes = equations(maker, only_show)?;
-    changes += records(maker, only_show)?;
-    match (changes, only_show) {
-        (0, _) => println!("Nothing changed."),
-        (n, true) => println!("{n} changed; `cargo book accept` accepts."),
-        (n, false) => println!("{n} accepted."),
+/// Shows what changed since it was last accepted, and accepts it unless `only_show`. With `moved` it is only the
+/// equations that moved from a chapter to another and say what they said: nobody has to look at them again.
+pub fn accept(maker: &Maker, only_show: bool, moved: bool) -> Result<()> {
+    let mut changes = equations(maker, only_show, moved)?;
+    if !moved {
+        changes += records(maker, only_show)?;
+    }
+    match (changes, only_show, moved) {
+        (0, _, true) => println!("Nothing moved."),
+        (0, _, false) => println!("Nothing changed."),
+        (n, true, true) => println!("{n} moved; `cargo book accept --moved` carries them over."),
+        (n, true, false) => println!("{n} changed; `cargo book accept` accepts."),
+        (n, false, true) => println!("{n} carried over."),
+        (n, false, false) => println!("{n} accepted."),
     }
     Ok(())
 }
 
-fn equations(maker: &Maker, only_show: bool) -> Result<usize> {
+fn equations(maker: &Maker, only_show: bool, moved: bool) -> Result<usize> {
     let book = maker.load()?;
-    let mut changes = 0;
+    let mut new: BTreeMap<String, Accepted> = BTreeMap::new();
     for page in Page::all(&book.book) {
-        let path = maker.layout.accepted(&page.slug);
-        let old = Accepted::read(&path)?;
-        let new = checked_equations(&page);
-        changes += show_equations(&page.slug, &old, &new);
-        if !only_show {
-            new.write(&path)?;
+        let of_its_chapter = new.entry(page.owner.clone()).or_default();
+        of_its_chapter.equations.extend(checked_equations(&page));
+    }
+    let old = Accepted::read_all(&maker.layout)?;
+    let (changes, after) = if moved {
+        carried_over(&old, &new)
+    } else {
+        let nothing = Accepted::default();
+        let before = |slug: &String| old.get(slug).unwrap_or(&nothing);
+        let changes = new.iter().map(|(slug, new)| show_equations(slug, before(slug), new)).sum();
+        (changes, new)
+    };
+    if !only_show {
+        for (slug, accepted) in &after {
+            accepted.write(&maker.layout.accepted(slug))?;
         }
     }
     Ok(changes)
 }
 
+/// What is accepted once all equations have gone where they stand now, and how many went.
+fn carried_over(
+    old: &BTreeMap<String, Accepted>,
+    new: &BTreeMap<String, Accepted>,
+) -> (usize, BTreeMap<String, Accepted>) {
+    let has = |all: &BTreeMap<String, Accepted>, slug: &str, label: &str| {
+        all.get(slug).is_some_and(|chapter| chapter.equations.contains_key(label))
+    };
+    let mut after = old.clone();
+    let mut moves = 0;
+    for (to, stands) in new {
+        for (label, tex) in stands.equations.iter().filter(|(label, _)| !has(old, to, label)) {
+            let left = |from: &&String| {
+                old[*from].equations.get(label) == Some(tex) && !has(new, from, label)
+            };
+            let Some(from) = old.keys().find(left) else { continue };
+            println!("eq:{label} moved from {from} to {to}");
+            after.entry(from.clone()).or_default().equations.remove(label);
+            after.entry(to.clone()).or_default().equations.insert(label.clone(), tex.clone());
+            moves += 1;
+        }
+    }
+    (moves, after)
+}
+
 /// The equations of a page that have a check, as they are now.
-fn checked_equations(page: &Page) -> Accepted {
+fn checked_equations(page: &Page) -> impl Iterator<Item = (String, String)> {
     let equation = |kind: &Kind| match kind {
         Kind::Equation { tex, attributes, .. } if !attributes.has("definition") => {
             Some((attributes.id.strip_prefix("eq:")?.to_owned(), normal(tex)))
         }
         _ => None,
     };
-    Accepted { equations: page.blocks.iter().filter_map(|block| equation(&block.kind)).collect() }
+    page.blocks.iter().filter_map(move |block| equation(&block.kind))
 }
 
 fn show_equations(slug: &str, old: &Accepted, new: &Accepted) -> usize {

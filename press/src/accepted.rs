@@ -4,7 +4,7 @@
 //! when the page says something else, until a person has looked and accepts it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 
 use crate::files;
 use crate::records::hex;
+use crate::settings::Layout;
 
 /// The accepted TeX of a chapter's equations, by label without `eq:`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,17 @@ impl Accepted {
         toml::from_str(&text).with_context(|| {
             format!("{} is damaged: restore it from the repository", path.display())
         })
+    }
+
+    /// Reads the accepted equations of all chapters, by slug.
+    pub fn read_all(layout: &Layout) -> Result<BTreeMap<String, Accepted>> {
+        let folder = layout.accepted_equations();
+        let slug = |file: &PathBuf| Some(file.file_stem()?.to_str()?.to_owned());
+        files::below(&folder)?
+            .iter()
+            .filter_map(|file| slug(file).map(|slug| (slug, folder.join(file))))
+            .map(|(slug, path)| Ok((slug, Accepted::read(&path)?)))
+            .collect()
     }
 
     /// Writes them, or removes the file when there are none.

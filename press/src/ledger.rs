@@ -124,7 +124,7 @@ fn equations(
             definitions.push(vec![name, format!("<code>{id}</code>")]);
             continue;
         }
-        let Some(check) = exhibits.check(&page.slug, label) else { continue };
+        let Some(check) = exhibits.check(&page.owner, label) else { continue };
         let Kind::Equation { tex, .. } = kind else { continue };
         let (file, line) = check.place();
         let href = source(here, &file, line, found);

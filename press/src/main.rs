@@ -51,6 +51,9 @@ enum Command {
         /// Only show them.
         #[arg(long)]
         show: bool,
+        /// Only carry over equations that moved to another chapter unchanged.
+        #[arg(long)]
+        moved: bool,
     },
     /// Make a record again: a computation too long for every build.
     Record {
@@ -100,8 +103,8 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
             let maker = maker(Steps::new())?;
             maker.build(&maker.layout.work().join("checked"))
         }
-        Command::Accept { show } => {
-            accept::accept(&maker(Steps::new())?, show).map(|()| Faults::default())
+        Command::Accept { show, moved } => {
+            accept::accept(&maker(Steps::new())?, show, moved).map(|()| Faults::default())
         }
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
         Command::Preprocess { question, .. }

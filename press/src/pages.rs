@@ -20,6 +20,8 @@ pub struct Page {
     pub path: PathBuf,
     /// The word that leads to everything of this chapter.
     pub slug: String,
+    /// The chapter whose exhibits it shows: itself, or the one that its heading calls `part-of`.
+    pub owner: String,
     /// `2`, or nothing for chapters outside the count.
     pub number: Option<String>,
     /// What it says.
@@ -32,10 +34,12 @@ impl Page {
         let chapter = |item: &BookItem| match item {
             BookItem::Chapter(chapter) => {
                 let path = chapter.source_path.clone()?;
+                let slug = path.file_stem()?.to_str()?.to_owned();
                 let mut page = Page {
                     file: format!("src/{}", slashed(&path)),
                     name: chapter.name.clone(),
-                    slug: path.file_stem()?.to_str()?.to_owned(),
+                    owner: slug.clone(),
+                    slug,
                     number: chapter
                         .number
                         .as_ref()
@@ -43,6 +47,9 @@ impl Page {
                     blocks: blocks(&chapter.content),
                     path,
                 };
+                if let Some((_, part)) = page.part_of() {
+                    page.owner = part.to_owned();
+                }
                 page.number_blocks();
                 page.mark_depth();
                 Some(page)
@@ -50,6 +57,27 @@ impl Page {
             _ => None,
         };
         book.iter().filter_map(chapter).collect()
+    }
+
+    /// Pages that are part of something that is no chapter with exhibits of its own.
+    pub fn parts(pages: &[Page], faults: &mut Faults) {
+        let whole = |slug: &str| pages.iter().any(|page| page.slug == slug && page.owner == slug);
+        for page in pages.iter().filter(|page| !whole(&page.owner)) {
+            let line = page.part_of().map_or(0, |(line, _)| line);
+            let problem = "the page is part of something that is no chapter, or a part itself";
+            let mend = "name the slug of the chapter whose exhibits it shows";
+            faults.add((&page.file, line), format!("part-of={}", page.owner), problem, mend);
+        }
+    }
+
+    /// What the heading of the page says that it is part of, and the line of the heading.
+    fn part_of(&self) -> Option<(usize, &str)> {
+        self.blocks.iter().find_map(|block| match &block.kind {
+            Kind::Heading { level: 1, attributes, .. } => {
+                Some((block.line, attributes.value("part-of"))).filter(|(_, part)| !part.is_empty())
+            }
+            _ => None,
+        })
     }
 
     fn number_blocks(&mut self) {

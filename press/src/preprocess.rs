@@ -80,6 +80,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let settings = Settings::read(&layout.root)?;
     let pages = Page::all(book);
     let mut faults = Faults::default();
+    Page::parts(&pages, &mut faults);
     let labels = Labels::collect(&pages, &mut faults);
     let slugs: Vec<String> = pages.iter().map(|page| page.slug.clone()).collect();
     let exhibits = Exhibits::read(layout, &slugs)?;
@@ -88,6 +89,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     faults.extend(exhibits.faults());
     let library = Library::read(&layout.root, &settings.library_package)?;
     let ways = Ways::collect(&pages);
+    let accepted = Accepted::read_all(layout)?;
     let theorems = Theorems::collect(&pages, &mut faults);
     theorems.check(&pages, &exhibits, &mut faults);
     let known = Known {
@@ -97,6 +99,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         exhibits: &exhibits,
         bibliography: &bibliography,
         library: &library,
+        accepted: &accepted,
     };
     let mut found = Found {
         faults,
@@ -113,10 +116,9 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     };
     let mut contents = BTreeMap::new();
     for page in &pages {
-        let accepted = Accepted::read(&layout.accepted(&page.slug))?;
         contents.insert(
             page.path.clone(),
-            Emitter::new(page, &known, &settings, layout, &accepted, &mut found).emit(),
+            Emitter::new(page, &known, &settings, layout, &mut found).emit(),
         );
     }
     for page in &pages {
@@ -178,7 +180,7 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
         }
         let labels: BTreeSet<&str> = pages
             .iter()
-            .filter(|page| page.slug == shown.slug)
+            .filter(|page| page.owner == shown.slug)
             .flat_map(|page| &page.blocks)
             .filter_map(|block| match &block.kind {
                 Kind::Equation { attributes, .. } => attributes.id.strip_prefix("eq:"),
@@ -186,7 +188,10 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
             })
             .collect();
         for check in shown.equations.iter().filter(|check| !labels.contains(check.label.as_str())) {
-            let problem = format!("src/{}.md has no equation that this checks", shown.slug);
+            let problem = format!(
+                "src/{}.md has no equation that this checks, nor has a page that is part of it",
+                shown.slug
+            );
             found.faults.add(
                 (&check.file, check.line),
                 format!("eq:{}", check.label),

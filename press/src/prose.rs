@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use regex::{Captures, Regex};
 
+use crate::accepted::Accepted;
 use crate::api::items::{Item, Library};
 use crate::attributes::Attributes;
 use crate::bibliography::Bibliography;
@@ -43,6 +44,8 @@ pub struct Known<'a> {
     pub bibliography: &'a Bibliography,
     /// The items that have a page.
     pub library: &'a Library,
+    /// The accepted TeX of the equations, by the chapter that owns their checks.
+    pub accepted: &'a BTreeMap<String, Accepted>,
 }
 
 /// What the press learns while it writes the pages.
@@ -117,7 +120,7 @@ impl One<'_> {
     fn mark(&self, mark: &Mark<'_>, out: &mut String, found: &mut Found<'_>) {
         match mark {
             Mark::Plain(text) => {
-                found.lint.prose(self.place, &self.prose.page.slug, text, &mut found.faults);
+                found.lint.prose(self.place, &self.prose.page.owner, text, &mut found.faults);
                 out.push_str(text);
             }
             Mark::Code(code) => out.push_str(code),
@@ -177,7 +180,7 @@ impl One<'_> {
     }
 
     fn math(&self, tex: &str, found: &mut Found<'_>) -> String {
-        found.lint.tex(self.place, &self.prose.page.slug, tex, &mut found.faults);
+        found.lint.tex(self.place, &self.prose.page.owner, tex, &mut found.faults);
         let filled = fill(tex, self.prose.page, self.place, self.known, found);
         if self.prose.html {
             found.formulas.push(Formula {
@@ -486,7 +489,7 @@ fn number<'a>(
     found: &mut Found<'_>,
 ) -> Option<(f64, &'a str)> {
     let mend = |slug: &str| format!("register it in exhibits/src/{slug}.rs, or mend the name");
-    let slug = name.split_once('.').map_or(page.slug.as_str(), |(slug, _)| slug);
+    let slug = name.split_once('.').map_or(page.owner.as_str(), |(slug, _)| slug);
     match known.exhibits.number(name) {
         None => found.faults.add(place, name, "no program computes this number", mend(slug)),
         Some((None, _)) => found.faults.add(

@@ -122,8 +122,13 @@ impl Layout {
         self.work().join("records")
     }
 
-    /// The TeX of each equation as it was when somebody last held it against its check.
+    /// The TeX of each equation as it was when somebody last held it against its check, a file a chapter.
+    pub fn accepted_equations(&self) -> PathBuf {
+        self.root.join("exhibits/accepted")
+    }
+
+    /// Those of one chapter.
     pub fn accepted(&self, slug: &str) -> PathBuf {
-        self.root.join("exhibits/accepted").join(format!("{slug}.toml"))
+        self.accepted_equations().join(format!("{slug}.toml"))
     }
 }

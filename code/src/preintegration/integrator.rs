@@ -1,6 +1,6 @@
 //! The sums over the readings, one reading at a time.
 //!
-//! The error of the attitude is held as a rotation vector θ = ΔR φ in the *first* body frame.
+//! The error of the attitude is held as a rotation vector θ in the *first* body frame.
 //! There it stays where it is while the body turns, and of the error dynamics only two cross
 //! products are left, {eq:covariance-first-frame}. What is handed out is in the order and frames
 //! of the module.
@@ -311,11 +311,11 @@ impl Preintegrator {
 
 impl Moments {
     /// The covariance after a step in which the errors become θ + N η, v + d and p + (v + d/2) dt.
-    /// Here d = −c × θ with the gain c in velocity and θ where the force acts, besides the noise
-    /// of the accelerometer; so the moment of x and d is that of x and θ, times c^.
+    /// Here d = −u × θ with the gain u in velocity and θ where the force acts, besides the noise
+    /// of the accelerometer; so the moment of an error and d is that with θ, times u^.
     #[inline(always)]
     // ANCHOR: advance_covariance
-    fn advance(&mut self, step: &Increment, c: &Vector3<f64>, noise: &White) {
+    fn advance(&mut self, step: &Increment, gain: &Vector3<f64>, noise: &White) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
         let white = noise.pushing(&step.along, dt);
         let (mut acting, mut across) = (self.tt, self.tt);
@@ -323,9 +323,9 @@ impl Moments {
             acting = acting + halfway.halfway_and_halfway;
             across = across + halfway.end_and_halfway;
         }
-        let (vd, pd) = (self.vt.times_hat(c), self.pt.times_hat(c));
-        let dd = acting.times_hat(c).transpose().times_hat(c) + white;
-        let dt_theta = across.times_hat(c).transpose();
+        let (vd, pd) = (self.vt.times_hat(gain), self.pt.times_hat(gain));
+        let dd = acting.times_hat(gain).transpose().times_hat(gain) + white;
+        let dt_theta = across.times_hat(gain).transpose();
         let carried = self.vv + vd;
         let pp = dt * (self.pv + half * carried) + half * pd + 0.5 * half * half * dd;
         self.pp = self.pp + pp + pp.transpose();
@@ -338,7 +338,7 @@ impl Moments {
     // ANCHOR_END: advance_covariance
 
     // ANCHOR: assemble
-    /// The covariance of (φ, v, p): φ is θ seen from the last body frame.
+    /// The covariance of the errors: that of the rotation is θ seen from the last body frame.
     fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9 {
         let b = body_from_first;
         let Self { tt, vt, vv, pt, pv, pp } = self;
@@ -366,13 +366,13 @@ impl Jacobian {
     /// A bias enters like an angular velocity and a force of the opposite sign. `share` is how
     /// much of it acts in this step.
     #[inline(always)]
-    pub(super) fn advance(&mut self, step: &Increment, c: &Vector3<f64>, share: f64) {
+    pub(super) fn advance(&mut self, step: &Increment, gain: &Vector3<f64>, share: f64) {
         let (dt, half) = (step.dt, 0.5 * step.dt);
         let theta = match &step.halfway {
             Some(halfway) => self.theta_gyro - share * halfway.turned.transpose(),
             None => self.theta_gyro,
         };
-        let (by_gyro, by_force) = (theta.times_hat(c), (share * dt) * step.along);
+        let (by_gyro, by_force) = (theta.times_hat(gain), (share * dt) * step.along);
         self.position_gyro = self.position_gyro + dt * self.velocity_gyro + half * by_gyro;
         self.velocity_gyro = self.velocity_gyro + by_gyro;
         self.theta_gyro = self.theta_gyro - share * step.turned.transpose();
@@ -382,7 +382,7 @@ impl Jacobian {
     }
     // ANCHOR_END: advance_jacobian
 
-    /// The derivative of (φ, v, p): φ is θ seen from the last body frame.
+    /// The derivative of the deltas: that of the rotation is θ seen from the last body frame.
     pub(super) fn assemble(&self, body_from_first: &Matrix3<f64>) -> Matrix9x6 {
         let mut jacobian = Matrix9x6::zeros();
         let mut put = |row, column, block: &Matrix3<f64>| {

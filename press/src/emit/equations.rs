@@ -17,7 +17,7 @@ impl Emitter<'_, '_> {
         attributes: &Attributes,
     ) {
         let place = (self.page.file.as_str(), tex_line);
-        self.found.lint.tex(place, &self.page.slug, tex, &mut self.found.faults);
+        self.found.lint.tex(place, &self.page.owner, tex, &mut self.found.faults);
         let filled = fill(tex, self.page, place, self.known, self.found);
         self.found.formulas.push(Formula {
             file: self.page.file.clone(),
@@ -50,7 +50,7 @@ impl Emitter<'_, '_> {
     }
 
     fn definition(&mut self, line: usize, id: &str) -> String {
-        if self.known.exhibits.check(&self.page.slug, &id[3..]).is_some() {
+        if self.known.exhibits.check(&self.page.owner, &id[3..]).is_some() {
             self.fault(
                 line,
                 id,
@@ -62,18 +62,31 @@ impl Emitter<'_, '_> {
     }
 
     fn check(&mut self, line: usize, id: &str, tex: &str) -> String {
-        let (slug, label) = (self.page.slug.clone(), &id[3..]);
+        let (slug, label) = (self.page.owner.clone(), &id[3..]);
         let Some(check) = self.known.exhibits.check(&slug, label).cloned() else {
             self.fault(line, id, "no check computes this equation", format!("write `fn {}` in exhibits/src/{slug}.rs and register it, or mark the equation {{#{id} .definition}}", label.replace('-', "_")));
             return String::new();
         };
-        match self.accepted.equations.get(label) {
-            None => self.fault(
-                line,
-                id,
-                "this equation was never held against its check",
-                "read both, then run `cargo book accept`",
-            ),
+        let accepted = self.known.accepted;
+        let held = |slug: &str| accepted.get(slug).and_then(|held| held.equations.get(label));
+        let elsewhere =
+            accepted.keys().find(|slug| held(slug).is_some_and(|tex_| *tex_ == normal(tex)));
+        match held(&slug) {
+            None => {
+                let (problem, mend) = match elsewhere {
+                    Some(other) => (
+                        format!(
+                            "this equation was held against its check in {other}, and has moved"
+                        ),
+                        "run `cargo book accept --moved`",
+                    ),
+                    None => (
+                        "this equation was never held against its check".to_owned(),
+                        "read both, then run `cargo book accept`",
+                    ),
+                };
+                self.fault(line, id, problem, mend);
+            }
             Some(known) if *known != normal(tex) => {
                 self.fault(
                     line,

@@ -34,7 +34,7 @@ impl Emitter<'_, '_> {
         let drawing =
             name.split_once('/').and_then(|(slug, name)| self.known.exhibits.drawing(slug, name));
         let Some((drawing, folder)) = drawing else {
-            let slug = name.split_once('/').map_or(self.page.slug.as_str(), |(slug, _)| slug);
+            let slug = name.split_once('/').map_or(self.page.owner.as_str(), |(slug, _)| slug);
             self.missing(id);
             return self.fault(
                 block.line,

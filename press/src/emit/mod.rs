@@ -8,7 +8,6 @@ mod listings;
 
 use divisions::Division;
 
-use crate::accepted::Accepted;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::pages::{Page, anchor_of};
@@ -25,8 +24,6 @@ pub struct Emitter<'a, 'f> {
     pub settings: &'a Settings,
     /// Where things lie.
     pub layout: &'a Layout,
-    /// The accepted TeX of this page's equations.
-    pub accepted: &'a Accepted,
     /// What is learned on the way.
     pub found: &'a mut Found<'f>,
     open: Vec<Division>,
@@ -42,7 +39,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
         known: &'a Known<'a>,
         settings: &'a Settings,
         layout: &'a Layout,
-        accepted: &'a Accepted,
         found: &'a mut Found<'f>,
     ) -> Self {
         Emitter {
@@ -50,7 +46,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
             known,
             settings,
             layout,
-            accepted,
             found,
             open: Vec::new(),
             depth: None,

@@ -2,5 +2,6 @@
 
 mod faults;
 mod library;
+mod parts;
 mod serve;
 mod small;

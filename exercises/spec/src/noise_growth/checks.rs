@@ -17,7 +17,7 @@ use crate::draw::Draw;
 pub const EXERCISE: Exercise = Exercise {
     slug: "noise_growth",
     title: "Where uncertainty comes from",
-    chapter: "preintegration",
+    chapter: "preintegration_noise",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Densities", "Exponents", "Reading", "Source"],

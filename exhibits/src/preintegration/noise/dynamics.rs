@@ -208,8 +208,8 @@ fn in_first_frame(
 ) -> Vector9 {
     let ([theta, v, p], [gyro, accelerometer], dt) = (thirds(errors), halves(noise), at.dt);
     let rotation = at.deltas.rotation;
-    let c = dt * (rotation * at.sample.accelerometer);
-    let d = -sign * c.cross(&theta) + dt * (rotation * accelerometer);
+    let gain = dt * (rotation * at.sample.accelerometer);
+    let d = -sign * gain.cross(&theta) + dt * (rotation * accelerometer);
     let noise = dt * (from_gyro(&rotation, &(dt * at.sample.gyro)) * gyro);
     joined(theta + noise, v + d, p + dt * (v + 0.5 * d))
 }
@@ -237,9 +237,19 @@ fn first_frame(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("covariance-first-frame", covariance_first_frame, formula, &mutants);
+    chapter.counterexample(
+        "covariance-first-frame",
+        "euler",
+        |rule| by_rule(rule, |at, e, n| in_first_frame(at, e, n, 1.0, end_of_step)),
+        [Rule::Euler, Rule::Midpoint],
+    );
 }
 
 fn covariance_first_frame(formula: Pushed) -> Comparison {
+    by_rule(Rule::Euler, formula)
+}
+
+fn by_rule(rule: Rule, formula: Pushed) -> Comparison {
     let against = "deltas turned wrongly on the left, stepped on, and their errors seen from there";
     let mut comparison = Comparison::relative(against, 1e-7);
     let mut random = Random::new(404);
@@ -247,14 +257,14 @@ fn covariance_first_frame(formula: Pushed) -> Comparison {
         let at = Instant::random(&mut random);
         let e = Vector9::from_fn(|_, _| random.normal(1.0));
         let n = Vector6::from_fn(|_, _| random.normal(1.0));
-        let after = stepped(Rule::Euler, &at.deltas, &at.sample, at.dt);
+        let after = stepped(rule, &at.deltas, &at.sample, at.dt);
         let moved = slopes::<1>(|s| {
             let [theta, v, p] = thirds(&(s.x * e));
             let mut start = at.deltas;
             start.rotation = Rotation3::new(theta) * start.rotation;
             start.velocity += v;
             start.position += p;
-            stepped(Rule::Euler, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
+            stepped(rule, &start, &noisy(&at.sample, &(s.x * n)), at.dt)
         });
         let [phi, v, p] = thirds(&moved);
         let oracle = joined(after.rotation * phi, v, p);

@@ -1,9 +1,9 @@
 //! How deviations grow with time.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use vislam::inertial::{ImuNoise, ImuSample};
+use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
-use vislam::preintegration::{Deltas, Preintegrated};
+use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Preintegrator, Rule};
 
 use super::oracle::{nothing, readings, slopes, summed};
 use super::runs::{DT, SECOND, at_rest, of_readings};
@@ -53,6 +53,26 @@ fn hinge(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("growth-hinge", growth_hinge, formula, &mutants);
+    chapter.counterexample("growth-hinge", "small", turned_by, [1e-4, HINGE_ANGLE]);
+}
+
+/// The hinge for a turn of this angle.
+fn turned_by(angle: f64) -> Comparison {
+    let against = "readings summed on from a body that was turned by hand";
+    let mut comparison = Comparison::relative(against, 1e-3);
+    let mut random = Random::new(445);
+    for _ in 0..STATES {
+        let after = readings(&mut random, 15);
+        let (at, theta, dt) = (nothing(), random.direction(angle), 0.02);
+        let turned = Deltas { rotation: Rotation3::new(theta), ..at };
+        let [end, moved] = [at, turned].map(|start| summed(&start, &after, dt));
+        let found = [theta.cross(&end.velocity), theta.cross(&end.position)];
+        let errors = [moved.velocity - end.velocity, moved.position - end.position];
+        for (found, error) in found.iter().zip(&errors) {
+            comparison.add(found.as_slice(), error.as_slice());
+        }
+    }
+    comparison
 }
 
 fn growth_hinge(formula: Hinge) -> Comparison {
@@ -138,6 +158,9 @@ fn single_sources(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("growth-accelerometer", growth_accelerometer, accelerometer_law, &mutants);
+    let [kept, gyro, uneven] = [(0.0, 0.0), (1e-3, 0.0), (0.0, 0.5)];
+    chapter.counterexample("growth-accelerometer", "alone", own_noise, [kept, gyro]);
+    chapter.counterexample("growth-accelerometer", "equal", own_noise, [kept, uneven]);
 
     let mutants: [(_, Gyroscope); 5] = [
         ("finite steps forgotten", |f, s, n, dt| {
@@ -160,6 +183,84 @@ fn single_sources(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("growth-gyroscope", growth_gyroscope, gyroscope_law, &mutants);
+    let kept = Table { rule: Rule::Euler, uneven: 0.0, accelerometer: 0.0, turn: 0.0, push: 0.0 };
+    for (condition, dropped) in [
+        ("alone", Table { accelerometer: 1e-3, ..kept }),
+        ("still", Table { turn: 1.0, ..kept }),
+        ("constant", Table { push: 0.5, ..kept }),
+        ("euler", Table { rule: Rule::Midpoint, ..kept }),
+        ("equal", Table { uneven: 0.5, ..kept }),
+    ] {
+        chapter.counterexample("growth-gyroscope", condition, leaked_noise, [kept, dropped]);
+    }
+}
+
+/// Steps of this mean that are longer and shorter by a share in turns.
+fn steps_of(dt: f64, share: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| if k % 2 == 0 { dt * (1.0 + share) } else { dt * (1.0 - share) })
+}
+
+/// The library's covariance of readings at the ends of steps.
+fn covariance_of(rule: Rule, samples: &[ImuSample], steps: &[f64], noise: &ImuNoise) -> Matrix9 {
+    let mut sums = Preintegrator::new(&ImuBias::default(), noise).expect("densities of a sensor");
+    for (pair, dt) in samples.windows(2).zip(steps) {
+        match rule {
+            Rule::Euler => sums.integrate(&pair[0], *dt),
+            Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], *dt),
+        }
+        .expect("the readings are finite");
+    }
+    sums.finish().expect("there are steps").covariance
+}
+
+/// The law of the accelerometer, by both rules, with a noise of the gyroscope and with uneven steps.
+fn own_noise((gyro, uneven): (f64, f64)) -> Comparison {
+    let against = "the recursion over readings that turn and accelerate at random, by both rules";
+    let mut comparison = Comparison::relative(against, 1e-11);
+    let (mut random, count, dt) = (Random::new(446), 20, 0.02);
+    let noise = ImuNoise { gyro, ..ImuNoise::mems() };
+    let steps: Vec<f64> = steps_of(dt, uneven, count).collect();
+    for rule in [Rule::Euler, Rule::Midpoint] {
+        let samples = readings(&mut random, count + 1);
+        let covariance = covariance_of(rule, &samples, &steps, &noise);
+        let law = accelerometer_law(noise.accelerometer, count, dt);
+        for (value, at) in law.into_iter().zip([(3, 3), (3, 6), (6, 6)]) {
+            let found = covariance.fixed_view::<3, 3>(at.0, at.1).clone_owned();
+            comparison.add((value * Matrix3::identity()).as_slice(), found.as_slice());
+        }
+    }
+    comparison
+}
+
+/// A sensor that should lie still: the rule and its steps, the accelerometer's noise, its turn in rad/s, and by what share of
+/// itself the force grows in a second.
+#[derive(Clone, Copy)]
+struct Table {
+    rule: Rule,
+    uneven: f64,
+    accelerometer: f64,
+    turn: f64,
+    push: f64,
+}
+
+/// The law of the gyroscope on such a sensor.
+fn leaked_noise(table: Table) -> Comparison {
+    let against = "the recursion over the readings of the sensor";
+    let mut comparison = Comparison::relative(against, 1e-11);
+    let (count, dt) = (20, 0.02);
+    let noise = ImuNoise { accelerometer: table.accelerometer, ..ImuNoise::mems() };
+    let force = Vector3::new(1.0, -2.0, G);
+    let samples = (0..=count).map(|k| {
+        let accelerometer = (1.0 + table.push * dt * k as f64) * force;
+        ImuSample { gyro: table.turn * Vector3::x(), accelerometer }
+    });
+    let steps: Vec<f64> = steps_of(dt, table.uneven, count).collect();
+    let covariance = covariance_of(table.rule, &samples.collect::<Vec<_>>(), &steps, &noise);
+    for (block, at) in gyroscope_law(&force, noise.gyro, count, dt).into_iter().zip([0, 3, 6]) {
+        let found = covariance.fixed_view::<3, 3>(at, at).clone_owned();
+        comparison.add(block.as_slice(), found.as_slice());
+    }
+    comparison
 }
 
 fn growth_accelerometer(formula: Accelerometer) -> Comparison {

@@ -236,6 +236,27 @@ fn update(chapter: &mut Chapter) {
         ("inverse", |rate, t| -t * so3::right_jacobian_inverse(&(t * rate))),
     ];
     chapter.equation("bias-fixed-axis", bias_fixed_axis, formula, &mutants);
+    chapter.counterexample("bias-fixed-axis", "constant", turn_by_halves, [0.0, 0.5]);
+}
+
+/// The matrix of a steady turn for one whose first half is slower and whose second half is faster by this share.
+fn turn_by_halves(share: f64) -> Comparison {
+    const HALF: usize = 25;
+    let mut comparison = Comparison::relative("central differences of walking again", 1e-6);
+    let (mut random, dt) = (Random::new(37), 0.02);
+    for _ in 0..STATES {
+        let mean = random.direction(1.5);
+        let part = |share: f64| {
+            let gyro = (1.0 + share) * mean;
+            vec![ImuSample { gyro, accelerometer: Vector3::zeros() }; HALF]
+        };
+        let samples = [part(-share), part(share)].concat();
+        let t = dt * samples.len() as f64;
+        let readings = Readings { samples, dt, bias: ImuBias::default() };
+        let expected = bias_slopes(&readings).fixed_view::<3, 3>(0, 0).into_owned();
+        comparison.add((-t * so3::right_jacobian(&(t * mean))).as_slice(), expected.as_slice());
+    }
+    comparison
 }
 
 fn bias_update(formula: Update) -> Comparison {

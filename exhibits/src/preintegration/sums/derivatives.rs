@@ -1,12 +1,14 @@
 //! The derivatives of the residual, block by block.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, NavState};
 use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
 use vislam::preintegration::{LinearizedImu, Preintegrated, Vector9, imu_residual, linearize};
 
-use super::oracle::{Readings, bias, slopes, state};
+use super::oracle::{Readings, bias, slopes, stack, state};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
@@ -125,6 +127,28 @@ fn by_states(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("residual-by-second", residual_by_second, formula, &mutants);
+    chapter.counterexample("residual-jacobians", "below-pi", at_angle, [3.0, PI]);
+}
+
+/// The derivative by the second state where states and readings contradict each other by an angle.
+fn at_angle(angle: f64) -> Comparison {
+    let mut comparison = Comparison::relative(AGAINST, 1e-6);
+    let mut random = Random::new(44);
+    for _ in 0..STATES {
+        let mut case = Case::random(&mut random);
+        let off = stack(&random.direction(angle), &Vector3::zeros(), &Vector3::zeros());
+        case.second = case.sums.predict(&case.first, &GRAVITY, &case.bias).retract(off.as_slice());
+        let slopes = by_second(&case);
+        comparison.add(case.linearized().by_second.as_slice(), slopes.as_slice());
+    }
+    comparison
+}
+
+fn by_second(case: &Case) -> SMatrix<f64, 9, 9> {
+    slopes::<9>(1e-3, |step| {
+        let second = case.second.retract(step.as_slice());
+        imu_residual(&case.sums, &case.first, &second, &GRAVITY, &case.bias)
+    })
 }
 
 const AGAINST: &str = "central differences of the residual";
@@ -139,12 +163,7 @@ fn residual_by_first(formula: By<9>) -> Comparison {
 }
 
 fn residual_by_second(formula: By<9>) -> Comparison {
-    compared(42, formula, |case| {
-        slopes::<9>(1e-3, |step| {
-            let second = case.second.retract(step.as_slice());
-            imu_residual(&case.sums, &case.first, &second, &GRAVITY, &case.bias)
-        })
-    })
+    compared(42, formula, by_second)
 }
 
 fn residual_by_bias(formula: By<6>) -> Comparison {

@@ -18,6 +18,8 @@ const STATES: usize = 500;
 pub fn exhibits(chapter: &mut Chapter) {
     sums(chapter);
     residual(chapter);
+    chapter.counterexample("no-state", "before", no_state, [(true, 0.0), (false, 0.0)]);
+    chapter.counterexample("no-state", "gravity", no_state, [(true, 0.0), (true, 0.1)]);
 }
 
 const NO_DELTAS: fn() -> Deltas = || Deltas {
@@ -116,6 +118,32 @@ fn preintegrated_sums(formula: Sums) -> Comparison {
         let found = formula(&readings.samples, readings.dt, &readings.bias);
         let expected = deltas_of_states(&first, &second, &gravity, t);
         comparison.add(&entries(&found), &entries(&expected));
+    }
+    comparison
+}
+
+/// Walks with the velocity from before a step or from after it, under gravity that grows by a share of itself in a
+/// second.
+fn no_state((before, growth): (bool, f64)) -> Comparison {
+    let against = "what two states say about each other when one walked to the other";
+    let mut comparison = Comparison::relative(against, 1e-11);
+    let mut random = Random::new(25);
+    for _ in 0..STATES {
+        let readings = Readings::random(&mut random);
+        let (first, gravity) = (state(&mut random), random.direction(12.0));
+        let (mut at, mut t, dt) = (first, 0.0, readings.dt);
+        for sample in &readings.samples {
+            let reading = sample.corrected(&readings.bias);
+            let force = at.world_from_body * reading.accelerometer;
+            let gain = dt * (force + (1.0 + growth * t) * gravity);
+            let coasting = if before { at.velocity } else { at.velocity + gain };
+            at.position += dt * (coasting + 0.5 * gain);
+            at.velocity += gain;
+            at.world_from_body *= Rotation3::new(dt * reading.gyro);
+            t += dt;
+        }
+        let stated = deltas_of_states(&first, &at, &gravity, t);
+        comparison.add(&entries(&readings.summed().deltas), &entries(&stated));
     }
     comparison
 }
