@@ -31,5 +31,6 @@ pub mod serve;
 pub mod settings;
 pub mod sources;
 pub mod steps;
+pub mod uses;
 pub mod warnings;
 mod ways;
