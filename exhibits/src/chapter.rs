@@ -6,7 +6,7 @@ use std::panic::Location;
 use crate::comparison::Comparison;
 use crate::data::{DataFile, NotMade};
 use crate::figure::Figure;
-use crate::record::{Record, RecordValue, Run, inputs_of};
+use crate::record::{Record, RecordValue, Run, inputs_of, missing};
 
 /// Where in the source something is registered.
 #[derive(Clone)]
@@ -115,7 +115,9 @@ impl Chapter {
             records: Vec::new(),
         };
         register(&mut chapter);
-        if let Some(number) = chapter.numbers.iter().find(|n| !n.value.is_finite()) {
+        let wrong = chapter.numbers.iter().find(|n| !n.value.is_finite());
+        // What is computed from a record that is not there is nothing, and what is missing is said later.
+        if let Some(number) = wrong.filter(|_| missing().is_ok()) {
             let Number { name, value, place, .. } = number;
             let (file, line) = (&place.file, place.line);
             return Err(format!("{file}:{line}: number `{name}` is {value}; mend its computation"));

@@ -1,7 +1,9 @@
 //! Data that a record is made from and that is no part of the book: files below the folder that
 //! `VISLAM_DATA` names.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use sha2::{Digest, Sha256};
 
@@ -41,7 +43,8 @@ impl DataFile {
             )));
         }
         let bytes = std::fs::read(&file).map_err(|error| failed(path, &error.to_string()))?;
-        let found: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let found = sha256(&bytes);
+        note_read(file.display().to_string(), found.clone());
         if found != self.sha256 {
             let wanted = self.sha256;
             return Err(failed(
@@ -53,13 +56,32 @@ impl DataFile {
     }
 }
 
+/// The files that were read so far, with the SHA-256 of their bytes; none for one that is absent. What is made from
+/// them is made again when they change.
+static READ: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
+
+/// Notes that a file was read.
+pub fn note_read(file: String, sha256: String) {
+    READ.lock().unwrap_or_else(PoisonError::into_inner).insert(file, sha256);
+}
+
+/// What was noted.
+pub fn files_read() -> BTreeMap<String, String> {
+    READ.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+/// The SHA-256 of bytes, in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 fn failed(path: &str, reason: &str) -> NotMade {
     NotMade::Failed(format!("{path}: {reason}"))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{DataFile, NotMade};
+    use super::{DataFile, NotMade, files_read};
 
     /// This file, under a digest that it does not have.
     const OTHER: DataFile = DataFile { path: "src/data.rs", sha256: "00" };
@@ -74,5 +96,6 @@ mod tests {
             panic!("a wrong digest is refused");
         };
         assert!(sentence.contains("another file"), "{sentence}");
+        assert!(files_read().keys().any(|file| file.ends_with("src/data.rs")));
     }
 }

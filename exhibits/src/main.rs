@@ -96,13 +96,18 @@ fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
     };
     let chapter = Chapter::registered(slug, *register)?;
     report::write_chapter(&chapter, folder)
-        .map_err(|error| format!("cannot write to {}: {error}", folder.display()))
+        .map_err(|error| format!("cannot write to {}: {error}", folder.display()))?;
+    record::missing()
 }
 
 fn make_record(name: &str) -> Result<(), NotMade> {
     for chapter in &chapters().map_err(NotMade::Failed)? {
         if let Some(record) = chapter.records.iter().find(|record| record.name == name) {
-            println!("{}", report::record(chapter, record)?);
+            // What the chapters could not be shown, the record itself may not need.
+            record::forget();
+            let made = report::record(chapter, record)?;
+            record::missing().map_err(NotMade::Failed)?;
+            println!("{made}");
             return Ok(());
         }
     }

@@ -1,8 +1,14 @@
 //! What takes long: large runs whose results the book keeps beside a small live check of the same
 //! thing.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
+use std::sync::{Mutex, PoisonError};
+
+use serde::Deserialize;
+
 use crate::chapter::Place;
-use crate::data::{DataFile, NotMade};
+use crate::data::{DataFile, NotMade, note_read, sha256};
 
 /// One result of a record.
 pub struct RecordValue {
@@ -46,11 +52,124 @@ pub fn inputs_of(files: &[DataFile]) -> impl Iterator<Item = (&'static str, Stri
     files.iter().map(|file| (file.path, file.sha256.to_owned()))
 }
 
-/// The values of a record that has been accepted, from the text of its file: for figures that show
-/// what cannot be computed anew for each build, such as times.
-pub fn accepted(file: &'static str) -> impl Fn(&str) -> Option<f64> {
-    move |name| {
-        let (_, values) = file.split_once(&format!("[values.{name}]\n"))?;
-        values.lines().find_map(|line| line.strip_prefix("value = ")).and_then(|v| v.parse().ok())
+/// A value of a record that has been accepted: for figures and numbers that show what cannot be
+/// computed anew for each build, such as times.
+///
+/// What is not there is 1 until [`missing`] is asked, because a record has to be made before it
+/// can be accepted.
+pub fn accepted(record: &str, value: &str) -> f64 {
+    let mut asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
+    let kept = asked.entry(record.to_owned()).or_insert_with(|| Kept::read(record));
+    kept.value(value).unwrap_or_else(|sentence| {
+        kept.missing.insert(sentence);
+        1.0
+    })
+}
+
+/// What was asked of accepted records and they do not say, a sentence each.
+pub fn missing() -> Result<(), String> {
+    let asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
+    let sentences: Vec<&str> =
+        asked.values().flat_map(|kept| &kept.missing).map(String::as_str).collect();
+    if sentences.is_empty() { Ok(()) } else { Err(sentences.join("\n")) }
+}
+
+/// Forgets what was asked so far.
+pub fn forget() {
+    ASKED.lock().unwrap_or_else(PoisonError::into_inner).clear();
+}
+
+/// The records that values were asked of.
+static ASKED: Mutex<BTreeMap<String, Kept>> = Mutex::new(BTreeMap::new());
+
+/// What the file of a record says.
+struct Kept {
+    record: String,
+    values: Result<BTreeMap<String, KeptValue>, String>,
+    missing: BTreeSet<String>,
+}
+
+#[derive(Deserialize)]
+struct KeptRecord {
+    values: BTreeMap<String, KeptValue>,
+}
+
+#[derive(Deserialize)]
+struct KeptValue {
+    value: f64,
+}
+
+impl Kept {
+    fn read(record: &str) -> Self {
+        // The press starts the program in the folder of the book, cargo the tests in that of the package.
+        let file = file(record);
+        let near = file.trim_start_matches("exhibits/");
+        let text = std::fs::read_to_string(&file).or_else(|_| std::fs::read_to_string(near));
+        let digest = text.as_deref().map(|text| sha256(text.as_bytes()));
+        note_read(file, digest.unwrap_or_default());
+        Self::of(record, text)
+    }
+
+    fn of(record: &str, text: std::io::Result<String>) -> Self {
+        let make = format!("run `cargo book record {record}`, then `cargo book accept`");
+        let values = match text {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                Err(format!("the record `{record}` was never accepted; {make}"))
+            }
+            Err(error) => Err(format!("{}: {error}; {make}", file(record))),
+            Ok(text) => match toml::from_str::<KeptRecord>(&text) {
+                Ok(kept) => Ok(kept.values),
+                Err(error) => Err(format!("{} is damaged: {error}; {make}", file(record))),
+            },
+        };
+        Self { record: record.to_owned(), values, missing: BTreeSet::new() }
+    }
+
+    fn value(&self, name: &str) -> Result<f64, String> {
+        let record = &self.record;
+        match self.values.as_ref().map_err(String::clone)?.get(name) {
+            Some(kept) => Ok(kept.value),
+            None => Err(format!(
+                "the accepted record `{record}` has no value `{name}`; run `cargo book record {record}`, \
+                 then `cargo book accept`"
+            )),
+        }
+    }
+}
+
+/// The file of an accepted record, below the folder of the book.
+fn file(record: &str) -> String {
+    format!("exhibits/records/{record}.toml")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use super::Kept;
+
+    const FILE: &str = "name = \"speed\"\n\n[values.fast]\ntext = \"2\"\nvalue = 2.5\n";
+
+    fn sentence(kept: &Kept, value: &str) -> String {
+        kept.value(value).unwrap_err()
+    }
+
+    #[test]
+    fn a_value_is_read_wherever_it_stands_in_its_table() {
+        assert_eq!(Kept::of("speed", Ok(FILE.to_owned())).value("fast"), Ok(2.5));
+    }
+
+    #[test]
+    fn what_is_missing_is_named_with_the_command_that_makes_it() {
+        let absent = Kept::of("speed", Err(Error::from(ErrorKind::NotFound)));
+        assert_eq!(
+            sentence(&absent, "fast"),
+            "the record `speed` was never accepted; run `cargo book record speed`, then `cargo book accept`"
+        );
+        let without = sentence(&Kept::of("speed", Ok(FILE.to_owned())), "slow");
+        assert!(without.contains("`speed` has no value `slow`; run `cargo book record speed`"));
+        let damaged = sentence(&Kept::of("speed", Ok("values = 3".to_owned())), "fast");
+        assert!(damaged.starts_with("exhibits/records/speed.toml is damaged"), "{damaged}");
+        assert!(damaged.contains("run `cargo book record speed`"), "{damaged}");
     }
 }

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::chapter::{
     Chapter, Counterexample, Equation, NamedFigure, counterexample_failure, text,
 };
-use crate::data::NotMade;
+use crate::data::{NotMade, files_read};
 use crate::figure::Figure;
 use crate::record::Record;
 
@@ -24,7 +24,7 @@ pub fn list(chapters: &[Chapter]) -> Value {
     json!({ "chapters": chapters })
 }
 
-/// Writes `exhibits.json`, and an SVG and a CSV file for each figure.
+/// Writes `exhibits.json`, which names the files that were read, and an SVG and a CSV file for each figure.
 pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut figures = Vec::new();
@@ -41,6 +41,7 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
         "numbers": numbers(chapter),
         "figures": figures,
         "records": records(chapter),
+        "read": files_read(),
     });
     std::fs::write(folder.join("exhibits.json"), format!("{summary:#}\n"))
 }

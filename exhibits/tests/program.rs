@@ -86,3 +86,39 @@ fn a_folder_that_cannot_be_made_is_named_in_a_sentence() {
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert!(sentence.contains("cannot write to") && sentence.contains("a_file"), "{sentence}");
 }
+
+/// What the program says when it runs in a folder without accepted records.
+fn without_records(arguments: &[&str]) -> Output {
+    let folder = new_folder(&format!("without_records_{}", arguments[0]));
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_exhibits"));
+    program.args(arguments).current_dir(folder).output().expect("the program starts")
+}
+
+#[test]
+fn a_chapter_whose_record_is_missing_says_which_and_what_to_run() {
+    let output = without_records(&["chapter", "real_flights", "shown"]);
+    let sentence = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success());
+    assert!(sentence.contains("the record `flights` was never accepted"), "{sentence}");
+    assert!(sentence.contains("run `cargo book record flights`, then `cargo book accept`"));
+}
+
+#[test]
+fn a_record_can_be_made_before_it_and_others_exist() {
+    let output = without_records(&["record", "disparity_noise"]);
+    let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success());
+    assert!(record["values"].as_object().is_some_and(|values| !values.is_empty()));
+}
+
+#[test]
+fn a_chapter_names_the_records_that_it_reads() {
+    let folder = new_folder("reads");
+    let output = exhibits(&["chapter", "real_flights", folder.to_str().unwrap()]);
+    assert!(output.status.success());
+    let text = std::fs::read_to_string(folder.join("exhibits.json")).unwrap();
+    let chapter: Value = serde_json::from_str(&text).unwrap();
+    let read: Vec<&String> = chapter["read"].as_object().unwrap().keys().collect();
+    assert_eq!(read, ["exhibits/records/flights.toml"]);
+}

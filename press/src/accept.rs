@@ -1,6 +1,7 @@
 //! `cargo book accept` and `cargo book record`: what a person has looked at becomes what the build expects.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use dissimilar::Chunk;
@@ -121,17 +122,21 @@ fn difference(old: &str, new: &str) -> String {
 
 fn records(maker: &Maker, only_show: bool) -> Result<usize> {
     let (kept, proposed) = (maker.layout.records(), maker.layout.proposed_records());
-    let old = Record::read_all(&kept)?;
     let new = Record::read_all(&proposed)?;
     for record in new.values() {
         println!("record {}:", record.name);
-        show_record(old.get(&record.name), record);
+        show_record(known(&kept, &record.name).as_ref(), record);
         if !only_show {
             record.write(&kept)?;
             files::remove(&proposed.join(format!("{}.toml", record.name)))?;
         }
     }
     Ok(new.len())
+}
+
+/// The record as it is. One that cannot be read is made again as one that is not there.
+fn known(folder: &Path, name: &str) -> Option<Record> {
+    Record::read(folder, name).ok().flatten()
 }
 
 fn show_record(old: Option<&Record>, new: &Record) {
@@ -149,10 +154,10 @@ fn show_record(old: Option<&Record>, new: &Record) {
 pub fn record(maker: &Maker, name: &str, compare: bool) -> Result<bool> {
     let made = maker.make_record(name)?;
     let record = Record::new(made, today(), machine());
-    let old = Record::read_all(&maker.layout.records())?;
+    let old = known(&maker.layout.records(), name);
     println!("record {name}:");
-    show_record(old.get(name), &record);
-    let same = old.get(name).is_some_and(|old| old.differences(&record).is_empty());
+    show_record(old.as_ref(), &record);
+    let same = old.is_some_and(|old| old.differences(&record).is_empty());
     if !compare {
         record.write(&maker.layout.proposed_records())?;
         println!("Not accepted yet: `cargo book accept` does that.");
@@ -162,7 +167,9 @@ pub fn record(maker: &Maker, name: &str, compare: bool) -> Result<bool> {
 
 /// The names of all accepted records.
 pub fn record_names(maker: &Maker) -> Result<Vec<String>> {
-    Ok(Record::read_all(&maker.layout.records())?.into_keys().collect())
+    let files = files::below(&maker.layout.records())?;
+    let name = |file: &PathBuf| Some(file.file_stem()?.to_string_lossy().into_owned());
+    Ok(files.iter().filter_map(name).collect())
 }
 
 /// Today's date, UTC.

@@ -209,6 +209,29 @@ impl Exhibits {
         Some((Some(value.value), value.text.as_str()))
     }
 
+    /// Why there is no number `chapter.name` or `record.name`, which a page of the chapter `slug` asks for, and what
+    /// to do.
+    pub fn why_no_number(&self, name: &str, slug: &str) -> (String, String) {
+        let (owner, value) = name.split_once('.').unwrap_or((slug, name));
+        let mut made = self.chapters.values().flat_map(|shown| &shown.records);
+        let problem = match self.records.contains_key(owner) {
+            true => format!("the accepted record `{owner}` has no value `{value}`"),
+            false if made.any(|record| record.name == owner) => {
+                format!("the record `{owner}` was never accepted")
+            }
+            false => {
+                return (
+                    "no program computes this number".to_owned(),
+                    format!("register it in exhibits/src/{owner}.rs, or mend the name"),
+                );
+            }
+        };
+        (
+            problem,
+            format!("run `cargo book record {owner}`, then `cargo book accept`, or mend the name"),
+        )
+    }
+
     /// The names of all numbers, with where they are made.
     pub fn number_names(&self) -> Vec<(String, String, usize)> {
         let computed = self.chapters.values().flat_map(|shown| {

@@ -33,5 +33,6 @@ pub mod sources;
 pub mod steps;
 pub mod symbols;
 pub mod theorems;
+pub mod uses;
 pub mod warnings;
 mod ways;

@@ -5,17 +5,22 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::api::rustdoc;
 use crate::files;
+use crate::pages::slashed;
 use crate::records::{Made, hex};
 use crate::settings::{Layout, Settings};
+use crate::uses::{Crate, Uses};
 
-/// The folder of the library that the exhibits show, below the root.
-const LIBRARY: &str = "code/src";
-/// The folder of the exhibits.
-const EXHIBITS: &str = "exhibits/src";
+/// The library that the exhibits show. No exhibit tells its lines.
+const LIBRARY: Crate<'_> = Crate { name: "vislam", folder: "code/src", lines: false };
+/// The exhibits, which tell where they are registered.
+const EXHIBITS: Crate<'_> = Crate { name: "exhibits", folder: "exhibits/src", lines: true };
+/// The file that names the chapters with exhibits, in its table `CHAPTERS`.
+const TABLE: &str = "exhibits/src/main.rs";
 
 /// The chapters that have exhibits and those of them that must be computed again.
 pub struct Program<'a> {
@@ -31,7 +36,7 @@ impl<'a> Program<'a> {
         let package = settings.exhibits_package.clone();
         let chapters = match package.is_empty() {
             true => BTreeMap::new(),
-            false => inputs(&layout.root)?,
+            false => inputs(layout)?,
         };
         Ok(Program { layout, package, chapters })
     }
@@ -42,7 +47,10 @@ impl<'a> Program<'a> {
         for (slug, digest) in &self.chapters {
             let folder = self.layout.exhibits().join(slug);
             let made = files::read_if_there(&folder.join("inputs"))?;
-            if made.as_ref() != Some(digest) || !folder.join("exhibits.json").is_file() {
+            let computed = files::read_if_there(&folder.join("exhibits.json"))?;
+            let computed = computed.and_then(|text| serde_json::from_str::<Computed>(&text).ok());
+            let fresh = computed.is_some_and(|computed| computed.is_fresh(&self.layout.root));
+            if made.as_ref() != Some(digest) || !fresh {
                 stale.push(slug.as_str());
             }
         }
@@ -148,72 +156,87 @@ struct Artifact {
     executable: Option<PathBuf>,
 }
 
-/// For each chapter with exhibits, a digest of all that they are computed from.
-///
-/// A chapter depends on its own file, on the harness that all share, on the locked dependencies, and on the
-/// library modules that its text names, directly or through another module. A name in a comment counts as
-/// well; that costs a run too many and never one too few.
-fn inputs(root: &Path) -> Result<BTreeMap<String, String>> {
-    let library = modules(&root.join(LIBRARY))?;
-    let exhibits = modules(&root.join(EXHIBITS))?;
-    let chapters: Vec<&String> =
-        exhibits.keys().filter(|slug| root.join(format!("src/{slug}.md")).is_file()).collect();
-    let mut common = String::new();
-    for file in ["Cargo.lock", "Cargo.toml", "code/Cargo.toml", "exhibits/Cargo.toml"] {
-        common.push_str(&files::read_if_there(&root.join(file))?.unwrap_or_default());
-    }
-    for (name, text) in exhibits.iter().filter(|(name, _)| !chapters.contains(name)) {
-        let others: String = text
-            .lines()
-            .filter(|line| {
-                !chapters.iter().any(|slug| words(line).any(|word| word == slug.as_str()))
-            })
-            .collect();
-        common.push_str(name);
-        common.push_str(&others);
-    }
-    let digest = |slug: &String| {
-        let mut hasher = Sha256::new();
-        hasher.update(&common);
-        hasher.update(&exhibits[slug]);
-        for name in reachable(&exhibits[slug], &library) {
-            hasher.update(&library[&name]);
+/// For each chapter with exhibits, a digest of the sources that they are computed from; see [`crate::uses`].
+fn inputs(layout: &Layout) -> Result<BTreeMap<String, String>> {
+    let path = layout.work().join("uses");
+    let known = files::read_if_there(&path)?;
+    let known = known.and_then(|text| serde_json::from_str::<Known>(&text).ok());
+    let known = match known {
+        Some(known) if known.is_fresh(&layout.root)? => known,
+        _ => {
+            let known = Known::of(&layout.root)?;
+            files::write(&path, serde_json::to_string(&known)?.as_bytes())?;
+            known
         }
-        hex(&hasher.finalize())
     };
-    Ok(chapters.into_iter().map(|slug| (slug.clone(), digest(slug))).collect())
-}
-
-/// The modules of a crate by name, with the text of all their files.
-fn modules(folder: &Path) -> Result<BTreeMap<String, String>> {
-    let mut modules: BTreeMap<String, String> = BTreeMap::new();
-    for path in
-        files::below(folder)?.iter().filter(|path| path.extension().is_some_and(|end| end == "rs"))
+    let mut common = Sha256::new();
+    common.update(rustdoc::version());
+    for file in
+        ["Cargo.lock", "Cargo.toml", ".cargo/config.toml", "code/Cargo.toml", "exhibits/Cargo.toml"]
     {
-        let first =
-            path.components().next().map(|part| Path::new(part.as_os_str()).with_extension(""));
-        let name = first.unwrap_or_default().to_string_lossy().into_owned();
-        modules.entry(name).or_default().push_str(&files::read(&folder.join(path))?);
+        common.update(files::read_if_there(&layout.root.join(file))?.unwrap_or_default());
     }
-    Ok(modules)
+    let there = |slug: &String| layout.root.join(format!("src/{slug}.md")).is_file();
+    let digest = |digest: String| hex(&common.clone().chain_update(digest).finalize());
+    let digests = known.digests.into_iter().filter(|(slug, _)| there(slug));
+    Ok(digests.map(|(slug, sources)| (slug, digest(sources))).collect())
 }
 
-fn words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+/// What was found in the sources the last time, which takes a second to find again.
+#[derive(Deserialize, Serialize)]
+struct Known {
+    /// The digest of each file.
+    sources: BTreeMap<PathBuf, String>,
+    /// For each chapter, the digest of what it uses of them.
+    digests: BTreeMap<String, String>,
 }
 
-/// The modules that a text names, and those that they name.
-fn reachable(text: &str, library: &BTreeMap<String, String>) -> BTreeSet<String> {
-    let mut reached = BTreeSet::new();
-    let mut open = vec![text];
-    while let Some(text) = open.pop() {
-        for name in words(text).filter(|word| library.contains_key(*word)) {
-            if reached.insert(name.to_owned()) {
-                open.push(&library[name]);
+impl Known {
+    fn of(root: &Path) -> Result<Known> {
+        let uses = Uses::read(root, &[LIBRARY, EXHIBITS])?;
+        let sources = uses.sources().into_iter();
+        let sources = sources.map(|file| (file.clone(), digest_of(&root.join(file)))).collect();
+        let mut digests = BTreeMap::new();
+        for slug in uses.entries(TABLE) {
+            let mut hasher = Sha256::new();
+            for (file, bytes) in uses.of_entry(TABLE, &slug)? {
+                hasher.update(format!("\n{} {}\n", slashed(&file), bytes.len()));
+                hasher.update(bytes);
+            }
+            digests.insert(slug, hex(&hasher.finalize()));
+        }
+        Ok(Known { sources, digests })
+    }
+
+    fn is_fresh(&self, root: &Path) -> Result<bool> {
+        for member in [LIBRARY, EXHIBITS] {
+            let there = files::below(&root.join(member.folder))?.into_iter();
+            let mut rust = there.filter(|file| file.extension().is_some_and(|end| end == "rs"));
+            if rust.any(|file| !self.sources.contains_key(&Path::new(member.folder).join(file))) {
+                return Ok(false);
             }
         }
+        Ok(self.sources.iter().all(|(file, digest)| digest_of(&root.join(file)) == *digest))
     }
-    reached
+}
+
+/// The digest of a file; empty when it cannot be read.
+fn digest_of(path: &Path) -> String {
+    std::fs::read(path).map(|bytes| hex(&Sha256::digest(bytes))).unwrap_or_default()
+}
+
+/// What the exhibits of a chapter name as read while they were computed.
+#[derive(Deserialize)]
+struct Computed {
+    #[serde(default)]
+    read: BTreeMap<PathBuf, String>,
+}
+
+impl Computed {
+    /// Whether each file says what it said then.
+    fn is_fresh(&self, root: &Path) -> bool {
+        self.read.iter().all(|(file, digest)| digest_of(&root.join(file)) == *digest)
+    }
 }
 
 #[cfg(test)]
@@ -221,13 +244,45 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_chapter_depends_on_what_it_names_and_on_what_that_names() {
-        let library = BTreeMap::from([
-            ("manifold".to_owned(), "pub fn exp() {}".to_owned()),
-            ("reprojection".to_owned(), "use crate::manifold;".to_owned()),
-            ("inertial".to_owned(), "use crate::manifold;".to_owned()),
-        ]);
-        let reached = reachable("use vislam::{reprojection::Pinhole};", &library);
-        assert_eq!(reached.into_iter().collect::<Vec<_>>(), ["manifold", "reprojection"]);
+    fn a_chapter_is_computed_again_when_a_file_that_it_read_changes() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            files::write(&root.path().join(path), text.as_bytes()).unwrap();
+        };
+        for (path, text) in [
+            (
+                "exhibits/src/main.rs",
+                "mod one; const CHAPTERS: &[()] = &[(\"one\", one::exhibits)];",
+            ),
+            ("exhibits/src/one.rs", "pub fn exhibits() {}"),
+            ("src/one.md", "# One"),
+            ("exhibits/records/long.toml", "accepted"),
+        ] {
+            write(path, text);
+        }
+        let layout = Layout { root: root.path().to_path_buf() };
+        let stale = || {
+            let program = Program::new(&layout, &Settings::default()).unwrap();
+            program.stale().unwrap().len()
+        };
+        assert_eq!(stale(), 1, "nothing was computed yet");
+        let digest = &inputs(&layout).unwrap()["one"];
+        write("target/press/exhibits/one/inputs", digest);
+        let read = hex(&Sha256::digest("accepted"));
+        let read = format!("{{\"read\": {{\"exhibits/records/long.toml\": \"{read}\"}}}}");
+        write("target/press/exhibits/one/exhibits.json", &read);
+        assert_eq!(stale(), 0);
+        write("exhibits/records/long.toml", "accepted anew");
+        assert_eq!(stale(), 1, "a record that was accepted");
+        write("exhibits/records/long.toml", "accepted");
+        assert_eq!(stale(), 0);
+        write("exhibits/src/one.rs", "pub fn exhibits() { }");
+        assert_eq!(stale(), 1, "an edited source");
+        write("exhibits/src/one.rs", "pub fn exhibits() {}");
+        assert_eq!(stale(), 0);
+        write("exhibits/src/one/more.rs", "");
+        assert_eq!(stale(), 0, "a file that nobody uses");
+        write("Cargo.lock", "# other dependencies");
+        assert_eq!(stale(), 1, "other dependencies");
     }
 }

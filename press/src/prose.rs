@@ -488,10 +488,11 @@ fn number<'a>(
     known: &Known<'a>,
     found: &mut Found<'_>,
 ) -> Option<(f64, &'a str)> {
-    let mend = |slug: &str| format!("register it in exhibits/src/{slug}.rs, or mend the name");
-    let slug = name.split_once('.').map_or(page.owner.as_str(), |(slug, _)| slug);
     match known.exhibits.number(name) {
-        None => found.faults.add(place, name, "no program computes this number", mend(slug)),
+        None => {
+            let (problem, mend) = known.exhibits.why_no_number(name, &page.owner);
+            found.faults.add(place, name, problem, mend);
+        }
         Some((None, _)) => found.faults.add(
             place,
             name,

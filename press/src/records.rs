@@ -73,22 +73,38 @@ impl Record {
     }
 
     /// All records in a folder, by name.
+    ///
+    /// # Errors
+    /// A file that is no record, with the command that makes it again.
     pub fn read_all(folder: &Path) -> Result<BTreeMap<String, Record>> {
         let mut records = BTreeMap::new();
-        for file in files::below(folder)?
-            .iter()
-            .filter(|file| file.extension().is_some_and(|end| end == "toml"))
-        {
-            let path = folder.join(file);
-            let record: Record = toml::from_str(&files::read(&path)?).with_context(|| {
-                format!(
-                    "{} is not a record: make it again with `cargo book record NAME`",
-                    path.display()
-                )
-            })?;
-            records.insert(record.name.clone(), record);
+        for file in files::below(folder)? {
+            let name = file.file_stem().unwrap_or_default().to_string_lossy();
+            if file.extension().is_some_and(|end| end == "toml")
+                && let Some(record) = Record::read(folder, &name)?
+            {
+                records.insert(record.name.clone(), record);
+            }
         }
         Ok(records)
+    }
+
+    /// The record of a name in a folder, if it is there.
+    ///
+    /// # Errors
+    /// As [`Record::read_all`].
+    pub fn read(folder: &Path, name: &str) -> Result<Option<Record>> {
+        let path = folder.join(format!("{name}.toml"));
+        let Some(text) = files::read_if_there(&path)? else { return Ok(None) };
+        let mend = || {
+            format!(
+                "{} is not the record `{name}`: run `cargo book record {name}`, then `cargo book accept`",
+                path.display()
+            )
+        };
+        let record: Record = toml::from_str(&text).with_context(mend)?;
+        anyhow::ensure!(record.name == name, "{}", mend());
+        Ok(Some(record))
     }
 
     /// Writes the record into a folder.
@@ -158,6 +174,19 @@ mod tests {
         assert!(record(1.0, 0.01).differences(&record(1.005, 0.01)).is_empty());
         assert_eq!(record(1.0, 0.01).differences(&record(1.02, 0.01)).len(), 1);
         assert_eq!(record(1.0, 0.01).differences(&record(f64::NAN, 0.01)).len(), 1);
+    }
+
+    #[test]
+    fn a_file_that_is_no_record_is_named_with_the_command_that_makes_it() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [("noise", "values = 1"), ("other", "")] {
+            std::fs::write(folder.path().join(format!("{name}.toml")), text).unwrap();
+            let error = Record::read(folder.path(), name).unwrap_err().to_string();
+            assert!(error.contains(&format!("{name}.toml is not the record `{name}`")), "{error}");
+            assert!(error.contains(&format!("cargo book record {name}")), "{error}");
+            assert!(Record::read_all(folder.path()).is_err());
+        }
+        assert!(Record::read(folder.path(), "absent").unwrap().is_none());
     }
 
     #[test]

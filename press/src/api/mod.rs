@@ -10,7 +10,6 @@ pub mod scan;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 
 use anyhow::Result;
 use mdbook_katex::cfg::KatexConfig;
@@ -81,7 +80,7 @@ impl Plan {
         let katex = mdbook_katex::cfg::get_config(config)?;
         let salt = formulas::salt(&layout.root, &katex)?;
         let lock = files::read_if_there(&layout.root.join("Cargo.lock"))?;
-        let inputs = format!("{MAKING}{salt}{}{lock:?}{theme:?}{copies:?}", *COMPILER);
+        let inputs = format!("{MAKING}{salt}{}{lock:?}{theme:?}{copies:?}", rustdoc::version());
         Ok(Some(Plan {
             layout: layout.clone(),
             settings: settings.clone(),
@@ -159,9 +158,6 @@ const MAKING: &str = concat!(
     include_str!("rustdoc.rs"),
     include_str!("../guard.rs")
 );
-
-/// The compiler, whose rustdoc writes other pages when it changes.
-static COMPILER: LazyLock<String> = LazyLock::new(rustdoc::version);
 
 fn rendered(piece: &Piece, engine: &Engine) -> String {
     match piece {

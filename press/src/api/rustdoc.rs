@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
@@ -34,10 +35,15 @@ pub struct Order<'a> {
     pub pages: &'a Path,
 }
 
-/// The version of rustdoc; empty when it does not say.
-pub fn version() -> String {
-    let output = Command::new(program()).arg("--version").output();
-    output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default()
+/// The version of rustdoc, which is the compiler's; empty when it does not say.
+pub fn version() -> &'static str {
+    static VERSION: LazyLock<String> = LazyLock::new(|| {
+        let output = Command::new(program()).arg("--version").output();
+        output
+            .map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+            .unwrap_or_default()
+    });
+    &VERSION
 }
 
 /// The rustdoc that belongs to the cargo that runs this.

@@ -736,3 +736,21 @@ fn a_work_that_was_never_compared_with_its_own_page_is_named() {
     let book = SmallBook::sound().with("src/references.bib", "verified = {its page},", "");
     says(&book.faults(), &["author2001: nothing says whether the entry was compared"]);
 }
+
+#[test]
+fn a_value_that_its_record_does_not_have_is_named_with_the_command() {
+    let records = "\"records\":[{\"name\":\"long\",\"inputs\":{},\"file\":\"exhibits/src/one.rs\",\"line\":3}]";
+    let book = SmallBook::sound()
+        .with("target/press/exhibits/one/exhibits.json", "\"records\":[]", records)
+        .with("src/one.md", "{{value one.sum}}", "{{value one.sum}} and {{value long.most}}");
+    let report = book.faults();
+    assert!(report.contains("long.most: the record `long` was never accepted"), "{report}");
+    assert!(report.contains("run `cargo book record long`, then `cargo book accept`"), "{report}");
+    let record = "name = \"long\"\nchapter = \"one\"\ncommand = \"\"\ninput-digest = \"\"\nmachine = \"\"\ndate = \"\"\n[inputs]\n[values]\n";
+    book.write("exhibits/records/long.toml", record);
+    says(&book.faults(), &["long.most: the accepted record `long` has no value `most`"]);
+    book.write("exhibits/records/long.toml", "values = 1");
+    let report = book.faults();
+    assert!(report.contains("long.toml is not the record `long`"), "{report}");
+    assert!(report.contains("run `cargo book record long`"), "{report}");
+}
