@@ -6,6 +6,7 @@ mod averages;
 mod calibration;
 mod camera;
 mod clock;
+mod conditions;
 mod drift;
 mod figures;
 mod gravity;
@@ -38,5 +39,6 @@ pub fn exhibits(chapter: &mut Chapter) {
     clock::exhibits(chapter);
     shutter::exhibits(chapter);
     calibration::numbers(chapter);
+    conditions::counterexamples(chapter);
     figures::figures(chapter);
 }

@@ -172,10 +172,10 @@ pub fn read(random: &mut Random) -> ImuSample {
     ImuSample { gyro: random.direction(2.0), accelerometer: random.direction(9.0) }
 }
 
-type Fifteen = SVector<f64, 15>;
+pub type Fifteen = SVector<f64, 15>;
 
 /// The rotation's nine entries, column by column, then velocity and position.
-fn numbers(state: &NavState) -> Fifteen {
+pub fn numbers(state: &NavState) -> Fifteen {
     let matrix = state.world_from_body.matrix();
     let all = matrix.iter().chain(state.velocity.iter()).chain(state.position.iter());
     Fifteen::from_iterator(all.copied())
@@ -233,7 +233,7 @@ fn first_state(chapter: &mut Chapter) {
 }
 
 /// The composition, for mutants that spoil one part of it.
-fn composed(first: &NavState, own: &NavState, g: &Vector3<f64>, t: f64) -> NavState {
+pub fn composed(first: &NavState, own: &NavState, g: &Vector3<f64>, t: f64) -> NavState {
     let r = first.world_from_body;
     NavState {
         world_from_body: r * own.world_from_body,
