@@ -3,6 +3,7 @@
 //! Each part registers its equations, then checks them. In formulas `k` is a camera, `b` a
 //! baseline, `s` a stretch and `rho` an inverse depth.
 
+mod counterexamples;
 mod figures;
 mod noise;
 mod numbers;

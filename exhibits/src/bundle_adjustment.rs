@@ -2,6 +2,7 @@
 //! and how sure its solution is.
 
 mod certainty;
+mod conditions;
 pub mod consistency;
 mod dense;
 mod figures;
@@ -20,6 +21,7 @@ use crate::chapter::Chapter;
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     points_first::exhibits(chapter);
+    conditions::counterexamples(chapter);
     numbers::numbers(chapter);
     certainty::exhibits(chapter);
     gauge::numbers(chapter);

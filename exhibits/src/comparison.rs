@@ -1,5 +1,82 @@
 //! The one way in which a formula is compared with something independent of it.
 
+use nalgebra::{Dim, Matrix, RawStorage, Rotation3};
+
+use crate::random::Random;
+
+/// What a formula or an oracle gives: numbers, in an order that both share.
+pub trait Values {
+    /// Adds the numbers.
+    fn append_to(&self, numbers: &mut Vec<f64>);
+}
+
+impl Values for f64 {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        numbers.push(*self);
+    }
+}
+
+impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> Values for Matrix<f64, R, C, S> {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        numbers.extend(self.iter());
+    }
+}
+
+impl Values for Rotation3<f64> {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.matrix().append_to(numbers);
+    }
+}
+
+/// A formula that gives nothing where the oracle gives something has failed.
+impl<V: Values> Values for Option<V> {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        match self {
+            Some(values) => values.append_to(numbers),
+            None => numbers.push(f64::NAN),
+        }
+    }
+}
+
+impl<V: Values> Values for [V] {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.iter().for_each(|values| values.append_to(numbers));
+    }
+}
+
+impl<V: Values, const N: usize> Values for [V; N] {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.as_slice().append_to(numbers);
+    }
+}
+
+impl<V: Values> Values for Vec<V> {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.as_slice().append_to(numbers);
+    }
+}
+
+impl<A: Values, B: Values> Values for (A, B) {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.0.append_to(numbers);
+        self.1.append_to(numbers);
+    }
+}
+
+impl<A: Values, B: Values, C: Values> Values for (A, B, C) {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.0.append_to(numbers);
+        self.1.append_to(numbers);
+        self.2.append_to(numbers);
+    }
+}
+
+fn numbers(values: &impl Values) -> Vec<f64> {
+    let mut numbers = Vec::new();
+    values.append_to(&mut numbers);
+    numbers
+}
+
 /// The largest error of a formula against an oracle, over many states.
 ///
 /// A comparison of nothing has failed, and so has one that met a value that is not finite.
@@ -35,6 +112,34 @@ impl Comparison {
     /// Errors are distances divided by the length of the oracle's value.
     pub fn relative(against: &'static str, tolerance: f64) -> Self {
         Self { is_relative: true, ..Self::absolute(against, tolerance, "relative") }
+    }
+
+    /// Compares what formula and oracle give at so many random states, which begin with a seed.
+    pub fn over<F: Values, O: Values>(
+        self,
+        states: usize,
+        seed: u64,
+        mut both: impl FnMut(&mut Random) -> (F, O),
+    ) -> Self {
+        let mut random = Random::new(seed);
+        self.each(0..states, |_| both(&mut random))
+    }
+
+    /// Compares what formula and oracle give at each of these states.
+    pub fn each<S, F: Values, O: Values>(
+        mut self,
+        states: impl IntoIterator<Item = S>,
+        mut both: impl FnMut(S) -> (F, O),
+    ) -> Self {
+        for state in states {
+            let (formula, oracle) = both(state);
+            let (mut formula, oracle) = (numbers(&formula), numbers(&oracle));
+            if formula.iter().any(|number| number.is_nan()) {
+                formula = vec![f64::NAN; oracle.len()];
+            }
+            self.add(&formula, &oracle);
+        }
+        self
     }
 
     /// Compares one state. The values are all components of a scalar, vector or matrix.
@@ -82,7 +187,29 @@ fn length(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Matrix2x3, Vector2};
+
     use super::Comparison;
+
+    #[test]
+    fn random_states_and_given_ones_are_compared_alike() {
+        let absolute = || Comparison::absolute("a test", 1e-12, "px");
+        let random = absolute().over(3, 1, |random| {
+            let number = random.uniform(0.0..1.0);
+            ([Vector2::new(number, 1.0)], (number, 1.0))
+        });
+        assert_eq!((random.states, random.failure()), (3, None));
+        let given = absolute().each([1.0, 2.0], |number| (Some(number), 1.0));
+        assert_eq!((given.states, given.worst), (2, 1.0));
+    }
+
+    #[test]
+    fn a_formula_that_gives_nothing_fails() {
+        let nothing: Option<Matrix2x3<f64>> = None;
+        let comparison = Comparison::absolute("a test", 1e-12, "px")
+            .each([nothing], |formula| (formula, Matrix2x3::<f64>::zeros()));
+        assert!(comparison.failure().unwrap().contains("NaN"));
+    }
 
     fn compared(tolerance: f64, pairs: &[(f64, f64)]) -> Comparison {
         let mut comparison = Comparison::absolute("a test", tolerance, "px");

@@ -4,6 +4,7 @@
 //! whitened residual and `lambda` a damping.
 
 mod cloud;
+mod conditions;
 mod figures;
 mod numbers;
 mod oracle;
@@ -35,6 +36,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     damping(chapter);
     certainty(chapter);
     kernels(chapter);
+    conditions::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
     window::exhibits(chapter);

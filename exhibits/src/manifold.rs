@@ -4,6 +4,7 @@
 //! `phi` a rotation vector, `xi` a twist and `sigma` a covariance.
 
 mod accuracy;
+mod counterexamples;
 mod figures;
 mod numbers;
 mod oracle;

@@ -3,6 +3,7 @@
 //!
 //! In formulas `k` is a camera, `t` a pose (camera from world) and `p` a point in the world.
 
+mod counterexamples;
 mod figures;
 mod mixing;
 mod numbers;

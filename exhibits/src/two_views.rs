@@ -4,6 +4,7 @@
 //! Each part registers its equations, then checks them. In formulas `k` is a camera, `m` the motion
 //! `second_from_first`, `a` a parallax.
 
+mod conditions;
 mod draws;
 mod figures;
 mod five_points;
@@ -44,6 +45,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     linear(chapter);
     likely(chapter);
     two_rays(chapter);
+    conditions::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
 }

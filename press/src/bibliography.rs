@@ -69,6 +69,12 @@ impl Bibliography {
                     faults.add((FILE, line), &entry.key, format!("the work has no {field}"), mend);
                 }
             }
+            if text(entry, "verified").is_empty() == text(entry, "unverified").is_empty() {
+                let problem =
+                    "nothing says whether the entry was compared with the work's own page";
+                let mend = "compare it, and add `verified = {with what}`, or `unverified = {what could not be confirmed}`";
+                faults.add((FILE, line), &entry.key, problem, mend);
+            }
             works.insert(entry.key.clone(), Work::new(entry));
         }
         Bibliography { works }
@@ -156,9 +162,16 @@ fn initials(given: &str) -> String {
 }
 
 fn place(entry: &Entry) -> String {
-    let mut place = first(entry, &["journaltitle", "journal", "booktitle", "publisher"]);
-    for (field, before, after) in [("volume", " ", ""), ("number", " (", ")"), ("pages", ", ", "")]
-    {
+    let mut place = first(
+        entry,
+        &["journaltitle", "journal", "booktitle", "publisher", "institution", "school"],
+    );
+    for (field, before, after) in [
+        ("volume", " ", ""),
+        ("number", " (", ")"),
+        ("pages", ", ", ""),
+        ("edition", ", edition ", ""),
+    ] {
         let value = text(entry, field).replace("--", "–");
         if !value.is_empty() {
             place.push_str(&format!("{before}{value}{after}"));

@@ -32,7 +32,7 @@ impl CameraImu {
     // ANCHOR_END: camera_pose
 
     // ANCHOR: camera_twist
-    /// The velocity of the camera as a twist (ρ, φ) in its own frame, in m/s and rad/s. A body
+    /// The velocity of the camera as a twist (ρ, ω) in its own frame, in m/s and rad/s. A body
     /// that turns swings the camera about on its lever arm: ρ is {eq:inertial-camera-velocity}
     /// in the camera. `angular_velocity` is that of the body, in its frame, in rad/s.
     pub fn twist(&self, state: &NavState, angular_velocity: &Vector3<f64>) -> Vector6<f64> {
@@ -40,8 +40,8 @@ impl CameraImu {
         let velocity = state.world_from_body.inverse() * state.velocity;
         let camera_from_body = self.body_from_camera.rotation.inverse();
         let rho = camera_from_body * (velocity + angular_velocity.cross(&lever));
-        let phi = camera_from_body * angular_velocity;
-        Vector6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z)
+        let omega = camera_from_body * angular_velocity;
+        Vector6::new(rho.x, rho.y, rho.z, omega.x, omega.y, omega.z)
     }
 
     /// The pose of the camera when its clock shows the time that the sensor's clock showed at

@@ -6,12 +6,12 @@ use super::Window;
 use crate::inertial::NavState;
 
 // ANCHOR: similarity
-/// A motion of the whole world with a change of its size: a point P goes to s S P + t.
+/// A motion of the whole world with a change of its size: a point P goes to s Θ P + t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
     /// The factor s by which lengths grow.
     pub scale: f64,
-    /// The rotation S.
+    /// The rotation Θ.
     pub rotation: Rotation3<f64>,
     /// The shift t, in metres.
     pub translation: Vector3<f64>,

@@ -1,7 +1,7 @@
 //! How a problem of many points becomes one of a few cameras.
 //!
 //! Each part registers its equations, then checks them. In formulas `a`, `b` and `w` are the blocks
-//! of the normal equations: of the cameras, of the points, and between them.
+//! H_cc, H_pp and H_cp of the normal equations: of the cameras, of the points, and between them.
 
 use nalgebra::{
     DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Matrix6, Matrix6x3, Rotation3, Vector2, Vector3,

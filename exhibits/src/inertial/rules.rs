@@ -9,7 +9,6 @@ use super::noise::STEP;
 use super::oracle::{bend, motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
 /// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
@@ -115,10 +114,8 @@ fn single_steps(
     powers: [i32; 3],
 ) -> Comparison {
     let against = "single steps of 2 and 4 ms along known motions, extrapolated";
-    let mut comparison = Comparison::relative(against, 3e-3);
-    let mut random = Random::new(seed);
-    for _ in 0..200 {
-        let motion = motion(&mut random);
+    Comparison::relative(against, 3e-3).over(200, seed, |random| {
+        let motion = motion(random);
         let t = random.uniform(0.0..5.0);
         let error = |dt: f64| {
             let reads = [0.0, dt].map(|s| motion.at(t + s).sample(&GRAVITY));
@@ -131,13 +128,8 @@ fn single_steps(
         };
         let (coarse, fine) = (error(4e-3), error(2e-3));
         let oracle = [0, 1, 2].map(|k| 2.0 * fine[k] - coarse[k]);
-        comparison.add(&nine(&formula(&Local::of(&motion, t))), &nine(&oracle));
-    }
-    comparison
-}
-
-fn nine(vectors: &[Vector3<f64>; 3]) -> Vec<f64> {
-    vectors.iter().flat_map(|vector| vector.iter().copied()).collect()
+        (formula(&Local::of(&motion, t)), oracle)
+    })
 }
 
 /// Seconds over which many steps are taken.

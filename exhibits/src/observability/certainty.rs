@@ -2,10 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 use vislam::least_squares::Spectrum;
-use vislam::observability::{Similarity, Window};
+use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::Vector9;
+use vislam::simulation::{Flight, Trajectory};
 
 use super::draws;
+use super::near::{coasting, swaying};
+use super::worked::{log_distance, of_flight};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
@@ -55,6 +58,43 @@ pub fn exhibits(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("scale-bound", scale_bound, scale_information, &mutants);
+
+    let kept = Asked { motion: swaying(1.0), lever: 0.0, gradient: log_distance };
+    for (condition, dropped) in [
+        ("at-sensor", Asked { motion: coasting(), lever: 0.05, ..kept }),
+        ("unchanged", Asked { gradient: far_coordinate, ..kept }),
+        ("follows-scale", Asked { gradient: |window| 1e-3 * log_distance(window), ..kept }),
+    ] {
+        chapter.counterexample("scale-bound", condition, below_bound, [kept, dropped]);
+    }
+}
+
+/// A motion with the camera on a lever arm, in metres, and the gradient of what is asked of its window.
+#[derive(Clone, Copy)]
+struct Asked {
+    motion: Trajectory,
+    lever: f64,
+    gradient: fn(&Window) -> DVector<f64>,
+}
+
+/// The first position along x over a kilometre: scale about a point a kilometre away makes it grow by one.
+fn far_coordinate(window: &Window) -> DVector<f64> {
+    let mut gradient = DVector::zeros(window.dimension());
+    gradient[6] = 1e-3;
+    gradient
+}
+
+/// How far the standard deviation lies below the bound, as a fraction of it. Biases are unknown.
+fn below_bound(case: Asked) -> Comparison {
+    let mut comparison = Comparison::absolute("zero", 1e-9, "of the bound");
+    let flight = Flight::brief(case.motion).with_lever(case.lever * Vector3::x());
+    let window = of_flight(&flight, BiasAssumption::CONSTANT);
+    if let Ok((jacobian, _)) = window.linearize() {
+        let sigma = with_scaling(&jacobian, &(case.gradient)(&window), f64::recip, 2);
+        let over_bound = sigma * scale_information(&window).sqrt();
+        comparison.add(&[(1.0 - over_bound).max(0.0)], &[0.0]);
+    }
+    comparison
 }
 
 /// The formula with the columns scaled by a function of their length, and a power of the singular

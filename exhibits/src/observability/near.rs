@@ -18,9 +18,14 @@ pub const AMPLITUDES: [f64; 9] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10
 /// Points to which a power law is fitted, from the left.
 const FITTED: usize = 5;
 
+/// Constant velocity, turning.
+pub fn coasting() -> Trajectory {
+    Trajectory::constant_velocity(&VELOCITY, turning())
+}
+
 /// Constant velocity, turning, and a sway to the side.
-fn swaying(amplitude: f64) -> Trajectory {
-    let mut motion = Trajectory::constant_velocity(&VELOCITY, turning());
+pub fn swaying(amplitude: f64) -> Trajectory {
+    let mut motion = coasting();
     let wave = amplitude / (SWAY_RATE * SWAY_RATE);
     motion.position[1] =
         ScalarTrajectory { rate: VELOCITY.y, ..ScalarTrajectory::wave(wave, SWAY_RATE, 0.0) };
@@ -60,8 +65,7 @@ pub fn swayed() -> &'static Swayed {
 
 /// At constant velocity of the body, with the camera on a lever arm, in metres.
 pub fn lever_percent(lever: f64, assumption: BiasAssumption) -> f64 {
-    let motion = Trajectory::constant_velocity(&VELOCITY, turning());
-    let flight = Flight::brief(motion).with_lever(lever * Vector3::x());
+    let flight = Flight::brief(coasting()).with_lever(lever * Vector3::x());
     distance_percent(&of_flight(&flight, assumption))
 }
 

@@ -7,8 +7,9 @@ use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::{Preintegrated, imu_residual};
 use vislam::simulation::{EulerAngles, Flight, Trajectory};
 
+use super::near::coasting;
 use super::oracle::{force_on, path_of, similar_path};
-use super::worked::{of_flight, swaying};
+use super::worked::{TURN, free, of_flight, swaying, window};
 use super::{STATES, draws};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -143,6 +144,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("not squared", |a, g| 1.0 - 2.0 * g.dot(a) / a.norm()),
     ];
     chapter.equation("false-scale", false_scale, other_scale, &mutants);
+    conditions(chapter);
 }
 
 type Moved = fn(&Reading, &Similarity) -> Vector3<f64>;
@@ -264,6 +266,52 @@ fn null_condition(formula: Condition) -> Comparison {
         let reading = at(&motion, &rig.body_from_camera.translation.vector, &gravity, t);
         comparison.add(formula(&reading, growth, &turn).as_slice(), oracle.as_slice());
     }
+    comparison
+}
+
+fn conditions(chapter: &mut Chapter) {
+    let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
+    let (turn, eight) = (Trajectory::level_turn(TURN.0, TURN.1), Trajectory::figure_eight());
+    let steady = [(turn, unknown), (eight, unknown)];
+    chapter.counterexample("vi-similar", "steady", larger_copy, steady);
+    let zero = [(coasting(), known), (turn, known)];
+    chapter.counterexample("vi-similar", "zero", larger_copy, zero);
+    chapter.counterexample("vi-similar", "constant-bias", steady_change, [turn, eight]);
+    let motions = [coasting(), Trajectory::hover()];
+    chapter.counterexample("vi-similar", "pictures", only_scale_is_free, motions);
+}
+
+/// What all measurements of a window say to a copy of it that is a fifth larger, with the bias that hides it best.
+fn larger_copy((motion, assumption): (Trajectory, BiasAssumption)) -> Comparison {
+    let mut comparison = Comparison::absolute("zero", 1e-6, "standard deviations");
+    let larger = Similarity { scale: 1.2, ..Similarity::identity() };
+    if let Ok(residual) = window(motion, assumption).transformed(&larger).residual() {
+        comparison.add(&[residual.norm()], &[0.0]);
+    }
+    comparison
+}
+
+/// The change of a bias that gives a larger copy the readings of the original at all times, and the change at the
+/// beginning.
+fn steady_change(motion: Trajectory) -> Comparison {
+    let mut comparison = Comparison::absolute("the change at the beginning", 1e-4, "m/s²");
+    let path = path_of(&motion);
+    let larger = Similarity { scale: 1.2, ..Similarity::identity() };
+    let rig = Flight::brief(motion).rig;
+    let copy = |t| similar_path(&path, &rig, &larger, t);
+    let change = |t| force_on(&path, &GRAVITY, t) - force_on(&copy, &GRAVITY, t);
+    for step in 0..20 {
+        comparison.add(change(0.1 * f64::from(step)).as_slice(), change(0.0).as_slice());
+    }
+    comparison
+}
+
+/// How many directions are free when the camera's velocity is constant and the biases are known: position, yaw and
+/// scale, if there are no other copies than similar ones.
+fn only_scale_is_free(motion: Trajectory) -> Comparison {
+    let mut comparison = Comparison::absolute("position, yaw and scale", 0.1, "directions");
+    let free = free(&window(motion, BiasAssumption::KNOWN)).count();
+    comparison.add(&[free as f64], &[5.0]);
     comparison
 }
 

@@ -1,6 +1,6 @@
 //! What can be done to a whole window without any measurement noticing.
 
-use nalgebra::{Rotation3, SMatrix, Vector3};
+use nalgebra::{Rotation3, SMatrix, UnitVector3, Vector3};
 use vislam::inertial::{CameraImu, NavState};
 use vislam::manifold::so3;
 use vislam::observability::{Similarity, Window};
@@ -122,6 +122,22 @@ pub fn exhibits(chapter: &mut Chapter) {
         }),
     ];
     chapter.equation("seven-null-vectors", seven_null_vectors, seven, &mutants);
+
+    let axes = [Vector3::z_axis(), Vector3::x_axis()];
+    chapter.counterexample("vi-four", "about-gravity", turned_about, axes);
+}
+
+/// All residuals of a window before and after it is turned about an axis.
+fn turned_about(axis: UnitVector3<f64>) -> Comparison {
+    let mut comparison = Comparison::relative("the residuals before", 1e-10);
+    let window = draws::wrong_window(&mut Random::new(8));
+    let rotation = Rotation3::from_axis_angle(&axis, 0.3);
+    let turned = window.transformed(&Similarity { rotation, ..Similarity::identity() });
+    let residual = |window: &Window| window.residual().map(|rows| rows.as_slice().to_vec());
+    if let (Ok(before), Ok(after)) = (residual(&window), residual(&turned)) {
+        comparison.add(&after, &before);
+    }
+    comparison
 }
 
 fn about_z(angle: f64) -> Rotation3<f64> {

@@ -730,3 +730,9 @@ fn a_mark_that_does_not_say_what_a_letter_means_is_named() {
     let report = book.faults();
     assert!(report.contains("the mark does not say what the letter means"), "{report}");
 }
+
+#[test]
+fn a_work_that_was_never_compared_with_its_own_page_is_named() {
+    let book = SmallBook::sound().with("src/references.bib", "verified = {its page},", "");
+    says(&book.faults(), &["author2001: nothing says whether the entry was compared"]);
+}
