@@ -37,6 +37,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     other_blindnesses(chapter);
     inverse_depth(chapter);
     projected_inverse_depth(chapter);
+    counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
     noise::record(chapter);

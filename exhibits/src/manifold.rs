@@ -37,6 +37,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     poses(chapter);
     pose_jacobians(chapter);
     covariances(chapter);
+    counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
 }

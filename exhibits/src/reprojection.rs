@@ -45,6 +45,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     lens_and_noise(chapter);
     conventions(chapter);
     mixed(chapter);
+    counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
 }
@@ -612,25 +613,37 @@ fn mixed_error(formula: MixedError) -> Comparison {
         let camera = random.camera();
         let rotation = random.rotation(3.0);
         let truth = Isometry3::from_parts(random.direction(2.0).into(), rotation.into());
-        let points: Vec<_> = (0..20).map(|_| random.point(2.0..10.0)).collect();
+        let seen: Vec<_> = (0..20).map(|_| (random.point(2.0..10.0), Vector2::zeros())).collect();
         let (first, second) = (random.direction(1e-6), random.direction(1e-6));
         let error = Vector6::new(first.x, first.y, first.z, second.x, second.y, second.z);
-        let start = se3::retract(&truth, &error);
-        let (mut hessian, mut gradient) = (Matrix6::zeros(), Vector6::zeros());
-        for in_camera in &points {
-            let point = truth.inverse_transform_point(&(*in_camera).into()).coords;
-            let by_pose: Matrix2x6<f64> =
-                differences(STEP, |xi| image_of(&camera, &moved_on_the_left(&start, xi, &point)));
-            let seen = start.transform_point(&point.into()).coords;
-            let residual = image_of(&camera, &seen) - image_of(&camera, in_camera);
-            hessian += by_pose.transpose() * by_pose;
-            gradient += by_pose.transpose() * residual;
-        }
-        let step = hessian.lu().solve(&-gradient).unwrap_or(Vector6::repeat(f64::NAN));
-        let after = se3::local(&truth, &se3::retract(&start, &step));
+        let after = after_a_mixed_step(&camera, &truth, &error, &seen);
         comparison.add((1e6 * formula(&truth, &error)).as_slice(), (1e6 * after).as_slice());
     }
     comparison
+}
+
+/// The error of a camera after a Gauss-Newton step with the left block, taken on the right. It sees
+/// points, given in its coordinates, with noise in pixels. Of several steps it takes the shortest.
+fn after_a_mixed_step(
+    camera: &Pinhole,
+    truth: &Isometry3<f64>,
+    error: &Vector6<f64>,
+    points: &[(Vector3<f64>, Vector2<f64>)],
+) -> Vector6<f64> {
+    let start = se3::retract(truth, error);
+    let (mut hessian, mut gradient) = (Matrix6::zeros(), Vector6::zeros());
+    for (in_camera, noise) in points {
+        let point = truth.inverse_transform_point(&(*in_camera).into()).coords;
+        let by_pose: Matrix2x6<f64> =
+            differences(STEP, |xi| image_of(camera, &moved_on_the_left(&start, xi, &point)));
+        let predicted = start.transform_point(&point.into()).coords;
+        let residual = image_of(camera, &predicted) - image_of(camera, in_camera) - noise;
+        hessian += by_pose.transpose() * by_pose;
+        gradient += by_pose.transpose() * residual;
+    }
+    let negligible = 1e-9 * hessian.norm();
+    let step = hessian.svd(true, true).solve(&-gradient, negligible);
+    se3::local(truth, &se3::retract(&start, &step.unwrap_or(Vector6::repeat(f64::NAN))))
 }
 
 /// Takes the angle by which a camera is turned from the world.

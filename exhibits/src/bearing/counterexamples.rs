@@ -1,28 +1,52 @@
-//! What the chapter's theorems say falsely where one of their conditions is dropped.
+//! The chapter's theorems, tried with their conditions and without them.
 
 use nalgebra::{Isometry3, Rotation3, Vector3};
+use vislam::bearing::{bearing, transfer_by_infinite_homography};
 
 use super::NOWHERE;
-use super::worked::{BASELINE, CAMERA, POINT, second_from_first};
+use super::worked::{BASELINE, CAMERA, POINT};
+use crate::chapter::Chapter;
+use crate::comparison::Comparison;
 
-/// Pixels that the worked point moves by in the second camera when all points move twice as far away
-/// and the cameras stay where they are.
-pub fn centres_not_scaled() -> f64 {
-    let pose = second_from_first(BASELINE);
-    apart(&pose, [&POINT, &(2.0 * POINT)])
+/// Registers the counterexamples.
+pub fn counterexamples(chapter: &mut Chapter) {
+    chapter.counterexample("depth", "in-front", pixel_of_a_multiple, [3.0, -1.0]);
+    chapter.counterexample("scale", "everything", scaled_world, [(2.0, 2.0), (1.0, 2.0)]);
+    chapter.counterexample("scale", "positive", scaled_world, [(2.0, 2.0), (-1.0, -1.0)]);
+    chapter.counterexample("rotation", "own-centre", turned_camera, [0.0, 0.2]);
 }
 
-/// Pixels between the images of two points of one ray after a turn about a place ten centimetres
-/// beside the camera's centre.
-pub fn turn_about_another_place() -> f64 {
+/// Whether the bearing of the worked point's pixel leads to the point times `s` as well.
+fn pixel_of_a_multiple(s: f64) -> Comparison {
+    let mut comparison = Comparison::absolute("the direction to the point", 1e-12, "");
+    let pixel = CAMERA.project_cam(&POINT).unwrap_or(NOWHERE);
+    comparison.add(bearing(&CAMERA, &pixel).as_slice(), (s * POINT).normalize().as_slice());
+    comparison
+}
+
+/// Whether the second camera sees the worked point in the same direction when camera centres and
+/// points are multiplied by these.
+fn scaled_world((centres, points): (f64, f64)) -> Comparison {
+    let mut comparison = Comparison::absolute("the direction before", 1e-12, "");
+    let centre = BASELINE * Vector3::x();
+    let direction = |centre: Vector3<f64>, point: Vector3<f64>| (point - centre).normalize();
+    let (before, after) = (direction(centre, POINT), direction(centres * centre, points * POINT));
+    comparison.add(after.as_slice(), before.as_slice());
+    comparison
+}
+
+/// Whether the pixel before a turn tells the pixel after it, at two depths, when the camera's centre
+/// stands so many metres before the axis of the turn.
+fn turned_camera(before_the_axis: f64) -> Comparison {
+    let mut comparison = Comparison::absolute("the image of the point itself", 1e-9, "px");
     let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), 10_f64.to_radians());
-    let place = Vector3::new(0.1, 0.0, 0.0);
-    let pose = Isometry3::from_parts((place - turn * place).into(), turn.into());
-    apart(&pose, [&POINT, &(10.0 * POINT)])
-}
-
-fn apart(camera_from_world: &Isometry3<f64>, points: [&Vector3<f64>; 2]) -> f64 {
-    let [first, second] =
-        points.map(|point| CAMERA.project(camera_from_world, point).unwrap_or(NOWHERE));
-    (second - first).norm()
+    let axis = -before_the_axis * Vector3::z();
+    let pose = Isometry3::from_parts((axis - turn * axis).into(), turn.into());
+    let pixel = CAMERA.project_cam(&POINT).unwrap_or(NOWHERE);
+    let told = transfer_by_infinite_homography(&CAMERA, &turn, &pixel).unwrap_or(NOWHERE);
+    for point in [POINT, 10.0 * POINT] {
+        let seen = CAMERA.project(&pose, &point).unwrap_or(NOWHERE);
+        comparison.add(told.as_slice(), seen.as_slice());
+    }
+    comparison
 }

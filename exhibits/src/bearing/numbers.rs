@@ -7,7 +7,6 @@ use vislam::bearing::{
 };
 
 use super::NOWHERE;
-use super::counterexamples::{centres_not_scaled, turn_about_another_place};
 use super::noise::{Pair, quantile};
 use super::worked::{BASELINE, CAMERA, POINT, second_from_first};
 use crate::chapter::Chapter;
@@ -22,8 +21,6 @@ pub fn numbers(chapter: &mut Chapter) {
     angles(chapter);
     motions(chapter);
     far_away(chapter);
-    chapter.number("unscaled_px", centres_not_scaled(), "px", 0);
-    chapter.number("off_centre_px", turn_about_another_place(), "px", 1);
 }
 
 fn two_views(chapter: &mut Chapter) {

@@ -6,10 +6,6 @@ use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
 use super::accuracy::{jacobian_errors_near, log_errors_near, log_errors_near_half_turn};
-use super::counterexamples::{
-    exponential_of_a_symmetric_matrix, mirrored_step, reflection_without_axis,
-    step_in_a_larger_world,
-};
 use super::uncertainty::{Drive, in_plane, plane_of};
 use crate::chapter::Chapter;
 
@@ -23,14 +19,6 @@ pub fn numbers(chapter: &mut Chapter) {
     drive(chapter);
     near_a_half_turn(chapter);
     copied_covariance(chapter);
-    without_conditions(chapter);
-}
-
-fn without_conditions(chapter: &mut Chapter) {
-    chapter.number("symmetric_stretch", exponential_of_a_symmetric_matrix(), "", 1);
-    chapter.number("reflection_moves", reflection_without_axis(), "", 0);
-    chapter.number("mirrored_step_deg", mirrored_step(), "°", 0);
-    chapter.number("larger_world_m", step_in_a_larger_world(), "m", 0);
 }
 
 /// The angle between the two orders of a turn about x and one about z, in degrees.

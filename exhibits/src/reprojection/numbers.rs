@@ -4,17 +4,13 @@ use nalgebra::{DMatrix, Isometry3, Matrix2, Vector2, Vector3};
 use vislam::bearing::back_project;
 use vislam::least_squares::Spectrum;
 
-use super::counterexamples::shown_together;
 use super::mixing::{
     Convention, Experiment, FAR_START, OUTCOME_ANGLES, RATE_ANGLES, consistent_and_noiseless,
-    largest_shift, measured_rate, outcomes, predicted_rate, rates, skewed,
+    largest_shift, outcomes, predicted_rate, rates, skewed,
 };
 use super::worked::{CAMERA, EUROC_SIZE, POINT, euroc, one_coefficient};
 use super::{NO_POINT_BLOCK, NO_POSE_BLOCK, inverse_of};
 use crate::chapter::Chapter;
-
-/// Noise in pixels with which the rate of mixing is not the predicted one.
-const NOISE_FOR_RATE: f64 = 20.0;
 
 /// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
@@ -25,17 +21,6 @@ pub fn numbers(chapter: &mut Chapter) {
     folded_image(chapter);
     mixed_rates(chapter);
     mixed_outcomes(chapter);
-    without_conditions(chapter);
-}
-
-fn without_conditions(chapter: &mut Chapter) {
-    let hole = shown_together();
-    chapter.number("hole_inner", hole.inner, "", 2);
-    chapter.number("hole_outer", hole.outer, "", 2);
-    chapter.number("hole_shown", hole.shown, "", 2);
-    chapter.number("hole_smallest", hole.smallest, "", 2);
-    chapter.number("noisy_rate", measured_rate(NOISE_FOR_RATE, RATE_ANGLES[2]), "", 3);
-    chapter.number("noisy_rate_px", NOISE_FOR_RATE, "px", 0);
 }
 
 fn worked_example(chapter: &mut Chapter) {
