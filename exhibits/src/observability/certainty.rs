@@ -77,10 +77,10 @@ struct Asked {
     gradient: fn(&Window) -> DVector<f64>,
 }
 
-/// The first position along x over a kilometre: scale about a point a kilometre away makes it grow by one.
+/// The first position along x over a thousand kilometres: scale about a point that far away makes it grow by one.
 fn far_coordinate(window: &Window) -> DVector<f64> {
     let mut gradient = DVector::zeros(window.dimension());
-    gradient[6] = 1e-3;
+    gradient[6] = 1e-6;
     gradient
 }
 
