@@ -29,7 +29,7 @@ fn with_a_module() -> SmallBook {
         check.trim_end_matches(',').replace("one.rs", "two.rs").replace("\"line\":2", "\"line\":1");
     book.write(
         "target/press/exhibits/two/exhibits.json",
-        &format!("{{\"slug\":\"two\",\"equations\":[{moved}],\"numbers\":[],\"figures\":[],\"records\":[]}}"),
+        &format!("{{\"slug\":\"two\",\"equations\":[{moved}],\"counterexamples\":[],\"numbers\":[],\"figures\":[],\"records\":[]}}"),
     );
     book.write("exhibits/src/two.rs", "fn difference() {}\n");
     book
