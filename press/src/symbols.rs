@@ -182,9 +182,11 @@ const GREEK: &str = "alpha beta gamma delta epsilon varepsilon zeta eta theta va
 /// The letters of a formula, each once: `Z`, `\lambda`, `\vv{P}`. Subscripts name members of a family, accents its
 /// relatives; neither makes another letter. Names of functions are words.
 pub fn letters(tex: &str) -> Vec<String> {
-    static PIECE: LazyLock<Regex> =
-        LazyLock::new(|| Regex::new(r"\\[a-zA-Z]+|\\.|\{\{.*?\}\}|\S").expect("a valid pattern"));
-    let mut pieces = PIECE.find_iter(tex).map(|piece| piece.as_str()).peekable();
+    static PIECE: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"\\\\(?:\[[^\]]*\])?|\\begin\{array\}\{[^}]*\}|\\[a-zA-Z]+|\\.|\{\{.*?\}\}|\S")
+            .expect("a valid pattern")
+    });
+    let mut pieces = PIECE.find_iter(tex).map(|piece| piece.as_str());
     let mut found: Vec<String> = Vec::new();
     while let Some(piece) = pieces.next() {
         let letter = match (piece, piece.strip_prefix('\\')) {
@@ -244,6 +246,12 @@ mod tests {
     fn the_letters_of_a_formula_are_found_once() {
         let tex = r"\measured{\tilde{\vv{z}}}_i = \frac{f_x X}{Z} + \sigma_Z^{2} Z \transpose";
         assert_eq!(letters(tex), [r"\vv{z}", "f", "X", "Z", r"\sigma"]);
+    }
+
+    #[test]
+    fn columns_and_distances_of_lines_are_no_letters() {
+        let tex = r"\begin{array}{lc} \mat{Q} \\[0.4em] \vv{0} \end{array}";
+        assert_eq!(letters(tex), [r"\mat{Q}"]);
     }
 
     #[test]
