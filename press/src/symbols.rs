@@ -92,8 +92,7 @@ impl Symbols {
     /// Whether every letter of a numbered equation is explained by its chapter, the chapter above it, or the page on
     /// notation, and for the main road on the main road.
     pub fn check(&self, pages: &[Page], faults: &mut Faults) {
-        let settled = |page: &&Page| page.number.is_some() && self.0.contains_key(&page.path);
-        for page in pages.iter().filter(settled) {
+        for page in pages.iter().filter(|page| page.number.is_some()) {
             let known: Vec<_> = pages
                 .iter()
                 .filter(|other| other.slug == NOTATION || holds_on(other, page))

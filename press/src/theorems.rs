@@ -100,13 +100,7 @@ impl Theorems {
                 _ => None,
             })
             .collect();
-        let settled = |file: &str| {
-            self.0.values().any(|other| other.place.0 == file && !other.conditions.is_empty())
-        };
-        let settled = |(label, theorem): &(&String, &Theorem)| {
-            settled(&theorem.place.0) || shown.iter().any(|case| case.0 == label.as_str())
-        };
-        for (label, theorem) in self.0.iter().filter(settled) {
+        for (label, theorem) in &self.0 {
             let place = (theorem.place.0.as_str(), theorem.place.1);
             let id = format!("thm:{label}");
             if theorem.conditions.is_empty() {
