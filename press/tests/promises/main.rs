@@ -2,5 +2,6 @@
 
 mod faults;
 mod library;
+mod new;
 mod serve;
 mod small;
