@@ -22,6 +22,7 @@ pub mod links;
 pub mod lint;
 pub mod listing;
 pub mod make;
+pub mod new;
 pub mod pages;
 pub mod preprocess;
 pub mod program;

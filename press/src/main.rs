@@ -12,6 +12,7 @@ use press::accept;
 use press::fault::Faults;
 use press::guard::Guard;
 use press::make::Maker;
+use press::new;
 use press::preprocess::Press;
 use press::program::DataAbsent;
 use press::serve;
@@ -63,6 +64,14 @@ enum Command {
         #[arg(long)]
         compare: bool,
     },
+    /// Make the files of a new chapter, all of them registered.
+    New {
+        /// The word that leads to everything of the chapter, as a Rust module: `loop_closure`.
+        name: String,
+        /// Its title; without it, the name.
+        #[arg(long)]
+        title: Option<String>,
+    },
     /// Serve mdBook as a preprocessor, so that a plain `mdbook build` makes the same pages.
     #[command(hide = true)]
     Preprocess {
@@ -107,6 +116,13 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
             accept::accept(&maker(Steps::new())?, show, moved).map(|()| Faults::default())
         }
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
+        Command::New { name, title } => {
+            let layout = maker(Steps::new())?.layout;
+            let written = new::chapter(&layout, &name, title.as_deref())?;
+            written.iter().for_each(|file| println!("{file}"));
+            println!("{}", new::next(&name));
+            Ok(Faults::default())
+        }
         Command::Preprocess { question, .. }
             if question.first().is_some_and(|word| word == "supports") =>
         {

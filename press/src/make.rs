@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::{Context, Result, anyhow};
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
+use rayon::prelude::*;
 
 use crate::api::publish;
 use crate::fault::Faults;
@@ -37,7 +38,8 @@ impl Maker {
     /// What keeps the pages from being made at all: exhibits that do not compile, a damaged `book.toml`, a folder
     /// that cannot be written.
     pub fn build(&self, site: &Path) -> Result<Faults> {
-        let mut faults = self.pages(site, None, None)?;
+        self.refresh_exhibits()?;
+        let mut faults = self.pages(site, None, None, true)?;
         faults.extend(self.links(site)?);
         Ok(faults)
     }
@@ -48,8 +50,9 @@ impl Maker {
     /// # Errors
     /// As [`Maker::build`].
     pub fn build_live(&self, site: &Path, news: &str, shown: impl FnOnce()) -> Result<Faults> {
+        self.refresh_exhibits()?;
         let later = Later::default();
-        let mut faults = self.pages(site, Some(&later), Some(news))?;
+        let mut faults = self.pages(site, Some(&later), Some(news), true)?;
         shown();
         let plan = later.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(plan) = plan {
@@ -61,16 +64,27 @@ impl Maker {
         Ok(faults)
     }
 
+    /// Builds only what somebody who reads one chapter waits for: its exhibits and all pages, as they are with the
+    /// exhibits that there are of other chapters, without a search. Gives the faults, and whether exhibits are still to
+    /// be computed.
+    ///
+    /// # Errors
+    /// As [`Maker::build`].
+    pub fn build_first(&self, site: &Path, news: &str, chapter: &str) -> Result<(Faults, bool)> {
+        let rest = self.refresh_exhibits_of(|slug| slug == chapter)?;
+        Ok((self.pages(site, Some(&Later::default()), Some(news), false)?, rest))
+    }
+
     fn pages(
         &self,
         site: &Path,
         later: Option<&Later>,
         live_reload: Option<&str>,
+        search: bool,
     ) -> Result<Faults> {
-        self.refresh_exhibits()?;
         let faults = Arc::new(Mutex::new(Faults::default()));
         let press = Press::new(self.layout.clone(), faults.clone(), later.cloned());
-        self.steps.step("pages", || self.render(site, press, live_reload))?;
+        self.steps.step("pages", || self.render(site, press, live_reload, search))?;
         let mut faults =
             std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
         faults.extend(self.warnings.take(&faults));
@@ -83,22 +97,29 @@ impl Maker {
 
     /// Computes the exhibits of the chapters whose inputs changed.
     pub fn refresh_exhibits(&self) -> Result<()> {
+        self.refresh_exhibits_of(|_| true).map(drop)
+    }
+
+    /// Computes those of them that are wanted; gives whether there are others.
+    fn refresh_exhibits_of(&self, wanted: impl Fn(&str) -> bool) -> Result<bool> {
         let settings = Settings::read(&self.layout.root)?;
         let program = Program::new(&self.layout, &settings)?;
         program.forget_others()?;
-        let stale = program.stale()?;
-        if stale.is_empty() {
-            return Ok(());
+        let (stale, others): (Vec<_>, Vec<_>) =
+            program.stale()?.into_iter().partition(|slug| wanted(slug));
+        if !stale.is_empty() {
+            let executable = self.steps.step("compiling the exhibits", || program.compile())?;
+            let length = stale.len() as u64;
+            self.steps.counted("computing the exhibits", length, |bar| {
+                stale.par_iter().try_for_each(|slug| {
+                    program.run(&executable, slug)?;
+                    bar.set_message(format!("computed the exhibits of {slug}"));
+                    bar.inc(1);
+                    Ok(())
+                })
+            })?;
         }
-        let executable = self.steps.step("compiling the exhibits", || program.compile())?;
-        self.steps.counted("computing the exhibits", stale.len() as u64, |bar| {
-            stale.iter().try_for_each(|slug| {
-                bar.set_message(format!("computing the exhibits of {slug}"));
-                program.run(&executable, slug)?;
-                bar.inc(1);
-                Ok(())
-            })
-        })
+        Ok(!others.is_empty())
     }
 
     /// Makes a record with the program.
@@ -120,11 +141,20 @@ impl Maker {
         read().map_err(|error| anyhow!("{error:#}")).context("mdBook cannot read the book")
     }
 
-    fn render(&self, site: &Path, press: Press, live_reload: Option<&str>) -> Result<()> {
+    fn render(
+        &self,
+        site: &Path,
+        press: Press,
+        live_reload: Option<&str>,
+        search: bool,
+    ) -> Result<()> {
         let mut book = self.load()?;
         book.config.build.build_dir = absolute(site)?;
         if let Some(endpoint) = live_reload {
             book.config.set("output.html.live-reload-endpoint", endpoint)?;
+        }
+        if !search {
+            book.config.set("output.html.search.enable", false)?;
         }
         book.with_preprocessor(press);
         book.with_preprocessor(RememberingKatex::new(&self.layout.work()));

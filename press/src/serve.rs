@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
@@ -22,8 +23,10 @@ use tokio_stream::StreamExt;
 use tokio_stream::wrappers::BroadcastStream;
 use tower_http::services::ServeDir;
 
+use crate::fault::Faults;
 use crate::make::Maker;
 use crate::prose::escape;
+use crate::settings::Layout;
 
 /// Where a page listens for news of the book.
 const NEWS: &str = "__book-news";
@@ -31,11 +34,28 @@ const NEWS: &str = "__book-news";
 /// Editors write a file in several steps; what comes within this time is one change.
 const PAUSE: Duration = Duration::from_millis(80);
 
+/// What the book is made from: its pages and what they include, the program and the library, the theme.
+const WATCHED: [&str; 9] = [
+    "src",
+    "code",
+    "exhibits",
+    "exercises",
+    "grader/recipes",
+    "press/theme",
+    "book.toml",
+    "Cargo.toml",
+    "Cargo.lock",
+];
+
 /// What is served, and who is told when it changes.
 #[derive(Clone)]
 struct Served {
     site: Arc<RwLock<Option<PathBuf>>>,
     trouble: Arc<RwLock<String>>,
+    /// The chapter that was asked for last.
+    viewed: Arc<RwLock<String>>,
+    /// Whether something changed since the build began.
+    changed: Arc<AtomicBool>,
     news: broadcast::Sender<News>,
 }
 
@@ -68,15 +88,24 @@ pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
         }
     };
     let address = listener.local_addr()?;
-    let served =
-        Served { site: Arc::default(), trouble: Arc::default(), news: broadcast::channel(16).0 };
-    let (changed, changes) = channel();
+    let served = Served {
+        site: Arc::default(),
+        trouble: Arc::default(),
+        viewed: Arc::default(),
+        changed: Arc::default(),
+        news: broadcast::channel(16).0,
+    };
+    let (sender, changes) = channel();
+    let (layout, changed) = (maker.layout.clone(), served.changed.clone());
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-        // The receiver goes away only when the program ends.
-        drop(changed.send(event));
+        if let Some(path) = changed_file(&layout, event) {
+            changed.store(true, Ordering::SeqCst);
+            // The receiver goes away only when the program ends.
+            drop(sender.send(path));
+        }
     })
     .context("cannot watch the files of the book")?;
-    for folder in ["src", "code", "exhibits", "press/theme", "book.toml"] {
+    for folder in WATCHED {
         let path = maker.layout.root.join(folder);
         if path.exists() {
             watcher
@@ -99,37 +128,31 @@ pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
 }
 
 /// Builds after every change, for ever.
-fn watch(
-    maker: &Maker,
-    served: &Served,
-    changes: &Receiver<notify::Result<notify::Event>>,
-) -> Result<()> {
+fn watch(maker: &Maker, served: &Served, changes: &Receiver<PathBuf>) -> Result<()> {
     loop {
-        let mut changed =
-            changed_file(maker, changes.recv().context("the files are watched no more")?);
+        let mut changed = changes.recv().context("the files are watched no more")?;
         loop {
             match changes.recv_timeout(PAUSE) {
-                Ok(event) => changed = changed_file(maker, event).or(changed),
+                Ok(path) => changed = path,
                 Err(RecvTimeoutError::Timeout) => break,
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
         }
-        if let Some(path) = changed {
-            maker.steps.say(&format!("\n{} changed", path.display()));
-            build(maker, served);
-        }
+        served.changed.store(false, Ordering::SeqCst);
+        maker.steps.say(&format!("\n{} changed", changed.display()));
+        build(maker, served);
     }
 }
 
 /// The file an event is about, unless the build itself wrote it.
-fn changed_file(maker: &Maker, event: notify::Result<notify::Event>) -> Option<PathBuf> {
+fn changed_file(layout: &Layout, event: notify::Result<notify::Event>) -> Option<PathBuf> {
     let event = event.ok().filter(|event| {
         event.kind.is_create() || event.kind.is_modify() || event.kind.is_remove()
     })?;
-    let written = [maker.layout.generated(), maker.layout.api()];
+    let written = [layout.generated(), layout.api()];
     let foreign = |path: &PathBuf| !written.iter().any(|folder| path.starts_with(folder));
     let path = event.paths.into_iter().find(|path| foreign(path) && !is_scratch(path))?;
-    Some(path.strip_prefix(&maker.layout.root).map(Path::to_path_buf).unwrap_or(path))
+    Some(path.strip_prefix(&layout.root).map(Path::to_path_buf).unwrap_or(path))
 }
 
 /// Whether an editor keeps the file for itself.
@@ -141,22 +164,7 @@ fn is_scratch(path: &Path) -> bool {
 /// Builds beside the pages that are being served, and puts the new ones in their place.
 fn build(maker: &Maker, served: &Served) {
     let start = Instant::now();
-    let current = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
-    let name = if current.as_ref().is_some_and(|site| site.ends_with("serve-a")) {
-        "serve-b"
-    } else {
-        "serve-a"
-    };
-    let site = maker.layout.work().join(name);
-    let shown = || {
-        *served.site.write().unwrap_or_else(PoisonError::into_inner) = Some(site.clone());
-        // What was wrong before is not what is wrong now, and that is not known yet.
-        served.trouble.write().unwrap_or_else(PoisonError::into_inner).clear();
-        // Nobody may be listening, which is no error.
-        drop(served.news.send(News::Reload));
-        maker.steps.say(&format!("shown after {:.1} s", start.elapsed().as_secs_f64()));
-    };
-    let trouble = match maker.build_live(&site, NEWS, shown) {
+    let trouble = match try_build(maker, served, start) {
         Ok(faults) => faults.report(),
         Err(error) => {
             drop(served.news.send(News::Reload));
@@ -165,9 +173,61 @@ fn build(maker: &Maker, served: &Served) {
     };
     eprint!("{trouble}");
     maker.steps.say(&format!("built in {:.1} s", start.elapsed().as_secs_f64()));
-    *served.trouble.write().unwrap_or_else(PoisonError::into_inner) = trouble.clone();
-    if !trouble.is_empty() {
-        drop(served.news.send(News::Faults(trouble)));
+    served.tell(trouble);
+}
+
+/// Builds what somebody looks at, and then the rest, unless something changes before that.
+fn try_build(maker: &Maker, served: &Served, start: Instant) -> Result<Faults> {
+    let mut reload = true;
+    if served.current().is_some() {
+        let site = served.free(maker);
+        let viewed = served.viewed.read().unwrap_or_else(PoisonError::into_inner).clone();
+        let (faults, rest) = maker.build_first(&site, NEWS, &viewed)?;
+        served.show(site, true);
+        maker.steps.say(&format!("shown after {:.1} s", start.elapsed().as_secs_f64()));
+        if served.changed.load(Ordering::SeqCst) {
+            return Ok(faults);
+        }
+        // With exhibits that are to be computed, faults may be those of old ones.
+        if !rest {
+            served.tell(faults.report());
+        }
+        reload = rest;
+    }
+    let site = served.free(maker);
+    maker.build_live(&site, NEWS, || served.show(site.clone(), reload))
+}
+
+impl Served {
+    fn current(&self) -> Option<PathBuf> {
+        self.site.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The folder whose pages are not being served.
+    fn free(&self, maker: &Maker) -> PathBuf {
+        let first = self.current().is_none_or(|site| !site.ends_with("serve-a"));
+        maker.layout.work().join(if first { "serve-a" } else { "serve-b" })
+    }
+
+    /// Serves the pages in a folder; whoever reads is to load them when they changed.
+    fn show(&self, site: PathBuf, reload: bool) {
+        *self.site.write().unwrap_or_else(PoisonError::into_inner) = Some(site);
+        if reload {
+            // What was wrong before is not what is wrong now, and that is not known yet.
+            self.trouble.write().unwrap_or_else(PoisonError::into_inner).clear();
+            // Nobody may be listening, which is no error.
+            drop(self.news.send(News::Reload));
+        }
+    }
+
+    /// Tells what is wrong, unless everybody knows.
+    fn tell(&self, trouble: String) {
+        let mut known = self.trouble.write().unwrap_or_else(PoisonError::into_inner);
+        if *known != trouble {
+            known.clone_from(&trouble);
+            let news = if trouble.is_empty() { News::Reload } else { News::Faults(trouble) };
+            drop(self.news.send(news));
+        }
     }
 }
 
@@ -187,8 +247,11 @@ async fn news(State(served): State<Served>) -> impl IntoResponse {
 
 /// A file of the book.
 async fn page(State(served): State<Served>, request: Request) -> Response {
-    let site = served.site.read().unwrap_or_else(PoisonError::into_inner).clone();
-    let Some(site) = site else {
+    if let Some(page) = request.uri().path().strip_suffix(".html") {
+        let slug = page.rsplit('/').next().unwrap_or_default();
+        slug.clone_into(&mut served.viewed.write().unwrap_or_else(PoisonError::into_inner));
+    }
+    let Some(site) = served.current() else {
         let trouble = served.trouble.read().unwrap_or_else(PoisonError::into_inner).clone();
         let page = format!(
             "<!DOCTYPE html><title>The book cannot be built</title><pre>{}</pre><script>new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())</script>",

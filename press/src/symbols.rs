@@ -153,10 +153,11 @@ impl Symbols {
     }
 }
 
-/// Whether what one page explains holds on another: on itself, and on the pages below its chapter.
+/// Whether what one page explains holds on another: on itself, on the other pages of its chapter, and on those below.
 fn holds_on(page: &Page, other: &Page) -> bool {
     let numbers = page.number.as_ref().zip(other.number.as_ref());
-    page.path == other.path
+    page.slug == other.owner
+        || page.path == other.path
         || numbers.is_some_and(|(above, below)| below.starts_with(&format!("{above}.")))
 }
 

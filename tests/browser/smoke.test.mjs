@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { after, before, test } from "node:test";
+import { gzipSync } from "node:zlib";
 import { terms } from "./terms.mjs";
 import { axe, bookDir, launch, libraryPages, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
 
@@ -37,6 +38,36 @@ async function at(file, options, body) {
         await page.context().close();
     }
 }
+
+/** What the first view of a page asks for, in kilobytes as a server sends them that compresses: by file. */
+async function weights(file) {
+    const page = await browser.page({});
+    const answers = [];
+    page.on("response", response => answers.push(response));
+    await open(page, server.url + file);
+    await page.evaluate(() => document.fonts.ready);
+    await page.waitForLoadState("networkidle");
+    const loaded = new Map();
+    for (const answer of answers) {
+        const bytes = await answer.body();
+        const name = new URL(answer.url()).pathname.split("/").pop();
+        loaded.set(name, Math.min(bytes.length, gzipSync(bytes).length) / 1000);
+    }
+    await page.context().close();
+    return loaded;
+}
+
+test("no page needs more than 500 kB for its first view", async () => {
+    const heavy = [];
+    for (const file of pages()) {
+        const loaded = [...await weights(file)].sort((a, b) => b[1] - a[1]);
+        const total = loaded.reduce((sum, [, weight]) => sum + weight, 0);
+        assert.ok(total > 20, `${file} weighs nothing: ${total}`);
+        const most = loaded.slice(0, 4).map(([name, weight]) => `${name} ${weight.toFixed(0)}`).join(", ");
+        if (total > 500) heavy.push(`${file} weighs ${total.toFixed(0)} kB: ${most}`);
+    }
+    assert.deepEqual(heavy, [], "divide the page, or show less of a figure");
+});
 
 test("every page loads under a sub-path with an empty console and no failed or foreign request", async () => {
     for (const file of pages()) {

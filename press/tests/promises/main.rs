@@ -2,6 +2,7 @@
 
 mod faults;
 mod library;
+mod new;
 mod parts;
 mod serve;
 mod small;

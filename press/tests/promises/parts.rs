@@ -5,6 +5,8 @@ use crate::small::SmallBook;
 const SUMMARY: &str = "- [One](one.md)\n";
 const BOTH: &str = "- [One](one.md)\n- [Two](two.md)\n";
 const DIFFERENCE: &str = "$$ d = a - b $$ {#eq:difference}\n";
+const LETTERS: &str = "Here are [$d$]{.symbol means=\"a difference\"}, [$a$]{.symbol means=\"the first\"} and \
+    [$b$]{.symbol means=\"the second\" unit=\"m\"}.\n";
 
 /// A book whose equation of the difference has gone to a second page with this heading.
 fn split(heading: &str) -> SmallBook {
@@ -14,7 +16,7 @@ fn split(heading: &str) -> SmallBook {
         .with("src/one.md", DIFFERENCE, "See @eq:difference, and a product that is\n");
     book.write(
         "src/two.md",
-        &format!("{heading}\n\nLike @eq:sum, {{{{value one.sum}}}}:\n\n{DIFFERENCE}"),
+        &format!("{heading}\n\nLike @eq:sum, {{{{value one.sum}}}}:\n\n{DIFFERENCE}\n{LETTERS}"),
     );
     book
 }

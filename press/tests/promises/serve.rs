@@ -80,6 +80,46 @@ fn a_saved_chapter_is_served_again() {
 }
 
 #[test]
+fn a_saved_exercise_and_a_saved_theme_are_served_again() {
+    let hint = "::: {.hint title=\"a question\" text=\"../exercises/spec/hints.md:1\"}\n:::";
+    let book = SmallBook::sound().with("src/one.md", "A sum", &format!("{hint}\n\nA sum"));
+    let hints = "<!-- ANCHOR: 1 -->\nCount them.\n<!-- ANCHOR_END: 1 -->\n";
+    book.write("exercises/spec/hints.md", hints);
+    let book = book
+        .with(
+            "book.toml",
+            "[output.html.playground]",
+            "[output.html]\ntheme = \"press/theme\"\n\n[output.html.playground]",
+        )
+        .with("book.toml", "trust = true", "trust = true\nmacros = \"press/theme/macros.txt\"")
+        .with("src/one.md", "c = a + b", "c = a + \\known{b}");
+    book.write(
+        "exhibits/accepted/one.toml",
+        "[equations]\nsum = 'c = a + \\known{b}'\ndifference = 'd = a - b'\nproduct = 'e = a b'\n",
+    );
+    book.write("press/theme/macros.txt", "\\known:{\\mathbf{#1}}\n");
+    book.write("press/theme/css/general.css", "main { color: red }");
+    let server = Server::start(&book);
+    assert!(server.get("/one.html").contains("Count them."));
+    assert!(server.get("/one.html").contains("mathvariant=\"bold\""));
+    let book = book.with("exercises/spec/hints.md", "Count", "Weigh");
+    server.wait_for("/one.html", "Weigh them.");
+    let book = book.with("press/theme/macros.txt", "mathbf", "mathsf");
+    server.wait_for("/one.html", "mathvariant=\"sans-serif\"");
+    let book = book.with("press/theme/css/general.css", "red", "green");
+    let style = |page: &str| -> String {
+        let at = page.find("css/general").expect("a style");
+        page[at..].split('"').next().expect("an address").to_owned()
+    };
+    let start = Instant::now();
+    while !server.get(&format!("/{}", style(&server.get("/one.html")))).contains("green") {
+        assert!(start.elapsed() < LIMIT, "the old style is served");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(book);
+}
+
+#[test]
 fn a_saved_description_is_served_again() {
     let book = crate::library::book();
     let server = Server::start(&book);
