@@ -135,7 +135,9 @@ Why.
 
 ## The derivation {subtitle="Where it comes from"}
 
-Derive with a reason for every step. This equation is an example, and its check is in the exhibits:
+Derive with a reason for every step, and say what every letter means: twice
+[$x$]{.symbol means="a number, as an example"} is [$y$]{.symbol means="twice the number"}. The check of this equation is
+in the exhibits:
 
 $$
 y = x + x

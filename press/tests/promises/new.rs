@@ -118,7 +118,7 @@ fn a_new_chapter_compiles_and_passes_its_own_check_and_test() {
 fn the_book_takes_the_page_of_a_new_chapter() {
     let book = book();
     book.run(&["new", "loop_closure"]);
-    let check = r#"{"slug":"loop_closure","equations":[{"label":"loop-closure-example","worst":0.0,"tolerance":1e-12,"unit":"relative","states":100,"against":"a product","failure":null,"mutants":["sign","a term dropped"],"survivors":[],"file":"exhibits/src/loop_closure.rs","line":14}],"numbers":[],"figures":[],"records":[]}"#;
+    let check = r#"{"slug":"loop_closure","equations":[{"label":"loop-closure-example","worst":0.0,"tolerance":1e-12,"unit":"relative","states":100,"against":"a product","failure":null,"mutants":["sign","a term dropped"],"survivors":[],"file":"exhibits/src/loop_closure.rs","line":14}],"counterexamples":[],"numbers":[],"figures":[],"records":[]}"#;
     book.write("target/press/exhibits/loop_closure/exhibits.json", check);
     let output = book.run(&["check"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
