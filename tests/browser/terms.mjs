@@ -29,7 +29,7 @@ export const terms = {
     "maximum a posteriori": "least_squares.html#maximum-a-posteriori-estimation-and-whitening",
     "normal equations": "least_squares.html#linear-least-squares-and-the-normal-equations",
     "Gauss-Newton": "least_squares.html#the-gauss-newton-method",
-    "convergence rate": "least_squares.html#the-convergence-rate-of-gauss-newton",
+    "convergence rate": "least_squares.html#sec:gauss-newton-rate",
     "Levenberg-Marquardt": "least_squares.html#levenberg-marquardt-and-trust-regions",
     "trust region": "least_squares.html#levenberg-marquardt-and-trust-regions",
     "stopping criteria": "least_squares.html#stopping-criteria-and-convergence",
