@@ -105,11 +105,14 @@ impl Emitter<'_, '_> {
         let words = self.resolve(block.line, words);
         let href = self.source(&case.file, case.line);
         let unit = unit(&case.unit);
+        let off = match case.dropped {
+            size @ 0.01..10.0 => format!("{size:.2}"),
+            size @ 10.0..10_000.0 => format!("{size:.0}"),
+            size => format!("{size:.0e}"),
+        };
         format!(
-            "<div class=\"counterexample\">\n<details class=\"check margin\"><summary>off by <span class=\"quantity\">{:.0e}{unit}</span></summary><p>Compared with {}, what the theorem says is off by {:.0e}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. <a href=\"{href}\">Its code</a></p></details>\n<p class=\"counterexample-title\">{theorem} without “{words}”.</p>\n",
-            case.dropped,
+            "<div class=\"counterexample\">\n<details class=\"check margin\"><summary>off by <span class=\"quantity\">{off}{unit}</span></summary><p>Compared with {}, what the theorem says is off by {off}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. <a href=\"{href}\">Its code</a></p></details>\n<p class=\"counterexample-title\">{theorem} without “{words}”.</p>\n",
             escape(&case.against),
-            case.dropped,
             case.kept,
             case.tolerance,
         )

@@ -147,7 +147,7 @@ fn note(check: &Check, href: &str) -> String {
 /// The unit of an error as it follows the number; nothing for a relative one.
 pub(super) fn unit(unit: &str) -> String {
     match unit {
-        "" | "relative" => String::new(),
+        "" | "relative" | "no unit" => String::new(),
         unit => format!("\u{a0}{}", escape(unit)),
     }
 }
