@@ -182,7 +182,6 @@ use vislam::NAME as theory;
 
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
 type Example = fn(f64) -> f64;
 
@@ -194,13 +193,10 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 /// Compares with a product, which does not share the sum.
 fn NAME_example(formula: Example) -> Comparison {
-    let mut comparison = Comparison::relative("a product", 1e-12);
-    let mut random = Random::new(1);
-    for _ in 0..100 {
+    Comparison::relative("a product", 1e-12).over(100, 1, |random| {
         let x = random.uniform(-10.0..10.0);
-        comparison.add(&[formula(x)], &[2.0 * x]);
-    }
-    comparison
+        (formula(x), 2.0 * x)
+    })
 }
 "#;
 

@@ -43,8 +43,18 @@ impl Comparison {
         Self(0.0)
     }
 
-    pub fn add(&mut self, formula: &[f64], oracle: &[f64]) {
-        self.0 = self.0.max((formula[0] - oracle[0]).abs());
+    pub fn over(
+        mut self,
+        states: usize,
+        seed: u64,
+        mut both: impl FnMut(&mut crate::random::Random) -> (f64, f64),
+    ) -> Self {
+        let mut random = crate::random::Random::new(seed);
+        for _ in 0..states {
+            let (formula, oracle) = both(&mut random);
+            self.0 = self.0.max((formula - oracle).abs());
+        }
+        self
     }
 }
 ";
