@@ -1,6 +1,6 @@
 //! The one way in which a formula is compared with something independent of it.
 
-use nalgebra::{Dim, Matrix, RawStorage, Rotation3};
+use nalgebra::{Dim, Isometry3, Matrix, RawStorage, Rotation3};
 
 use crate::random::Random;
 
@@ -19,6 +19,19 @@ impl Values for f64 {
 impl<R: Dim, C: Dim, S: RawStorage<f64, R, C>> Values for Matrix<f64, R, C, S> {
     fn append_to(&self, numbers: &mut Vec<f64>) {
         numbers.extend(self.iter());
+    }
+}
+
+/// Yes is one and no is zero.
+impl Values for bool {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        numbers.push(f64::from(*self));
+    }
+}
+
+impl Values for Isometry3<f64> {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        self.to_homogeneous().append_to(numbers);
     }
 }
 

@@ -99,13 +99,10 @@ type Exp = fn(&Vector3<f64>) -> Matrix3<f64>;
 fn rodrigues(formula: Exp) -> Comparison {
     let against = "the differential equation of a body that turns at a constant rate, integrated \
                    in 400 steps of Runge and Kutta";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(1);
-    for _ in 0..STATES {
-        let phi = vector(&mut random, 6.0);
-        comparison.add(formula(&phi).as_slice(), oracle::integrated(&phi).as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-8, "").over(STATES, 1, |random| {
+        let phi = vector(random, 6.0);
+        (formula(&phi), oracle::integrated(&phi))
+    })
 }
 
 type Log = fn(&Rotation3<f64>) -> Vector3<f64>;

@@ -31,7 +31,7 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
     for named in &chapter.figures {
         let drawn = (named.draw)();
         std::fs::write(folder.join(named.name).with_extension("svg"), &drawn.svg)?;
-        std::fs::write(folder.join(named.name).with_extension("csv"), csv(&drawn))?;
+        write_csv(&drawn, &folder.join(named.name).with_extension("csv"))?;
         figures.push(figure(named, &drawn));
     }
     let summary = json!({
@@ -148,13 +148,11 @@ fn inputs(record: &Record) -> Map<String, Value> {
     inputs.map(|(name, value)| (name.to_string(), json!(value))).collect()
 }
 
-fn csv(figure: &Figure) -> String {
-    let header = figure.columns.join(",");
-    let rows = figure.rows.iter().map(|row| row.join(","));
-    let mut lines = header + "\n";
-    for row in rows {
-        lines += &row;
-        lines.push('\n');
+fn write_csv(figure: &Figure, file: &Path) -> io::Result<()> {
+    let mut writer = csv::Writer::from_path(file)?;
+    writer.write_record(&figure.columns)?;
+    for row in &figure.rows {
+        writer.write_record(row)?;
     }
-    lines
+    writer.flush()
 }
