@@ -23,14 +23,17 @@ impl Place {
     }
 }
 
+/// Comparisons that are made when they are asked for.
+type Compared<T> = Box<dyn Fn() -> T + Send + Sync>;
+
 /// An equation of the book with the check of its formula and the wrong formulas that the check must
 /// reject.
 pub struct Equation {
     pub label: &'static str,
     pub place: Place,
     pub mutants: Vec<&'static str>,
-    check: Box<dyn Fn() -> Comparison>,
-    check_mutants: Box<dyn Fn() -> Vec<Comparison>>,
+    check: Compared<Comparison>,
+    check_mutants: Compared<Vec<Comparison>>,
 }
 
 impl Equation {
@@ -55,8 +58,8 @@ pub struct Counterexample {
     pub theorem: &'static str,
     pub condition: &'static str,
     pub place: Place,
-    kept: Box<dyn Fn() -> Comparison>,
-    dropped: Box<dyn Fn() -> Comparison>,
+    kept: Compared<Comparison>,
+    dropped: Compared<Comparison>,
 }
 
 impl Counterexample {
@@ -132,7 +135,7 @@ impl Chapter {
     /// Registers an equation. Its formula is a parameter of `check`, so that the check can also be
     /// shown `mutants`, each with what is wrong with it, and must reject them.
     #[track_caller]
-    pub fn equation<F: Copy + 'static>(
+    pub fn equation<F: Copy + Send + Sync + 'static>(
         &mut self,
         label: &'static str,
         check: fn(F) -> Comparison,
@@ -152,7 +155,7 @@ impl Chapter {
     /// Registers a counterexample. `statement` tries what the theorem says on a case; it must find it true on the
     /// case that keeps the condition and false on the one that drops it.
     #[track_caller]
-    pub fn counterexample<C: Copy + 'static>(
+    pub fn counterexample<C: Copy + Send + Sync + 'static>(
         &mut self,
         theorem: &'static str,
         condition: &'static str,
@@ -243,8 +246,10 @@ pub fn text(value: f64, decimals: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chapter, counterexample_failure, text};
-    use crate::chapters;
+    use std::sync::LazyLock;
+
+    use super::{Chapter, Equation, counterexample_failure, text};
+    use crate::book;
     use crate::comparison::Comparison;
 
     type Formula = fn(f64) -> f64;
@@ -255,45 +260,49 @@ mod tests {
         comparison
     }
 
+    /// An equation of the book with what its formula and its mutants are found to be off by.
+    struct Checked {
+        label: String,
+        formula: Comparison,
+        mutants: Vec<(&'static str, Comparison)>,
+    }
+
+    /// Every equation of the book, checked once for all tests.
+    fn checked() -> &'static [Checked] {
+        static CHECKED: LazyLock<Vec<Checked>> = LazyLock::new(|| {
+            let of = |slug, equation: &Equation| Checked {
+                label: format!("{slug}/{}", equation.label),
+                formula: equation.check(),
+                mutants: equation.mutants.iter().copied().zip((equation.check_mutants)()).collect(),
+            };
+            let equations = book().iter().flat_map(|c| c.equations.iter().map(|e| of(c.slug, e)));
+            equations.collect()
+        });
+        &CHECKED
+    }
+
     #[test]
     fn every_equation_of_the_book_passes_its_check() {
-        for chapter in chapters().unwrap() {
-            for equation in &chapter.equations {
-                let comparison = equation.check();
-                let label = format!("{}/{}", chapter.slug, equation.label);
-                assert_eq!(comparison.failure(), None, "{label}");
-                assert!(comparison.states >= 20, "{label} is compared at too few states");
-            }
+        for Checked { label, formula, .. } in checked() {
+            assert_eq!(formula.failure(), None, "{label}");
+            assert!(formula.states >= 20, "{label} is compared at too few states");
         }
     }
 
     #[test]
-    fn every_check_of_the_book_rejects_all_its_mutants() {
-        for chapter in chapters().unwrap() {
-            for equation in &chapter.equations {
-                let label = format!("{}/{}", chapter.slug, equation.label);
-                assert!(equation.mutants.len() >= 2, "{label} has too few mutants");
-                assert_eq!(equation.survivors(), Vec::<&str>::new(), "{label}");
-            }
-        }
-    }
-
-    #[test]
-    fn every_mutant_of_the_book_differs_from_its_formula_by_a_number() {
-        for chapter in chapters().unwrap() {
-            for equation in &chapter.equations {
-                let tolerance = equation.check().tolerance;
-                for (name, comparison) in equation.mutants.iter().zip((equation.check_mutants)()) {
-                    let label = format!("{}/{}, {name}", chapter.slug, equation.label);
-                    assert!(comparison.worst > 5.0 * tolerance, "{label}");
-                }
+    fn every_check_of_the_book_rejects_all_its_mutants_by_a_number() {
+        for Checked { label, formula, mutants } in checked() {
+            assert!(mutants.len() >= 2, "{label} has too few mutants");
+            for (name, mutant) in mutants {
+                assert!(mutant.failure().is_some(), "{label}, {name} survives");
+                assert!(mutant.worst > 5.0 * formula.tolerance, "{label}, {name}");
             }
         }
     }
 
     #[test]
     fn every_theorem_of_the_book_needs_its_conditions() {
-        for chapter in chapters().unwrap() {
+        for chapter in book() {
             for case in &chapter.counterexamples {
                 let label = format!("{}, {}", case.theorem, case.condition);
                 assert_eq!(counterexample_failure(&case.comparisons()), None, "{label}");

@@ -228,19 +228,23 @@ fn disc(radius: f64) -> Vec<(i32, i32)> {
 
 #[cfg(test)]
 mod tests {
-    use crate::chapters;
+    use std::sync::LazyLock;
 
-    /// Every figure of the book, with its name.
-    fn figures() -> Vec<(String, super::Figure)> {
-        let chapters = chapters().unwrap();
-        let named = chapters.iter().flat_map(|chapter| {
-            let slug = chapter.slug;
-            chapter
-                .figures
-                .iter()
-                .map(move |figure| (format!("{slug}/{}", figure.name), (figure.draw)()))
+    use super::Figure;
+    use crate::book;
+    use crate::chapter::Chapter;
+
+    /// Every figure of the book, with its name, drawn once for all tests.
+    fn figures() -> &'static [(String, Figure)] {
+        static FIGURES: LazyLock<Vec<(String, Figure)>> = LazyLock::new(|| {
+            let drawn = |chapter: &Chapter| {
+                let slug = chapter.slug;
+                let named = chapter.figures.iter();
+                named.map(|f| (format!("{slug}/{}", f.name), (f.draw)())).collect::<Vec<_>>()
+            };
+            book().iter().flat_map(drawn).collect()
         });
-        named.collect()
+        &FIGURES
     }
 
     #[test]

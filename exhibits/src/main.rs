@@ -84,6 +84,14 @@ fn chapters() -> Result<Vec<Chapter>, String> {
     CHAPTERS.iter().map(|(slug, register)| Chapter::registered(slug, *register)).collect()
 }
 
+/// The same, made once for all tests.
+#[cfg(test)]
+fn book() -> &'static [Chapter] {
+    static BOOK: std::sync::LazyLock<Vec<Chapter>> =
+        std::sync::LazyLock::new(|| chapters().expect("names that are used once, finite numbers"));
+    &BOOK
+}
+
 fn list() -> Result<(), String> {
     println!("{}", report::list(&chapters()?));
     Ok(())

@@ -79,7 +79,7 @@ fn the_gradebook_leaves_empty_what_could_not_be_graded() {
     let rows = gradebook(&[every_kind("ada"), every_kind_graded("brook")]);
     assert_eq!(rows[0][..5], ["submission", "student", "points", "of", "left_perturbation"]);
     assert_eq!(rows[1][..11], ["ada", "", "", "70", "10", "3.333", "0", "0", "0", "", ""]);
-    assert_eq!(rows[1][14], "could not be graded: noise_growth residual_jacobian");
+    assert_eq!(rows[1][14], "could not be graded: residual_jacobian noise_growth");
     assert_eq!(rows[2][..5], ["brook", "", "13.333", "50", "10"]);
     assert_eq!(rows[2][14], "graded");
     assert_eq!(rows[3][0..4], ["'=gone", "'@gone", "", ""]);

@@ -198,8 +198,8 @@ fn names_that_cannot_be_are_refused_and_nothing_is_made() {
         let error = new_in(copy.path(), "good_name", title, "bearing").expect_err(title);
         assert!(error.contains("title"), "{title}: {error}");
     }
-    let error =
-        new_in(copy.path(), "good_name", "What a slide couples", "bearing").expect_err("taken");
+    let error = new_in(copy.path(), "good_name", "Fill-in of marginalization", "bearing")
+        .expect_err("taken");
     assert!(error.contains("title") && error.contains("taken"), "{error}");
     for chapter in ["", "nowhere", "preface", "../bearing", "exercises"] {
         let error = new_in(copy.path(), "good_name", "A title", chapter).expect_err(chapter);

@@ -39,6 +39,15 @@ fn failures(checks: &[Check], answer: &dyn Transport) -> Vec<(&'static str, Fail
 }
 
 #[test]
+fn exercises_stand_in_the_order_and_with_the_titles_of_the_table_of_contents() {
+    let summary = fs::read_to_string(root().join("src/SUMMARY.md")).expect("a table of contents");
+    let entries = summary.lines().filter_map(|line| line.split_once("[Exercise: "));
+    let listed: Vec<String> = entries.map(|(_, entry)| entry.to_lowercase()).collect();
+    let entry = |e: &&Exercise| format!("{}](exercises/{}.md)", e.title.to_lowercase(), e.slug);
+    assert_eq!(listed, EXERCISES.iter().map(entry).collect::<Vec<_>>());
+}
+
+#[test]
 fn the_reference_passes_every_check() {
     for exercise in EXERCISES {
         let failed = failures(&checks(exercise), &*answers_of(exercise).reference);

@@ -13,7 +13,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "along_or_across",
-    title: "Sideways or along the ray",
+    title: "Null spaces of triangulation",
     chapter: "two_views",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -14,7 +14,7 @@ use crate::draw::Draw;
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "fill_in",
-    title: "What a slide couples",
+    title: "Fill-in of marginalization",
     chapter: "marginalization",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -14,7 +14,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "left_perturbation",
-    title: "The other convention",
+    title: "Left perturbation of a pose",
     chapter: "reprojection",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -16,7 +16,7 @@ use crate::draw::Draw;
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "noise_growth",
-    title: "Where uncertainty comes from",
+    title: "Covariance of preintegration",
     chapter: "preintegration_noise",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -12,7 +12,7 @@ use crate::draw::Draw;
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "null_space",
-    title: "Without the landmark",
+    title: "Null-space projection of a track",
     chapter: "msckf",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

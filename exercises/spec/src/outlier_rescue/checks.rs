@@ -19,7 +19,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "outlier_rescue",
-    title: "A tenth of the matches is wrong",
+    title: "Robust camera pose with outliers",
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -14,7 +14,7 @@ use crate::navigation::given;
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "residual_jacobian",
-    title: "Steps in the body frame",
+    title: "Jacobians of the preintegration residual",
     chapter: "preintegration",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

@@ -21,7 +21,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "scale_and_gravity",
-    title: "What fixes the scale",
+    title: "Scale from inertial readings",
     chapter: "observability",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

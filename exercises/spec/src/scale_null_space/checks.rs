@@ -14,7 +14,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "scale_null_space",
-    title: "Scale is a null space",
+    title: "The null vector of scale",
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,

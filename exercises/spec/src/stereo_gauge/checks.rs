@@ -14,7 +14,7 @@ use crate::picture::{Dots, Picture};
 /// The exercise.
 pub const EXERCISE: Exercise = Exercise {
     slug: "stereo_gauge",
-    title: "What a second lens fixes",
+    title: "The gauge of stereo bundle adjustment",
     chapter: "bundle_adjustment",
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
