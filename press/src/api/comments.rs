@@ -88,9 +88,8 @@ pub fn copy(file: &File, book: &Book<'_>, noted: &mut Noted) -> Vec<Line> {
             .collect();
         let mut writer = Writer { file, book, noted, head, lines: Vec::new() };
         writer.description(&text, at + 1, head.ends_with("//!"));
-        if let Some(line) = item_after(&sources, at + text.len()).filter(|_| head.ends_with("///"))
-        {
-            writer.source(at + text.len(), line);
+        if head.ends_with("///") {
+            writer.source(at + 1, at + text.len());
         }
         lines.append(&mut writer.lines);
         at += text.len();
@@ -106,20 +105,6 @@ fn described(line: &str) -> Option<(&str, &str)> {
     }
     let (head, text) = line.split_at(line.len() - start.len() + 3);
     Some((head, text.strip_prefix(' ').unwrap_or(text)))
-}
-
-/// The line of the code that a description belongs to, past attributes and remarks.
-fn item_after(lines: &[&str], from: usize) -> Option<usize> {
-    let mut in_attribute = false;
-    for (at, line) in lines.iter().enumerate().skip(from) {
-        let text = line.trim();
-        if in_attribute || text.starts_with("#[") {
-            in_attribute = !text.ends_with(']');
-        } else if !(text.is_empty() || text.starts_with("//")) {
-            return Some(at + 1);
-        }
-    }
-    None
 }
 
 struct Writer<'a, 'b> {
@@ -306,17 +291,17 @@ impl Writer<'_, '_> {
         self.block(origin, vec![Piece::Text(text)]);
     }
 
-    /// Where the item that begins on a line stands, when it is one that has a place of its own in the pages.
-    fn source(&mut self, origin: usize, line: usize) {
+    /// Where the item stands whose description begins and ends on these lines, when it has a place of its own in the
+    /// pages.
+    fn source(&mut self, first: usize, last: usize) {
         let name = &self.file.name;
-        if !self.book.library.shown(name, line, line).is_empty() {
-            let text = format!(
-                "<p class=\"book-source\">Source: <a href=\"{BOOK}{}\">{name}, line {line}</a></p>",
-                source_page(name, line)
-            );
-            self.line(origin, "");
-            self.line(origin, &text);
-        }
+        let Some(item) = self.book.library.described(name, first) else { return };
+        let (line, page) = (item.line, source_page(name, item.line));
+        let text = format!(
+            "<p class=\"book-source\">Source: <a href=\"{BOOK}{page}\">{name}, line {line}</a></p>"
+        );
+        self.line(last, "");
+        self.line(last, &text);
     }
 }
 
