@@ -49,7 +49,7 @@ impl Terms {
                 pages.iter().flat_map(|page| page.blocks.iter().map(move |block| (page, block)))
             {
                 let Kind::Text(text) = &block.kind else { continue };
-                if let Some(found) = word.find(text).filter(|_| !block.deep) {
+                if let Some(found) = word.find(text).filter(|_| block.depth.is_none()) {
                     let line = block.line + text[..found.start()].matches('\n').count();
                     let problem = format!(
                         "the main road uses a term that {}:{} defines in depth",

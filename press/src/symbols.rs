@@ -108,7 +108,7 @@ impl Symbols {
                         known.iter().filter_map(|symbols| symbols.get(&letter)).collect();
                     let problem = if meanings.is_empty() {
                         "nothing explains this letter"
-                    } else if !block.deep && meanings.iter().all(|symbol| symbol.deep) {
+                    } else if block.depth.is_none() && meanings.iter().all(|symbol| symbol.deep) {
                         "the main road uses a letter that only depth explains"
                     } else {
                         continue;

@@ -1,19 +1,13 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
-use std::sync::LazyLock;
-
-use regex::Regex;
-
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::emit::equations::unit;
+use crate::inline::{Mark, tokens};
 use crate::pages::Page;
 use crate::prose::{TERMS, escape};
 use crate::ways::{fives, seconds};
-
-static LABEL: LazyLock<Regex> =
-    LazyLock::new(|| Regex::new(r"@[a-z]+:[\w-]+").expect("a valid pattern"));
 
 /// An open `:::` and what was seen in it.
 pub(super) struct Division {
@@ -100,7 +94,10 @@ impl Emitter<'_, '_> {
             self.fault(block.line, &format!("{of}, {without}"), problem, mend);
             return "<div class=\"counterexample\">\n".to_owned();
         };
-        let pointer = if block.deep { format!("@{of}") } else { format!("[@{of}]{{.further}}") };
+        let pointer = match block.depth {
+            Some(_) => format!("@{of}"),
+            None => format!("[@{of}]{{.further}}"),
+        };
         let theorem = self.resolve(block.line, &pointer);
         let words = self.resolve(block.line, words);
         let href = self.source(&case.file, case.line);
@@ -143,8 +140,10 @@ impl Emitter<'_, '_> {
         if !self.page.path.starts_with("exercises") {
             return String::new();
         }
-        let deep = LABEL.find_iter(needs).any(|label| {
-            self.known.labels.get(&label.as_str()[1..]).is_some_and(|target| target.deep)
+        let labels = self.known.labels;
+        let deep = tokens(needs).iter().any(|token| match token.mark {
+            Mark::Reference { label, .. } => labels.get(label).is_some_and(|target| target.deep),
+            _ => false,
         });
         let road = if deep { "the main road and what is in depth" } else { "the main road" };
         format!("<dt>Asks for</dt><dd>{road}</dd>")
