@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use maud::html;
 use regex::Captures;
 
 use super::items::{File, Library};
@@ -13,7 +14,7 @@ use crate::fault::Faults;
 use crate::formulas::Formula;
 use crate::inline::{Mark, NAMED_LABEL, tokens};
 use crate::pages::{Labels, Page, slashed};
-use crate::prose::{REFERENCES, escape, name_of};
+use crate::prose::{REFERENCES, name_of};
 
 /// How an address begins that is meant from the root of the book; which way that is, only a finished page knows.
 pub const BOOK: &str = "book:/";
@@ -276,19 +277,18 @@ impl Writer<'_, '_> {
     /// The chapter that the module belongs to, and its source.
     fn chapter(&mut self, origin: usize) {
         let slug = self.file.module.first();
-        let chapter = self.book.pages.iter().find(|page| Some(&page.slug) == slug).map(|page| {
-            let number = page.number.as_ref().map_or(String::new(), |number| format!(" {number}"));
-            let address = slashed(&page.path.with_extension("html"));
-            let title = escape(page.title());
-            format!("Chapter{number}: <a href=\"{BOOK}{address}\">{title}</a>. ")
-        });
+        let chapter = self.book.pages.iter().find(|page| Some(&page.slug) == slug);
         let name = &self.file.name;
-        let text = format!(
-            "<p class=\"book-source\">{}Source: <a href=\"{BOOK}{}\">{name}</a></p>",
-            chapter.unwrap_or_default(),
-            source_page(name, 1),
-        );
-        self.block(origin, vec![Piece::Text(text)]);
+        let text = html! {
+            p.book-source {
+                @if let Some(page) = chapter {
+                    "Chapter" @if let Some(number) = &page.number { " " (number) } ": "
+                    a href={ (BOOK) (slashed(&page.path.with_extension("html"))) } { (page.title()) } ". "
+                }
+                "Source: " a href={ (BOOK) (source_page(name, 1)) } { (name) }
+            }
+        };
+        self.block(origin, vec![Piece::Text(text.into_string())]);
     }
 
     /// Where the item stands whose description begins and ends on these lines, when it has a place of its own in the
@@ -296,12 +296,9 @@ impl Writer<'_, '_> {
     fn source(&mut self, first: usize, last: usize) {
         let name = &self.file.name;
         let Some(item) = self.book.library.described(name, first) else { return };
-        let (line, page) = (item.line, source_page(name, item.line));
-        let text = format!(
-            "<p class=\"book-source\">Source: <a href=\"{BOOK}{page}\">{name}, line {line}</a></p>"
-        );
+        let way = html! { a href={ (BOOK) (source_page(name, item.line)) } { (name) ", line " (item.line) } };
         self.line(last, "");
-        self.line(last, &text);
+        self.line(last, &html! { p.book-source { "Source: " (way) } }.into_string());
     }
 }
 

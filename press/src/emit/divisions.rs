@@ -1,12 +1,14 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
+use maud::{PreEscaped, html};
+
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::emit::equations::unit;
 use crate::inline::{Mark, tokens};
 use crate::pages::Page;
-use crate::prose::{TERMS, escape};
+use crate::prose::TERMS;
 use crate::ways::{fives, seconds};
 
 /// An open `:::` and what was seen in it.
@@ -107,12 +109,18 @@ impl Emitter<'_, '_> {
             size @ 10.0..10_000.0 => format!("{size:.0}"),
             size => format!("{size:.0e}"),
         };
-        format!(
-            "<div class=\"counterexample\">\n<details class=\"check margin\"><summary>off by <span class=\"quantity\">{off}{unit}</span></summary><p>Compared with {}, what the theorem says is off by {off}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. <a href=\"{href}\">Its code</a></p></details>\n<p class=\"counterexample-title\">{theorem} without “{words}”.</p>\n",
-            escape(&case.against),
-            case.kept,
-            case.tolerance,
-        )
+        let said = format!(
+            "Compared with {}, what the theorem says is off by {off}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. ",
+            case.against, case.kept, case.tolerance,
+        );
+        let html = html! {
+            details.check.margin {
+                summary { "off by " span.quantity { (off) (unit) } }
+                p { (said) a href=(href) { "Its code" } }
+            } "\n"
+            p.counterexample-title { (PreEscaped(theorem)) " without “" (PreEscaped(words)) "”." } "\n"
+        };
+        format!("<div class=\"counterexample\">\n{}", html.into_string())
     }
 
     /// What a hint says: a piece of a file that the exercise's own program reads too.
