@@ -13,8 +13,8 @@ pub struct Block {
     pub indent: String,
     /// The number that the book gives it, `1.2`; empty where it has none.
     pub number: String,
-    /// Whether it is in depth, off the main road.
-    pub deep: bool,
+    /// The line of the heading that leads into depth, where the block is off the main road.
+    pub depth: Option<usize>,
     /// What it is.
     pub kind: Kind,
 }
@@ -96,7 +96,7 @@ impl Reader<'_> {
         self.end_text();
         let line = self.lines[at];
         let indent = line[..line.len() - line.trim_start().len()].to_owned();
-        self.blocks.push(Block { line: at + 1, indent, number: String::new(), deep: false, kind });
+        self.blocks.push(Block { line: at + 1, indent, number: String::new(), depth: None, kind });
     }
 
     fn end_text(&mut self) {
@@ -106,7 +106,7 @@ impl Reader<'_> {
                 line: at + 1,
                 indent,
                 number,
-                deep: false,
+                depth: None,
                 kind: Kind::Text(text),
             });
         }

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use maud::{Markup, html};
 use regex::{Regex, escape as literally};
 
 use crate::blocks::Kind;
 use crate::fault::Faults;
 use crate::pages::{Page, anchor};
-use crate::prose::{Found, Known, item_link, link};
+use crate::prose::{Found, Known, item_link, link, listed};
 
 /// Where a term is defined.
 #[derive(Debug)]
@@ -49,7 +50,7 @@ impl Terms {
                 pages.iter().flat_map(|page| page.blocks.iter().map(move |block| (page, block)))
             {
                 let Kind::Text(text) = &block.kind else { continue };
-                if let Some(found) = word.find(text).filter(|_| !block.deep) {
+                if let Some(found) = word.find(text).filter(|_| block.depth.is_none()) {
                     let line = block.line + text[..found.start()].matches('\n').count();
                     let problem = format!(
                         "the main road uses a term that {}:{} defines in depth",
@@ -63,8 +64,8 @@ impl Terms {
     }
 
     /// The terms as a page shows them, letter by letter.
-    fn index(&self, here: &Page, pages: &[Page]) -> String {
-        let mut letters: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+    fn index(&self, here: &Page, pages: &[Page]) -> Markup {
+        let mut letters: BTreeMap<String, BTreeMap<_, Markup>> = BTreeMap::new();
         for (term, definition) in &self.0 {
             let page = pages.iter().find(|page| page.path == definition.path);
             let chapter = page.map_or_else(String::new, |page| match &page.number {
@@ -74,40 +75,45 @@ impl Terms {
             let entry = link(here, &definition.path, &Terms::anchor(term), term);
             let first = term.chars().find(|c| c.is_alphanumeric()).unwrap_or('#');
             let entries = letters.entry(first.to_uppercase().to_string()).or_default();
-            entries.push((term.to_lowercase(), format!("<li>{entry}, {chapter}</li>")));
+            let entry = html! { li { (entry) ", " (chapter) } "\n" };
+            entries.insert((term.to_lowercase(), term), entry);
         }
-        let mut html = String::from("<div class=\"index\">\n");
-        for (letter, mut entries) in letters {
-            entries.sort();
-            let entries: Vec<String> = entries.into_iter().map(|(_, entry)| entry).collect();
-            html.push_str(&format!("<h3>{letter}</h3>\n<ul>{}</ul>\n", entries.join("\n")));
+        html! {
+            div.index {
+                @for (letter, entries) in &letters {
+                    h3 { (letter) } "\n"
+                    ul { @for entry in entries.values() { (entry) } } "\n"
+                }
+            }
         }
-        html + "</div>\n"
     }
 }
 
 /// The three parts of the index.
 pub fn index(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) -> String {
     format!(
-        "## Terms\n\n{}\n## Symbols\n\n{}\n## The library\n\n{}",
-        found.terms.index(here, pages),
-        found.symbols.index(here, pages),
-        printed(here, known, found)
+        "## Terms\n\n{}\n\n## Symbols\n\n{}\n\n## The library\n\n{}\n",
+        found.terms.index(here, pages).into_string(),
+        found.symbols.index(here, pages).into_string(),
+        printed(here, known, found).into_string()
     )
 }
 
 /// The items of the library that listings print.
-fn printed(here: &Page, known: &Known<'_>, found: &Found<'_>) -> String {
-    let mut html = String::from("<div class=\"index\">\n<ul>");
-    for (path, places) in &found.printed {
-        let Some(item) = known.library.item(path) else { continue };
-        let name = format!("<code>{path}</code>");
-        let listings: Vec<String> = places
-            .iter()
-            .map(|(page, id, number)| link(here, page, id, &format!("Listing {number}")))
-            .collect();
-        let item = item_link(here, known.library, item, &name);
-        html.push_str(&format!("<li>{item}, {}</li>\n", listings.join(", ")));
+fn printed(here: &Page, known: &Known<'_>, found: &Found<'_>) -> Markup {
+    let listing = |(page, id, number): &(PathBuf, String, String)| {
+        link(here, page, id, format!("Listing {number}"))
+    };
+    html! {
+        div.index { ul {
+            @for (path, places) in &found.printed {
+                @if let Some(item) = known.library.item(path) {
+                    li {
+                        (item_link(here, known.library, item, html! { code { (path) } })) ", "
+                        (listed(places.iter().map(listing)))
+                    } "\n"
+                }
+            }
+        } }
     }
-    html + "</ul>\n</div>\n"
 }

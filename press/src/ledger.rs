@@ -2,38 +2,28 @@
 
 use std::path::Path;
 
+use maud::{Markup, html};
+
 use crate::accepted::digest;
 use crate::attributes::Attributes;
 use crate::bibliography::Work;
 use crate::blocks::Kind;
 use crate::exhibits::Exhibits;
 use crate::pages::Page;
-use crate::prose::{Found, Known, REFERENCES, escape, link, source};
+use crate::prose::{Found, Known, REFERENCES, link, listed, source, table};
 
 /// A table of the ledger.
 struct Table {
     id: &'static str,
     title: &'static str,
     columns: &'static [&'static str],
-    rows: Vec<Vec<String>>,
+    rows: Vec<Markup>,
 }
 
 impl Table {
     fn html(&self) -> String {
-        let row = |cell: &str, cells: &[String]| {
-            format!(
-                "<tr>{}</tr>",
-                cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect::<String>()
-            )
-        };
-        let columns: Vec<String> = self.columns.iter().map(|&column| column.to_owned()).collect();
-        let rows: String = self.rows.iter().map(|cells| row("td", cells)).collect();
-        format!(
-            "## {} {{#ledger-{}}}\n\n<div class=\"table-wrapper\"><table><thead>{}</thead><tbody>{rows}</tbody></table></div>\n\n",
-            self.title,
-            self.id,
-            row("th", &columns),
-        )
+        let table = table(None, self.columns, &self.rows).into_string();
+        format!("## {} {{#ledger-{}}}\n\n{table}\n\n", self.title, self.id)
     }
 }
 
@@ -119,25 +109,25 @@ fn equations(
     let mut definitions = Vec::new();
     for (page, number, attributes, kind) in labelled(pages, "eq:") {
         let (id, label) = (&attributes.id, &attributes.id[3..]);
-        let name = link(here, &page.path, id, &format!("({number})"));
+        let name = link(here, &page.path, id, format!("({number})"));
         if attributes.has("definition") {
-            definitions.push(vec![name, format!("<code>{id}</code>")]);
+            definitions.push(html! { td { (name) } td { code { (id) } } });
             continue;
         }
         let Some(check) = exhibits.check(&page.owner, label) else { continue };
         let Kind::Equation { tex, .. } = kind else { continue };
         let (file, line) = check.place();
         let href = source(here, &file, line, found);
-        checked.push(vec![
-            name,
-            format!("<a href=\"{href}\"><code>{id}</code></a>"),
-            escape(&check.against),
-            check.worst.map_or("—".to_owned(), |worst| format!("{worst:.1e}")),
-            format!("{:.0e}", check.tolerance),
-            check.states.to_string(),
-            escape(&check.mutants.join(", ")),
-            format!("<code>{}</code>", digest(tex)),
-        ]);
+        checked.push(html! {
+            td { (name) }
+            td { (code_link(&href, id)) }
+            td { (check.against) }
+            td { @if let Some(worst) = check.worst { (format!("{worst:.1e}")) } @else { "—" } }
+            td { (format!("{:.0e}", check.tolerance)) }
+            td { (check.states) }
+            td { (check.mutants.join(", ")) }
+            td { code { (digest(tex)) } }
+        });
     }
     let columns = &[
         "Equation",
@@ -166,14 +156,14 @@ fn conditions(here: &Page, known: &Known<'_>, found: &mut Found<'_>) -> Table {
         let id = format!("thm:{}", case.theorem);
         let Some(target) = known.labels.get(&id) else { continue };
         let href = source(here, &case.file, case.line, found);
-        rows.push(vec![
-            link(here, &target.path, &id, &format!("Theorem {}", target.number)),
-            format!("<a href=\"{href}\"><code>{}</code></a>", case.condition),
-            escape(&case.against),
-            format!("{:.1e}", case.kept),
-            format!("{:.1e}", case.dropped),
-            format!("{:.0e}", case.tolerance),
-        ]);
+        rows.push(html! {
+            td { (link(here, &target.path, &id, format!("Theorem {}", target.number))) }
+            td { (code_link(&href, &case.condition)) }
+            td { (case.against) }
+            td { (format!("{:.1e}", case.kept)) }
+            td { (format!("{:.1e}", case.dropped)) }
+            td { (format!("{:.0e}", case.tolerance)) }
+        });
     }
     let columns =
         &["Theorem", "Condition", "Compared with", "Error with it", "Without it", "Tolerance"];
@@ -186,22 +176,15 @@ fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
         for number in &shown.numbers {
             let name = format!("{}.{}", shown.slug, number.name);
             let href = source(here, &number.file, number.line, found);
-            let pages = found.values.get(&name).into_iter().flatten();
-            let users: Vec<String> = pages
-                .map(|path| {
-                    format!(
-                        "<a href=\"{}\">{}</a>",
-                        here.way_to(path),
-                        path.with_extension("").display()
-                    )
-                })
-                .collect();
-            rows.push(vec![
-                format!("<a href=\"{href}\"><code>{name}</code></a>"),
-                format!("{} {}", number.text.replace('-', "−"), escape(&number.unit)),
-                number.value.map_or("—".to_owned(), |value| value.to_string()),
-                users.join(", "),
-            ]);
+            let users = found.values.get(&name).into_iter().flatten().map(|path| {
+                html! { a href=(here.way_to(path)) { (path.with_extension("").display()) } }
+            });
+            rows.push(html! {
+                td { (code_link(&href, &name)) }
+                td { (number.text.replace('-', "−")) " " (number.unit) }
+                td { @if let Some(value) = number.value { (value) } @else { "—" } }
+                td { (listed(users)) }
+            });
         }
     }
     Table {
@@ -223,15 +206,13 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
             continue;
         };
         let href = source(here, &drawing.file, drawing.line, found);
-        rows.push(vec![
-            link(here, &page.path, &attributes.id, &format!("Figure {number}")),
-            format!("<a href=\"{href}\"><code>{}</code></a>", attributes.id),
-            drawing.rows.len().to_string(),
-            format!(
-                "<a href=\"{}\" download>CSV</a>",
-                here.way_to(format!("generated/{name}.csv").as_ref())
-            ),
-        ]);
+        let data = here.way_to(format!("generated/{name}.csv").as_ref());
+        rows.push(html! {
+            td { (link(here, &page.path, &attributes.id, format!("Figure {number}"))) }
+            td { (code_link(&href, &attributes.id)) }
+            td { (drawing.rows.len()) }
+            td { a href=(data) download { "CSV" } }
+        });
     }
     Table {
         id: "figures",
@@ -245,18 +226,18 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
     let mut rows = Vec::new();
     for record in exhibits.records.values() {
         let href = source(here, &record.file(), 1, found);
-        let values: Vec<String> = record
-            .values
-            .iter()
-            .map(|(name, value)| format!("{name} = {} {}", value.text, escape(&value.unit)))
-            .collect();
-        rows.push(vec![
-            format!("<a href=\"{href}\"><code>{}</code></a>", record.name),
-            values.join("<br>"),
-            format!("<code>{}</code>", record.command),
-            format!("{}<br>{}", record.date, escape(&record.machine)),
-            format!("<code>{}</code>", record.input_digest),
-        ]);
+        rows.push(html! {
+            td { (code_link(&href, &record.name)) }
+            td {
+                @for (at, (name, value)) in record.values.iter().enumerate() {
+                    @if at > 0 { br; }
+                    (name) " = " (value.text) " " (value.unit)
+                }
+            }
+            td { code { (record.command) } }
+            td { (record.date) br; (record.machine) }
+            td { code { (record.input_digest) } }
+        });
     }
     Table {
         id: "records",
@@ -270,8 +251,8 @@ fn unverified(here: &Page, known: &Known<'_>) -> Table {
     let works = known.bibliography.sorted();
     let rows = works.iter().filter(|(_, work)| !work.unverified.is_empty());
     let row = |(key, work): &(&str, &Work)| {
-        let name = link(here, REFERENCES.as_ref(), &format!("ref:{key}"), &escape(&work.short));
-        vec![name, escape(&work.unverified)]
+        let name = link(here, REFERENCES.as_ref(), &format!("ref:{key}"), &work.short);
+        html! { td { (name) } td { (work.unverified) } }
     };
     Table {
         id: "unverified",
@@ -281,39 +262,33 @@ fn unverified(here: &Page, known: &Known<'_>) -> Table {
     }
 }
 
-/// The bibliography, each work with the places that cite it.
-pub fn bibliography(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) -> String {
-    let mut html = String::from("<dl class=\"bibliography\">\n");
-    for (key, work) in known.bibliography.sorted() {
-        let place = if work.place.is_empty() {
-            String::new()
-        } else {
-            format!(" {}.", escape(&work.place))
-        };
-        let address = work
-            .link
-            .as_ref()
-            .map(|(text, href)| {
-                format!(" <a href=\"{}\" rel=\"external\">{}</a>", escape(href), escape(text))
-            })
-            .unwrap_or_default();
-        html.push_str(&format!(
-            "<dt id=\"ref:{key}\">{} ({})</dt>\n<dd><cite>{}</cite>.{place}{address}<p>{}</p>{}</dd>\n",
-            escape(&work.authors),
-            escape(&work.year),
-            escape(&work.title),
-            escape(&work.annotation),
-            cited_in(here, pages, key, found),
-        ));
-    }
-    html + "</dl>\n"
+/// A name of the program as a link to where it stands there.
+fn code_link(href: &str, name: &str) -> Markup {
+    html! { a href=(href) { code { (name) } } }
 }
 
-fn cited_in(here: &Page, pages: &[Page], key: &str, found: &Found<'_>) -> String {
-    let Some(citations) = found.citations.get(key) else { return String::new() };
-    let links: Vec<String> = citations
-        .iter()
-        .map(|(path, anchor)| link(here, path, anchor, title(pages, path)))
-        .collect();
-    format!("<p class=\"cited-in\">Cited in: {}</p>", links.join(", "))
+/// The bibliography, each work with the places that cite it.
+pub fn bibliography(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) -> String {
+    let list = html! {
+        dl.bibliography {
+            @for (key, work) in known.bibliography.sorted() {
+                dt id={ "ref:" (key) } { (work.authors) " (" (work.year) ")" } "\n"
+                dd {
+                    cite { (work.title) } "."
+                    @if !work.place.is_empty() { " " (work.place) "." }
+                    @if let Some((text, href)) = &work.link { " " a href=(href) rel="external" { (text) } }
+                    p { (work.annotation) }
+                    @if let Some(citations) = found.citations.get(key) {
+                        p.cited-in {
+                            "Cited in: "
+                            (listed(citations.iter().map(|(path, anchor)| {
+                                link(here, path, anchor, title(pages, path))
+                            })))
+                        }
+                    }
+                } "\n"
+            }
+        }
+    };
+    list.into_string() + "\n"
 }

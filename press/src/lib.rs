@@ -8,6 +8,7 @@ pub mod api;
 pub mod attributes;
 pub mod bibliography;
 pub mod blocks;
+mod cargo;
 pub mod emit;
 pub mod engine;
 pub mod exhibits;

@@ -100,10 +100,10 @@ impl Page {
         let mut depth = None;
         for block in &mut self.blocks {
             if let Kind::Heading { level, attributes, .. } = &block.kind {
-                depth = depth.filter(|depth| level > depth);
-                depth = depth.or(attributes.has("depth").then_some(*level));
+                depth = depth.filter(|(_, above)| level > above);
+                depth = depth.or(attributes.has("depth").then_some((block.line, *level)));
             }
-            block.deep = depth.is_some();
+            block.depth = depth.map(|(line, _)| line);
         }
     }
 
@@ -217,7 +217,7 @@ impl Labels {
                         number,
                         title: title.to_owned(),
                         chapter,
-                        deep: block.deep,
+                        deep: block.depth.is_some(),
                         tex: match &block.kind {
                             Kind::Equation { tex, .. } => tex.clone(),
                             _ => String::new(),

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::api::rustdoc;
+use crate::cargo;
 use crate::files;
 use crate::pages::slashed;
 use crate::records::{Made, hex};
@@ -71,30 +72,11 @@ impl<'a> Program<'a> {
         slugs.iter().try_for_each(|slug| files::remove(&folder.join(slug)))
     }
 
-    /// Compiles the program; gives where it lies. It is not asked for by its package, because its dependencies
-    /// would then have fewer features than `cargo test` gives them, and be compiled once more.
+    /// Compiles the program; gives where it lies.
     pub fn compile(&self) -> Result<PathBuf> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let output = Command::new(cargo)
-            .args([
-                "build",
-                "--quiet",
-                "--bin",
-                &self.package,
-                "--message-format",
-                "json-render-diagnostics",
-            ])
-            .current_dir(&self.layout.root)
-            .output()
-            .context("cannot start cargo to compile the exhibits")?;
-        if !output.status.success() {
-            bail!("the exhibits do not compile:\n{}", String::from_utf8_lossy(&output.stderr));
-        }
-        let messages = String::from_utf8_lossy(&output.stdout).into_owned();
-        let program = messages
-            .lines()
-            .rev()
-            .find_map(|line| serde_json::from_str::<Artifact>(line).ok()?.executable);
+        let artifacts =
+            cargo::compile(&self.layout.root, ["--bin", &self.package], "the exhibits")?;
+        let program = artifacts.into_iter().rev().find_map(|artifact| artifact.executable);
         program.with_context(|| format!("the package {} has no program", self.package))
     }
 
@@ -150,11 +132,6 @@ impl std::fmt::Display for DataAbsent {
 }
 
 impl std::error::Error for DataAbsent {}
-
-#[derive(Deserialize)]
-struct Artifact {
-    executable: Option<PathBuf>,
-}
 
 /// For each chapter with exhibits, a digest of the sources that they are computed from; see [`crate::uses`].
 fn inputs(layout: &Layout) -> Result<BTreeMap<String, String>> {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use maud::{Markup, PreEscaped, Render, html};
 use regex::{Captures, Regex};
 
 use crate::accepted::Accepted;
@@ -259,8 +260,9 @@ impl One<'_> {
             found,
         );
         let time = planned(stop.seconds[depth]).replace(' ', "\u{a0}");
-        let text = format!("{} {title}", stop.number);
-        format!("{} ({time})", link(self.prose.page, &stop.path, &stop.anchor, &text))
+        let text = PreEscaped(format!("{} {title}", stop.number));
+        let way = link(self.prose.page, &stop.path, &stop.anchor, text);
+        format!("{} ({time})", way.into_string())
     }
 
     /// The time that several chapters and sections take together on the main road; `all` as above.
@@ -292,9 +294,7 @@ impl One<'_> {
         };
         let shown = text.replace('-', "−");
         match self.prose.html {
-            true => {
-                format!("<data class=\"value\" value=\"{value}\" title=\"{name}\">{shown}</data>")
-            }
+            true => html! { data.value value=(value) title=(name) { (shown) } }.into_string(),
             false => shown,
         }
     }
@@ -349,7 +349,10 @@ impl One<'_> {
             return inside;
         };
         match self.prose.html {
-            true => item_link(self.prose.page, self.known.library, item, &inside),
+            true => {
+                let text = PreEscaped(inside);
+                item_link(self.prose.page, self.known.library, item, text).into_string()
+            }
             false => inside,
         }
     }
@@ -373,7 +376,7 @@ impl One<'_> {
         let anchor = format!("cite:{key}-{}", citations.len() + 1);
         citations.push((self.prose.page.path.clone(), anchor.clone()));
         let way = self.prose.page.way_to(REFERENCES.as_ref());
-        format!("<a class=\"citation\" id=\"{anchor}\" href=\"{way}#ref:{key}\">{name}</a>")
+        html! { a.citation id=(anchor) href={ (way) "#ref:" (key) } { (name) } }.into_string()
     }
 
     /// A pointer from the main road into depth: one reference and nothing else.
@@ -507,21 +510,31 @@ fn number<'a>(
     None
 }
 
-/// Text as it may stand in HTML, attributes included.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 /// A link to a page of the book, from another one.
-pub fn link(from: &Page, to: &std::path::Path, anchor: &str, text: &str) -> String {
+pub fn link(from: &Page, to: &std::path::Path, anchor: &str, text: impl Render) -> Markup {
     let way = if from.path == *to { String::new() } else { from.way_to(to) };
-    format!("<a href=\"{way}#{anchor}\">{text}</a>")
+    html! { a href={ (way) "#" (anchor) } { (text) } }
 }
 
 /// A link to the page of an item of the library.
-pub fn item_link(from: &Page, library: &Library, item: &Item, text: &str) -> String {
+pub fn item_link(from: &Page, library: &Library, item: &Item, text: impl Render) -> Markup {
     let way = from.way_to(item.page.as_ref());
-    format!("<a class=\"api\" href=\"{way}\" title=\"{}::{}\">{text}</a>", library.name, item.path)
+    html! { a.api href=(way) title={ (library.name) "::" (item.path) } { (text) } }
+}
+
+/// Several things with commas between.
+pub fn listed<T: Render>(things: impl Iterator<Item = T>) -> Markup {
+    html! { @for (at, thing) in things.enumerate() { @if at > 0 { ", " } (thing) } }
+}
+
+/// A table that scrolls by itself where the page is narrow; a row is its cells.
+pub fn table(class: Option<&str>, columns: &[impl Render], rows: &[Markup]) -> Markup {
+    html! {
+        div.table-wrapper { table class=[class] {
+            thead { tr { @for name in columns { th { (name) } } } }
+            tbody { @for row in rows { tr { (row) } "\n" } }
+        } }
+    }
 }
 
 /// The way from a page to a line of a source file, which is thereby added to the source pages.

@@ -16,6 +16,7 @@ use axum::http::StatusCode;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
+use maud::{DOCTYPE, PreEscaped, html};
 use notify::{RecursiveMode, Watcher};
 use tokio::net::TcpListener;
 use tokio::sync::broadcast;
@@ -25,7 +26,6 @@ use tower_http::services::ServeDir;
 
 use crate::fault::Faults;
 use crate::make::Maker;
-use crate::prose::escape;
 use crate::settings::Layout;
 
 /// Where a page listens for news of the book.
@@ -253,11 +253,13 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
     }
     let Some(site) = served.current() else {
         let trouble = served.trouble.read().unwrap_or_else(PoisonError::into_inner).clone();
-        let page = format!(
-            "<!DOCTYPE html><title>The book cannot be built</title><pre>{}</pre><script>new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())</script>",
-            escape(&trouble)
+        let again = format!(
+            "new EventSource('/{NEWS}').addEventListener('reload', () => location.reload())"
         );
-        return (StatusCode::INTERNAL_SERVER_ERROR, Html(page)).into_response();
+        let page = html! {
+            (DOCTYPE) title { "The book cannot be built" } pre { (trouble) } script { (PreEscaped(again)) }
+        };
+        return (StatusCode::INTERNAL_SERVER_ERROR, Html(page.into_string())).into_response();
     };
     match ServeDir::new(&site).try_call(request).await {
         Ok(found) if found.status() != StatusCode::NOT_FOUND => found.into_response(),

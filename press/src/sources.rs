@@ -1,10 +1,10 @@
 //! Source files as pages of their own, so that every listing and check can be followed without a network.
 
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use regex::Captures;
 
 use crate::inline::NAMED_LABEL;
 use crate::pages::{Labels, slashed};
-use crate::prose::escape;
 
 const STYLE: &str = "\
 :root{color-scheme:light dark;--ground:light-dark(#fdfcf9,#17181c);--ink:light-dark(#1f1e1b,#dcdad4);\
@@ -23,33 +23,40 @@ li:target{background:var(--mark)}\
 /// The page of a source file. Labels in its comments, `{eq:projection}`, lead back into the book.
 pub fn page(file: &str, source: &str, labels: &Labels) -> String {
     let up = "../".repeat(file.matches('/').count() + 2);
-    let lines: String = source
-        .lines()
-        .enumerate()
-        .map(|(at, line)| format!("<li id=\"L{}\">{}</li>\n", at + 1, shown(line, &up, labels)))
-        .collect();
-    let name = escape(file);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\" class=\"source-page\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"robots\" content=\"noindex\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <header><h1>{name}</h1><a href=\"{up}index.html\">The book</a></header>\n\
-         <main tabindex=\"0\"><ol>\n{lines}</ol></main>\n</body>\n</html>\n"
-    )
+    let page = html! {
+        (DOCTYPE)
+        html.source-page lang="en" {
+            head {
+                meta charset="utf-8"; title { (file) }
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="robots" content="noindex"; link rel="icon" href="data:,";
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header { h1 { (file) } a href={ (up) "index.html" } { "The book" } }
+                main tabindex="0" { ol {
+                    @for (at, line) in source.lines().enumerate() {
+                        li id={ "L" (at + 1) } { (shown(line, &up, labels)) } "\n"
+                    }
+                } }
+            }
+        }
+    };
+    page.into_string()
 }
 
-fn shown(line: &str, up: &str, labels: &Labels) -> String {
-    let text = escape(line);
+fn shown(line: &str, up: &str, labels: &Labels) -> Markup {
+    let text = html! { (line) };
     if !line.trim_start().starts_with("//") {
         return text;
     }
     let linked =
-        NAMED_LABEL.replace_all(&text, |found: &Captures<'_>| match labels.get(&found[1]) {
+        NAMED_LABEL.replace_all(&text.0, |found: &Captures<'_>| match labels.get(&found[1]) {
             Some(target) => {
                 let page = slashed(&target.path.with_extension("html"));
-                format!("<a href=\"{up}{page}#{0}\">{{{0}}}</a>", &found[1])
+                html! { a href={ (up) (page) "#" (found[1]) } { "{" (found[1]) "}" } }.into_string()
             }
             None => found[0].to_owned(),
         });
-    format!("<span class=\"comment\">{linked}</span>")
+    html! { span.comment { (PreEscaped(linked)) } }
 }

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use maud::{Markup, PreEscaped, html};
 use regex::Regex;
 
 use crate::attributes::Attributes;
 use crate::blocks::Kind;
 use crate::fault::Faults;
 use crate::pages::Page;
-use crate::prose::{escape, link};
+use crate::prose::{link, listed, table};
 
 /// The page whose symbols hold in every chapter that does not say otherwise.
 const NOTATION: &str = "notation";
@@ -108,7 +109,7 @@ impl Symbols {
                         known.iter().filter_map(|symbols| symbols.get(&letter)).collect();
                     let problem = if meanings.is_empty() {
                         "nothing explains this letter"
-                    } else if !block.deep && meanings.iter().all(|symbol| symbol.deep) {
+                    } else if block.depth.is_none() && meanings.iter().all(|symbol| symbol.deep) {
                         "the main road uses a letter that only depth explains"
                     } else {
                         continue;
@@ -122,8 +123,8 @@ impl Symbols {
     }
 
     /// The table of all symbols: meaning, shape, unit, frame, and the places that say so.
-    pub fn index(&self, here: &Page, pages: &[Page]) -> String {
-        let mut entries: BTreeMap<(String, &str), Vec<(&Symbol, String)>> = BTreeMap::new();
+    pub fn index(&self, here: &Page, pages: &[Page]) -> Markup {
+        let mut entries: BTreeMap<(String, &str), Vec<(&Symbol, Markup)>> = BTreeMap::new();
         for page in pages {
             for (letter, symbol) in self.0.get(&page.path).into_iter().flatten() {
                 let number = page.number.as_deref().unwrap_or("Notation");
@@ -132,24 +133,21 @@ impl Symbols {
                 entry.push((symbol, way));
             }
         }
-        let mut rows = String::new();
-        for (_, places) in entries {
+        let row = |places: &Vec<(&Symbol, Markup)>| {
             let symbol = places[0].0;
-            let ways: Vec<&str> = places.iter().map(|(_, way)| way.as_str()).collect();
             let unit = if symbol.unit.is_empty() { "—" } else { &symbol.unit };
-            rows.push_str(&format!(
-                "<tr><td>${}$</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                symbol.tex,
-                escape(&symbol.means),
-                escape(&symbol.shape),
-                escape(unit),
-                escape(&symbol.frame),
-                ways.join(", "),
-            ));
-        }
-        format!(
-            "<div class=\"table-wrapper\"><table class=\"symbols\"><thead><tr><th>Symbol</th><th>Meaning</th><th>Shape</th><th>Unit</th><th>Frame</th><th>Explained in</th></tr></thead><tbody>\n{rows}</tbody></table></div>\n"
-        )
+            html! {
+                td { "$" (PreEscaped(&symbol.tex)) "$" }
+                td { (symbol.means) }
+                td { (symbol.shape) }
+                td { (unit) }
+                td { (symbol.frame) }
+                td { (listed(places.iter().map(|(_, way)| way))) }
+            }
+        };
+        let rows: Vec<_> = entries.values().map(row).collect();
+        let columns = ["Symbol", "Meaning", "Shape", "Unit", "Frame", "Explained in"];
+        table(Some("symbols"), &columns, &rows)
     }
 }
 

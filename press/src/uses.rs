@@ -16,7 +16,7 @@ use anyhow::{Context, Result, bail};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
 use rayon::prelude::*;
-use syn::{Attribute, Expr, Item, Lit, Meta};
+use syn::{Attribute, Expr, ExprLit, Item, Lit, LitStr, Meta};
 
 use crate::files;
 use crate::pages::slashed;
@@ -506,8 +506,7 @@ impl Reading {
         let Expr::Array(table) = table else { return Ok(()) };
         for entry in &table.elems {
             if let Expr::Tuple(entry) = entry
-                && let Some(Expr::Lit(name)) = entry.elems.first()
-                && let Lit::Str(name) = &name.lit
+                && let Some(Expr::Lit(ExprLit { lit: Lit::Str(name), .. })) = entry.elems.first()
             {
                 let mut words = Words::default();
                 words.take(entry.to_token_stream(), false, &mut Vec::new())?;
@@ -631,12 +630,10 @@ impl Words {
         match name {
             "include" => bail!("the press cannot follow include!: make the file a module"),
             "include_str" | "include_bytes" => {
-                let text = given.into_iter().next().map(|token| token.to_string());
-                let file =
-                    text.as_deref().and_then(|text| text.strip_prefix('"')?.strip_suffix('"'));
+                let file = syn::parse2::<LitStr>(given.into_iter().take(1).collect()).ok();
                 let file = file
                     .context("the press cannot follow an included file whose path is computed")?;
-                self.included.insert(file.to_owned());
+                self.included.insert(file.value());
             }
             name => drop(self.calls.insert(name.to_owned())),
         }
@@ -678,12 +675,8 @@ fn is_for_tests(attributes: &[Attribute]) -> bool {
 /// The file that `#[path = "…"]` names.
 fn placed(attributes: &[Attribute]) -> Option<String> {
     let attribute = attributes.iter().find(|attribute| attribute.path().is_ident("path"))?;
-    let Meta::NameValue(pair) = &attribute.meta else { return None };
-    match &pair.value {
-        Expr::Lit(literal) => match &literal.lit {
-            Lit::Str(file) => Some(file.value()),
-            _ => None,
-        },
+    match &attribute.meta.require_name_value().ok()?.value {
+        Expr::Lit(ExprLit { lit: Lit::Str(file), .. }) => Some(file.value()),
         _ => None,
     }
 }

@@ -74,8 +74,8 @@ pub fn seconds(blocks: &[Block]) -> [f64; 2] {
         _ => 0.0,
     };
     // A section in depth is no shorter for being one.
-    let is_deep = blocks.first().is_some_and(|block| block.deep);
-    let main: f64 = blocks.iter().filter(|block| is_deep || !block.deep).map(of).sum();
+    let is_deep = blocks.first().is_some_and(|block| block.depth.is_some());
+    let main: f64 = blocks.iter().filter(|block| is_deep || block.depth.is_none()).map(of).sum();
     [main, blocks.iter().map(of).sum()]
 }
 

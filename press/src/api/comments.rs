@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use maud::html;
 use regex::Captures;
 
 use super::items::{File, Library};
@@ -13,7 +14,7 @@ use crate::fault::Faults;
 use crate::formulas::Formula;
 use crate::inline::{Mark, NAMED_LABEL, tokens};
 use crate::pages::{Labels, Page, slashed};
-use crate::prose::{REFERENCES, escape, name_of};
+use crate::prose::{REFERENCES, name_of};
 
 /// How an address begins that is meant from the root of the book; which way that is, only a finished page knows.
 pub const BOOK: &str = "book:/";
@@ -88,9 +89,8 @@ pub fn copy(file: &File, book: &Book<'_>, noted: &mut Noted) -> Vec<Line> {
             .collect();
         let mut writer = Writer { file, book, noted, head, lines: Vec::new() };
         writer.description(&text, at + 1, head.ends_with("//!"));
-        if let Some(line) = item_after(&sources, at + text.len()).filter(|_| head.ends_with("///"))
-        {
-            writer.source(at + text.len(), line);
+        if head.ends_with("///") {
+            writer.source(at + 1, at + text.len());
         }
         lines.append(&mut writer.lines);
         at += text.len();
@@ -106,20 +106,6 @@ fn described(line: &str) -> Option<(&str, &str)> {
     }
     let (head, text) = line.split_at(line.len() - start.len() + 3);
     Some((head, text.strip_prefix(' ').unwrap_or(text)))
-}
-
-/// The line of the code that a description belongs to, past attributes and remarks.
-fn item_after(lines: &[&str], from: usize) -> Option<usize> {
-    let mut in_attribute = false;
-    for (at, line) in lines.iter().enumerate().skip(from) {
-        let text = line.trim();
-        if in_attribute || text.starts_with("#[") {
-            in_attribute = !text.ends_with(']');
-        } else if !(text.is_empty() || text.starts_with("//")) {
-            return Some(at + 1);
-        }
-    }
-    None
 }
 
 struct Writer<'a, 'b> {
@@ -291,32 +277,28 @@ impl Writer<'_, '_> {
     /// The chapter that the module belongs to, and its source.
     fn chapter(&mut self, origin: usize) {
         let slug = self.file.module.first();
-        let chapter = self.book.pages.iter().find(|page| Some(&page.slug) == slug).map(|page| {
-            let number = page.number.as_ref().map_or(String::new(), |number| format!(" {number}"));
-            let address = slashed(&page.path.with_extension("html"));
-            let title = escape(page.title());
-            format!("Chapter{number}: <a href=\"{BOOK}{address}\">{title}</a>. ")
-        });
+        let chapter = self.book.pages.iter().find(|page| Some(&page.slug) == slug);
         let name = &self.file.name;
-        let text = format!(
-            "<p class=\"book-source\">{}Source: <a href=\"{BOOK}{}\">{name}</a></p>",
-            chapter.unwrap_or_default(),
-            source_page(name, 1),
-        );
-        self.block(origin, vec![Piece::Text(text)]);
+        let text = html! {
+            p.book-source {
+                @if let Some(page) = chapter {
+                    "Chapter" @if let Some(number) = &page.number { " " (number) } ": "
+                    a href={ (BOOK) (slashed(&page.path.with_extension("html"))) } { (page.title()) } ". "
+                }
+                "Source: " a href={ (BOOK) (source_page(name, 1)) } { (name) }
+            }
+        };
+        self.block(origin, vec![Piece::Text(text.into_string())]);
     }
 
-    /// Where the item that begins on a line stands, when it is one that has a place of its own in the pages.
-    fn source(&mut self, origin: usize, line: usize) {
+    /// Where the item stands whose description begins and ends on these lines, when it has a place of its own in the
+    /// pages.
+    fn source(&mut self, first: usize, last: usize) {
         let name = &self.file.name;
-        if !self.book.library.shown(name, line, line).is_empty() {
-            let text = format!(
-                "<p class=\"book-source\">Source: <a href=\"{BOOK}{}\">{name}, line {line}</a></p>",
-                source_page(name, line)
-            );
-            self.line(origin, "");
-            self.line(origin, &text);
-        }
+        let Some(item) = self.book.library.described(name, first) else { return };
+        let way = html! { a href={ (BOOK) (source_page(name, item.line)) } { (name) ", line " (item.line) } };
+        self.line(last, "");
+        self.line(last, &html! { p.book-source { "Source: " (way) } }.into_string());
     }
 }
 

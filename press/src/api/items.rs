@@ -1,11 +1,13 @@
 //! The public items of the library, and the page and anchor that rustdoc gives to each.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Result;
+use rayon::prelude::*;
 
-use super::scan::{Entry, Kind, entries};
+use super::scan::{Entry, Scan};
 use crate::files;
 use crate::pages::{nearest, slashed};
 
@@ -21,6 +23,8 @@ pub struct Item {
     pub page: String,
     /// The file it stands in, below the root.
     pub file: String,
+    /// The line that its description begins on.
+    first: usize,
     /// The line of its name.
     pub line: usize,
     /// Whether it is one of the things a reader looks up, and not a field or a variant.
@@ -36,7 +40,7 @@ pub struct File {
     pub module: Vec<String>,
     /// What it says.
     pub text: String,
-    entries: Vec<Entry>,
+    scan: Arc<Scan>,
 }
 
 /// The library as the book sees it.
@@ -57,17 +61,10 @@ impl Library {
             return Ok(library);
         }
         let folder = root.join(SOURCES);
-        for path in files::below(&folder)? {
-            if path.extension().is_some_and(|end| end == "rs") {
-                let text = files::read(&folder.join(&path))?;
-                library.files.push(File {
-                    name: format!("{SOURCES}/{}", slashed(&path)),
-                    module: module_of(&path),
-                    entries: entries(&text),
-                    text,
-                });
-            }
-        }
+        let mut paths = files::below(&folder)?;
+        paths.retain(|path| path.extension().is_some_and(|end| end == "rs"));
+        let read = |path: &PathBuf| Ok(File::new(path, files::read(&folder.join(path))?));
+        library.files = paths.par_iter().map(read).collect::<Result<_>>()?;
         library.items = items(&library.files, &library.name);
         Ok(library)
     }
@@ -95,9 +92,23 @@ impl Library {
         shown
     }
 
+    /// The item whose description has a line of a file, when it is one of the things a reader looks up.
+    pub fn described(&self, file: &str, line: usize) -> Option<&Item> {
+        let has = |item: &&Item| item.file == file && (item.first..item.line).contains(&line);
+        self.items.values().find(|item| item.whole && has(item))
+    }
+
     /// The path that resembles one that is not there.
     pub fn like(&self, path: &str) -> Option<&str> {
         nearest(self.items.keys(), path)
+    }
+}
+
+impl File {
+    /// A file by its path below the sources.
+    fn new(path: &Path, text: String) -> File {
+        let name = format!("{SOURCES}/{}", slashed(path));
+        File { name, module: module_of(path), scan: Scan::of(&text), text }
     }
 }
 
@@ -137,9 +148,14 @@ impl<'a> Survey<'a> {
         for file in files {
             let module = file.module.join("::");
             let seen = module.is_empty() || public.contains(&module);
-            for entry in file.entries.iter().filter(|entry| seen && entry.kind == Kind::Use) {
-                let handed = used(&entry.name, &module).into_iter();
-                handed_on.extend(handed.map(|from| (from, module.clone())));
+            for path in file.scan.handed_on.iter().filter(|_| seen) {
+                let Some((name, from)) = path.split_last() else { continue };
+                let from = match from.first().map(String::as_str) {
+                    Some("crate") => from[1..].to_vec(),
+                    Some("self") => [&file.module, &from[1..]].concat(),
+                    _ => [&file.module, from].concat(),
+                };
+                handed_on.insert((from.join("::"), name.clone()), module.clone());
             }
         }
         Survey { library, files, public, handed_on }
@@ -163,8 +179,8 @@ impl<'a> Survey<'a> {
         let module = |file: &File| {
             let path = file.module.join("::");
             let page = page(self.library, &path, "index.html");
-            let item =
-                Item { path: path.clone(), page, file: file.name.clone(), line: 0, whole: true };
+            let (name, first, line) = (file.name.clone(), 0, 0);
+            let item = Item { path: path.clone(), page, file: name, first, line, whole: true };
             self.public.contains(&path).then_some((path, item))
         };
         self.files.iter().filter_map(module).collect()
@@ -173,11 +189,11 @@ impl<'a> Survey<'a> {
     /// Functions, types, traits and constants: what has a page of its own.
     fn insert_whole(&self, items: &mut BTreeMap<String, Item>) {
         for file in self.files {
-            for entry in file.entries.iter().filter(|entry| entry.public && entry.parent.is_none())
-            {
-                let home = self.home(file, &entry.name);
-                let (Some(word), Some(module)) = (word(entry.kind), home) else { continue };
-                let page = page(self.library, &module, &format!("{word}.{}.html", entry.name));
+            let whole = |entry: &&Entry| entry.public && entry.owner.is_none();
+            for entry in file.scan.entries.iter().filter(whole) {
+                let Some(module) = self.home(file, &entry.name) else { continue };
+                let name = format!("{}.{}.html", entry.word, entry.name);
+                let page = page(self.library, &module, &name);
                 let path = joined(&module, &entry.name);
                 items.insert(path.clone(), item(file, entry, path, page));
             }
@@ -187,14 +203,11 @@ impl<'a> Survey<'a> {
     /// Methods and whatever else stands on the page of its type or trait.
     fn insert_members(&self, items: &mut BTreeMap<String, Item>) {
         for file in self.files {
-            for entry in &file.entries {
-                let Some(parent) = entry.parent.map(|parent| &file.entries[parent]) else {
-                    continue;
-                };
-                let owner = self.owner(file, &parent.name, items);
-                let (Some(owner), Some(anchor)) = (owner, anchor(entry, parent)) else { continue };
+            for entry in file.scan.entries.iter().filter(|entry| entry.public) {
+                let owner = entry.owner.as_ref().and_then(|name| self.owner(file, name, items));
+                let Some(owner) = owner else { continue };
                 let path = joined(&owner, &entry.name);
-                let page = format!("{}#{anchor}", items[&owner].page);
+                let page = format!("{}#{}.{}", items[&owner].page, entry.word, entry.name);
                 items.entry(path.clone()).or_insert_with(|| item(file, entry, path, page));
             }
         }
@@ -204,10 +217,8 @@ impl<'a> Survey<'a> {
     fn owner(&self, file: &File, name: &str, items: &BTreeMap<String, Item>) -> Option<String> {
         let near = self.home(file, name).map(|module| joined(&module, name));
         let near = near.filter(|path| items.contains_key(path));
-        let defined = |entry: &Entry| {
-            entry.parent.is_none() && entry.name == name && word(entry.kind).is_some()
-        };
-        if near.is_some() || file.entries.iter().any(defined) {
+        let defined = |entry: &Entry| entry.owner.is_none() && entry.name == name;
+        if near.is_some() || file.scan.entries.iter().any(defined) {
             return near;
         }
         let end = format!("::{name}");
@@ -216,8 +227,9 @@ impl<'a> Survey<'a> {
 }
 
 fn item(file: &File, entry: &Entry, path: String, page: String) -> Item {
-    let whole = !matches!(entry.kind, Kind::Field | Kind::Variant);
-    Item { path, page, file: file.name.clone(), line: entry.line, whole }
+    let whole = !matches!(entry.word, "structfield" | "variant");
+    let (first, line) = (entry.first, entry.line);
+    Item { path, page, file: file.name.clone(), first, line, whole }
 }
 
 /// The paths of the modules that can be named from outside.
@@ -228,10 +240,7 @@ fn public_modules(files: &[File]) -> BTreeSet<String> {
     for file in order {
         let module = file.module.join("::");
         if public.contains(&module) {
-            let inner = file.entries.iter().filter(|entry| {
-                entry.kind == Kind::Module && entry.public && entry.parent.is_none()
-            });
-            public.extend(inner.map(|entry| joined(&module, &entry.name)));
+            public.extend(file.scan.modules.iter().map(|inner| joined(&module, inner)));
         }
     }
     public.remove("");
@@ -249,65 +258,12 @@ fn page(library: &str, module: &str, file: &str) -> String {
     format!("api/{library}/{folder}{slash}{file}")
 }
 
-/// How rustdoc begins the name of a page.
-fn word(kind: Kind) -> Option<&'static str> {
-    Some(match kind {
-        Kind::Function => "fn",
-        Kind::Struct => "struct",
-        Kind::Enum => "enum",
-        Kind::Union => "union",
-        Kind::Trait => "trait",
-        Kind::Constant => "constant",
-        Kind::Static => "static",
-        Kind::Type => "type",
-        _ => return None,
-    })
-}
-
-/// The anchor of a member on the page of its type or trait, when it can be seen.
-fn anchor(entry: &Entry, parent: &Entry) -> Option<String> {
-    let of_trait = matches!(parent.kind, Kind::Trait | Kind::Impl { of_trait: true });
-    let word = match (entry.kind, parent.kind) {
-        (Kind::Variant, Kind::Enum) => "variant",
-        _ if !(entry.public || of_trait) => return None,
-        (Kind::Field, Kind::Struct | Kind::Union) => "structfield",
-        (Kind::Function, Kind::Trait) if !entry.body => "tymethod",
-        (Kind::Function, Kind::Trait | Kind::Impl { .. }) => "method",
-        (Kind::Constant, Kind::Trait | Kind::Impl { .. }) => "associatedconstant",
-        (Kind::Type, Kind::Trait | Kind::Impl { .. }) => "associatedtype",
-        _ => return None,
-    };
-    Some(format!("{word}.{}", entry.name))
-}
-
-/// What a `pub use` names: the module it lies in, and its name, which may be `*`.
-fn used(path: &str, module: &str) -> Vec<(String, String)> {
-    let (from, names) = match path.split_once('{') {
-        Some((from, names)) => (from.trim_end_matches("::"), names.trim_end_matches('}')),
-        None => path.rsplit_once("::").unwrap_or(("", path)),
-    };
-    let from = match from.strip_prefix("crate::") {
-        Some(from) => from.to_owned(),
-        None => joined(module, from.strip_prefix("self::").unwrap_or(from)),
-    };
-    names
-        .split(',')
-        .map(|name| (from.clone(), name.trim().to_owned()))
-        .filter(|(_, name)| !name.is_empty())
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn library(files: &[(&str, &str)]) -> BTreeMap<String, Item> {
-        let file = |(name, text): &(&str, &str)| File {
-            name: format!("{SOURCES}/{name}"),
-            module: module_of(Path::new(name)),
-            entries: entries(text),
-            text: (*text).to_owned(),
-        };
+        let file = |(name, text): &(&str, &str)| File::new(Path::new(name), (*text).to_owned());
         items(&files.iter().map(file).collect::<Vec<_>>(), "lib")
     }
 

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
+use maud::html;
 use mdbook_preprocessor::config::Config;
 use regex::Regex;
 
 use super::comments::BOOK;
 use crate::files;
 use crate::pages::slashed;
-use crate::prose::escape;
 use crate::settings::Layout;
 
 /// What rustdoc is given beside the sources.
@@ -37,16 +37,18 @@ impl Theme {
         let formulas = read("fonts/katex.css")?.replace("{{ resource \"", "").replace("\" }}", "");
         let fonts = files::below(&folder.join("fonts"))?;
         let of_formulas = |font: &PathBuf| slashed(font).to_lowercase().starts_with("katex");
-        let title = escape(config.book.title.as_deref().unwrap_or("The book"));
+        let title = config.book.title.as_deref().unwrap_or("The book");
         let fonts = fonts
             .into_iter()
             .filter(|font| of_formulas(font) && font.extension().is_some_and(|end| end != "css"));
-        let bar = format!(
-            "<nav class=\"book-bar\" aria-label=\"Book\"><a href=\"{BOOK}index.html\">{title}</a><span>the library</span></nav>\n"
-        );
+        let bar = html! {
+            nav.book-bar aria-label="Book" {
+                a href={ (BOOK) "index.html" } { (title) } span { "the library" }
+            } "\n"
+        };
         Ok(Theme {
             style: formulas + &read("css/api.css")?,
-            bar: bar + &read("api.html")?,
+            bar: bar.into_string() + &read("api.html")?,
             fonts: fonts.map(|font| folder.join("fonts").join(font)).collect(),
         })
     }

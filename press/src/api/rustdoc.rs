@@ -10,11 +10,11 @@ use std::sync::LazyLock;
 
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
 use super::comments::Line;
 use super::items::SOURCES;
 use super::publish::{bar_file, style_file};
+use crate::cargo::{self, Artifact};
 use crate::fault::Faults;
 use crate::pages::slashed;
 use crate::settings::{Layout, Settings};
@@ -85,11 +85,11 @@ pub fn run(order: &Order<'_>) -> Result<Faults> {
     }
     for (name, artifact) in metadata.dependencies(&library.id, &artifacts) {
         let file =
-            artifact.file().with_context(|| format!("cargo compiled {name} into no library"))?;
+            artifact.library().with_context(|| format!("cargo compiled {name} into no library"))?;
         command.arg("--extern").arg(format!("{name}={}", file.display()));
     }
     let folders: BTreeSet<&Path> =
-        artifacts.values().filter_map(|artifact| artifact.file()?.parent()).collect();
+        artifacts.values().filter_map(|artifact| artifact.library()?.parent()).collect();
     for folder in folders {
         command.arg("-L").arg(format!("dependency={}", folder.display()));
     }
@@ -102,53 +102,17 @@ pub fn run(order: &Order<'_>) -> Result<Faults> {
     Ok(faults)
 }
 
-fn cargo(order: &Order<'_>, arguments: &[&str]) -> Result<String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo).args(arguments).current_dir(&order.layout.root).output();
-    let output = output.context("cannot start cargo to compile the library")?;
-    if !output.status.success() {
-        bail!("the library does not compile:\n{}", String::from_utf8_lossy(&output.stderr));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
 /// What cargo compiled, by package. Where there are exhibits, the library is compiled for their program as
 /// everywhere else; asked for alone, it could have its dependencies with fewer features.
 fn compiled(order: &Order<'_>) -> Result<BTreeMap<String, Artifact>> {
     let settings = order.settings;
-    let what = match settings.exhibits_package.as_str() {
+    let options = match settings.exhibits_package.as_str() {
         "" => ["--package", &settings.library_package],
         program => ["--bin", program],
     };
-    let arguments = ["build", "--quiet", "--message-format", "json-render-diagnostics"];
-    let messages = cargo(order, &[&arguments[..], &what].concat())?;
-    let artifacts = read_lines::<Artifact>(&messages).filter(|artifact| artifact.file().is_some());
-    Ok(artifacts.map(|artifact| (artifact.package_id.clone(), artifact)).collect())
-}
-
-fn read_lines<T: DeserializeOwned>(text: &str) -> impl Iterator<Item = T> {
-    text.lines().filter_map(|line| serde_json::from_str(line).ok())
-}
-
-/// What was compiled for one package.
-#[derive(Deserialize)]
-struct Artifact {
-    package_id: String,
-    filenames: Vec<PathBuf>,
-    features: Vec<String>,
-}
-
-impl Artifact {
-    /// The compiled library: Rust's, or what a macro is loaded from.
-    fn file(&self) -> Option<&Path> {
-        let ends = |ends: &[&str]| {
-            let fits = |path: &&PathBuf| {
-                path.extension().is_some_and(|end| ends.iter().any(|known| end == *known))
-            };
-            self.filenames.iter().find(fits).map(PathBuf::as_path)
-        };
-        ends(&["rlib"]).or_else(|| ends(&["so", "dylib", "dll"]))
-    }
+    let artifacts = cargo::compile(&order.layout.root, options, "the library")?.into_iter();
+    let libraries = artifacts.filter(|artifact| artifact.library().is_some());
+    Ok(libraries.map(|artifact| (artifact.package_id.clone(), artifact)).collect())
 }
 
 /// What cargo knows of the workspace.
@@ -191,7 +155,8 @@ struct DependencyKind {
 
 impl Metadata {
     fn ask(order: &Order<'_>) -> Result<Metadata> {
-        let text = cargo(order, &["metadata", "--quiet", "--format-version", "1"])?;
+        let ask = ["metadata", "--quiet", "--format-version", "1"];
+        let text = cargo::call(&order.layout.root, &ask, "tell what the workspace has")?;
         serde_json::from_str(&text).context("cargo metadata says something unexpected")
     }
 
@@ -239,7 +204,8 @@ struct Span {
 /// What rustdoc says, at the lines of the files that the copies were made from.
 fn faults(order: &Order<'_>, messages: &str) -> Faults {
     let mut faults = Faults::default();
-    for message in read_lines::<Message>(messages) {
+    for line in messages.lines() {
+        let Ok(message) = serde_json::from_str::<Message>(line) else { continue };
         let Some(span) = message.spans.iter().find(|span| span.is_primary) else { continue };
         if !["warning", "error"].contains(&message.level.as_str()) {
             continue;

@@ -1,214 +1,163 @@
-//! Finds the items of a Rust file, by the lines they begin and end on.
-//!
-//! It reads what rustfmt wrote, where indentation says what lies in what. Whatever it takes wrongly, a dead link
-//! into the pages of the library shows.
+//! Finds what a Rust file shows to others, and how rustdoc begins the name of the page or anchor of each item.
 
-/// The kinds of items that rustdoc writes about, and what else can have a description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Module,
-    Function,
-    Struct,
-    Enum,
-    Union,
-    Trait,
-    Constant,
-    Static,
-    Type,
-    Field,
-    Variant,
-    /// `impl Type` or `impl Trait for Type`; has the name of the type.
-    Impl {
-        of_trait: bool,
-    },
-    /// `pub use path`, with the path in place of a name.
-    Use,
-}
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// An item as its file has it.
-#[derive(Clone, Debug, PartialEq)]
+use proc_macro2::Ident;
+use syn::spanned::Spanned;
+use syn::{Attribute, Field, ImplItem, Item, ItemImpl, TraitItem, Type, UseTree, Visibility};
+
+/// An item that has a page of its own, or a place on the page of its type or trait.
+#[derive(Debug)]
 pub struct Entry {
-    pub kind: Kind,
+    /// How rustdoc begins the name of its page or anchor: `struct`, `tymethod`.
+    pub word: &'static str,
     pub name: String,
-    /// Whether it says `pub`.
+    /// Whether whoever sees its module, or its type or trait, sees it too.
     pub public: bool,
-    /// Whether a function of a trait has a body.
-    pub body: bool,
-    /// The line of its name, counted from 1.
+    /// The line that its description begins on, or its attributes, counted from 1.
+    pub first: usize,
+    /// The line of its name.
     pub line: usize,
-    /// The last line.
-    pub last: usize,
-    /// The entry that it stands in.
-    pub parent: Option<usize>,
+    /// The name of its type or trait.
+    pub owner: Option<String>,
 }
 
-/// The entries of a file, in order.
-pub fn entries(source: &str) -> Vec<Entry> {
-    let lines: Vec<&str> = source.lines().collect();
-    let mut entries: Vec<Entry> = Vec::new();
-    // The entries that the line is in, each with the indentation of what it holds.
-    let mut open: Vec<(usize, usize)> = Vec::new();
-    for (at, line) in lines.iter().enumerate() {
-        let indent = indent(line);
-        while open.last().is_some_and(|(entry, _)| at + 1 > entries[*entry].last) {
-            open.pop();
+/// What a file holds.
+#[derive(Debug, Default)]
+pub struct Scan {
+    /// The items, in order.
+    pub entries: Vec<Entry>,
+    /// The names of its public modules.
+    pub modules: Vec<String>,
+    /// What `pub use` hands on, a path each, whose last name may be `*`.
+    pub handed_on: Vec<Vec<String>>,
+}
+
+impl Scan {
+    /// Finds nothing in a file that is not Rust: what is wrong with it the compiler says better.
+    pub fn of(source: &str) -> Arc<Scan> {
+        // Whoever serves the book asks again and again for files that did not change.
+        static KNOWN: Mutex<BTreeMap<String, Arc<Scan>>> = Mutex::new(BTreeMap::new());
+        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(same) = known().get(source) {
+            return same.clone();
         }
-        let within = open.last().copied();
-        if indent != within.map_or(0, |(_, indent)| indent) {
-            continue;
-        }
-        let parent = within.map(|(entry, _)| entry);
-        let Some((kind, name, public)) =
-            head(line.trim(), parent.map(|entry| entries[entry].kind), &lines[at..])
-        else {
-            continue;
+        let mut scan = Scan::default();
+        let items = syn::parse_file(source).map(|file| file.items).unwrap_or_default();
+        items.iter().for_each(|item| scan.take(item));
+        let scan = Arc::new(scan);
+        known().insert(source.to_owned(), scan.clone());
+        scan
+    }
+
+    fn take(&mut self, item: &Item) {
+        let (word, attributes, vis, name) = match item {
+            Item::Fn(item) => ("fn", &item.attrs, &item.vis, &item.sig.ident),
+            Item::Struct(item) => ("struct", &item.attrs, &item.vis, &item.ident),
+            Item::Enum(item) => ("enum", &item.attrs, &item.vis, &item.ident),
+            Item::Union(item) => ("union", &item.attrs, &item.vis, &item.ident),
+            Item::Trait(item) => ("trait", &item.attrs, &item.vis, &item.ident),
+            Item::Const(item) => ("constant", &item.attrs, &item.vis, &item.ident),
+            Item::Static(item) => ("static", &item.attrs, &item.vis, &item.ident),
+            Item::Type(item) => ("type", &item.attrs, &item.vis, &item.ident),
+            Item::Impl(item) => return self.take_impl(item),
+            Item::Mod(item) if is_public(&item.vis) => {
+                return self.modules.push(item.ident.to_string());
+            }
+            Item::Use(item) if is_public(&item.vis) => return self.hand_on(&item.tree, &[]),
+            _ => return,
         };
-        let last = at + length(&lines[at..], indent);
-        let body = lines[last - 1].trim_end().ends_with('}');
-        entries.push(Entry { kind, name, public, body, line: at + 1, last, parent });
-        let holds = !matches!(
-            kind,
-            Kind::Function | Kind::Constant | Kind::Static | Kind::Type | Kind::Use | Kind::Field
-        );
-        if holds && last > at + 1 {
-            open.push((entries.len() - 1, indent + 4));
-        }
-    }
-    entries
-}
-
-fn indent(line: &str) -> usize {
-    line.len() - line.trim_start().len()
-}
-
-/// How many lines an item takes: up to a line with the indentation of its first one that closes it.
-fn length(lines: &[&str], indent_of_first: usize) -> usize {
-    let closes = |line: &str| line.ends_with(';') || line.ends_with('}') || line.ends_with(',');
-    if closes(lines[0].trim_end()) {
-        return 1;
-    }
-    let end = lines[1..].iter().position(|line| {
-        indent(line) == indent_of_first
-            && !line.trim().is_empty()
-            && closes(line.trim_end())
-            && !line.trim_start().starts_with("where")
-    });
-    end.map_or(lines.len(), |end| end + 2)
-}
-
-/// The kind and name of the item that begins on a line, and whether it is public.
-fn head(line: &str, parent: Option<Kind>, rest: &[&str]) -> Option<(Kind, String, bool)> {
-    let (public, text) = match line.strip_prefix("pub ") {
-        Some(text) => (true, text),
-        None => (false, without_restriction(line)),
-    };
-    match parent {
-        Some(Kind::Struct | Kind::Union | Kind::Variant) => {
-            let (name, _) = text.split_once(": ")?;
-            return is_name(name).then(|| (Kind::Field, name.to_owned(), public));
-        }
-        Some(Kind::Enum) => {
-            let name = word(text);
-            let capital = name.starts_with(|c: char| c.is_uppercase());
-            return capital.then(|| (Kind::Variant, name.to_owned(), true));
-        }
-        _ => {}
-    }
-    if text.starts_with("impl ") || text.starts_with("impl<") {
-        let (of_trait, name) = implemented(rest);
-        return Some((Kind::Impl { of_trait }, name, false));
-    }
-    if let Some(path) = text.strip_prefix("use ").filter(|_| public) {
-        let rest: String = rest[1..].iter().map(|line| line.trim()).collect();
-        let whole = if path.ends_with(';') { path.to_owned() } else { format!("{path}{rest}") };
-        return Some((Kind::Use, whole.split(';').next()?.to_owned(), public));
-    }
-    let mut text = text;
-    for modifier in ["default ", "const ", "async ", "unsafe "] {
-        let after = text.strip_prefix(modifier);
-        let stays = |after: &&str| {
-            modifier != "const "
-                || ["fn ", "async ", "unsafe "].iter().any(|next| after.starts_with(next))
-        };
-        text = after.filter(stays).unwrap_or(text);
-    }
-    let (keyword, after) = text.split_once(' ')?;
-    let kind = match keyword {
-        "mod" => Kind::Module,
-        "fn" => Kind::Function,
-        "struct" => Kind::Struct,
-        "enum" => Kind::Enum,
-        "union" => Kind::Union,
-        "trait" => Kind::Trait,
-        "const" => Kind::Constant,
-        "static" => Kind::Static,
-        "type" => Kind::Type,
-        _ => return None,
-    };
-    let name = word(after);
-    (!name.is_empty()).then(|| (kind, name.to_owned(), public))
-}
-
-/// A line without `pub(crate)` and the like.
-fn without_restriction(line: &str) -> &str {
-    line.strip_prefix("pub(").and_then(|rest| rest.split_once(") ")).map_or(line, |(_, rest)| rest)
-}
-
-fn word(text: &str) -> &str {
-    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
-    &text[..end]
-}
-
-fn is_name(text: &str) -> bool {
-    !text.is_empty() && word(text) == text
-}
-
-/// Whether an `impl` is that of a trait, and the name of its type.
-fn implemented(lines: &[&str]) -> (bool, String) {
-    let head: String = lines.iter().map(|line| format!("{} ", line.trim())).collect();
-    let head = head.split(" {").next().unwrap_or_default().trim_start_matches("impl");
-    let (of_trait, subject) = match head.split_once(" for ") {
-        Some((_, subject)) => (true, subject),
-        None => (false, without_generics(head)),
-    };
-    let path = subject.trim().split(['<', ' ']).next().unwrap_or_default();
-    (of_trait, path.rsplit("::").next().unwrap_or_default().to_owned())
-}
-
-/// `<T: X<Y>> Type` without what stands between the first brackets.
-fn without_generics(text: &str) -> &str {
-    if !text.starts_with('<') {
-        return text;
-    }
-    let mut depth = 0_usize;
-    for (at, c) in text.char_indices() {
-        match c {
-            '<' => depth += 1,
-            '>' if !text[..at].ends_with('-') => depth -= 1,
+        self.add(word, attributes, is_public(vis), name, None);
+        match item {
+            Item::Struct(item) => self.take_fields(&item.fields, name),
+            Item::Union(item) => self.take_fields(&item.fields.named, name),
+            Item::Enum(item) => item.variants.iter().for_each(|variant| {
+                self.add("variant", &variant.attrs, true, &variant.ident, Some(name));
+            }),
+            Item::Trait(item) => item.items.iter().for_each(|inner| {
+                let (word, attributes, inner) = match inner {
+                    TraitItem::Fn(inner) => {
+                        let word = if inner.default.is_some() { "method" } else { "tymethod" };
+                        (word, &inner.attrs, &inner.sig.ident)
+                    }
+                    TraitItem::Const(inner) => ("associatedconstant", &inner.attrs, &inner.ident),
+                    TraitItem::Type(inner) => ("associatedtype", &inner.attrs, &inner.ident),
+                    _ => return,
+                };
+                self.add(word, attributes, true, inner, Some(name));
+            }),
             _ => {}
         }
-        if depth == 0 {
-            return &text[at + 1..];
+    }
+
+    fn take_impl(&mut self, item: &ItemImpl) {
+        let Type::Path(of) = &*item.self_ty else { return };
+        let of = of.path.segments.last().map(|segment| &segment.ident);
+        for inner in &item.items {
+            let (word, attributes, vis, name) = match inner {
+                ImplItem::Fn(inner) => ("method", &inner.attrs, &inner.vis, &inner.sig.ident),
+                ImplItem::Const(inner) => {
+                    ("associatedconstant", &inner.attrs, &inner.vis, &inner.ident)
+                }
+                ImplItem::Type(inner) => ("associatedtype", &inner.attrs, &inner.vis, &inner.ident),
+                _ => continue,
+            };
+            self.add(word, attributes, item.trait_.is_some() || is_public(vis), name, of);
         }
     }
-    text
+
+    fn take_fields<'a>(&mut self, fields: impl IntoIterator<Item = &'a Field>, of: &Ident) {
+        for field in fields {
+            if let Some(name) = &field.ident {
+                self.add("structfield", &field.attrs, is_public(&field.vis), name, Some(of));
+            }
+        }
+    }
+
+    fn hand_on(&mut self, tree: &UseTree, before: &[String]) {
+        let below = |name: &Ident| [before, &[name.to_string()]].concat();
+        match tree {
+            UseTree::Path(path) => self.hand_on(&path.tree, &below(&path.ident)),
+            UseTree::Group(group) => group.items.iter().for_each(|tree| self.hand_on(tree, before)),
+            UseTree::Name(name) => self.handed_on.push(below(&name.ident)),
+            UseTree::Glob(_) => self.handed_on.push([before, &["*".to_owned()]].concat()),
+            // Its page would bear the other name.
+            _ => {}
+        }
+    }
+
+    fn add(
+        &mut self,
+        word: &'static str,
+        attributes: &[Attribute],
+        public: bool,
+        name: &Ident,
+        owner: Option<&Ident>,
+    ) {
+        let line = name.span().start().line;
+        let first = attributes.first().map_or(line, |first| first.span().start().line);
+        let (name, owner) = (name.to_string(), owner.map(Ident::to_string));
+        self.entries.push(Entry { word, name, public, first, line, owner });
+    }
+}
+
+fn is_public(vis: &Visibility) -> bool {
+    matches!(vis, Visibility::Public(_))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn found(source: &str) -> Vec<(String, Kind, usize, usize, bool)> {
-        let shown =
-            |entry: &Entry| (entry.name.clone(), entry.kind, entry.line, entry.last, entry.public);
-        entries(source).iter().map(shown).collect()
-    }
-
     #[test]
     fn items_are_found_with_their_lines() {
         let source = "\
 //! About.
 
+/// A matrix
+/// of a vector.
+#[inline]
 pub const fn hat(
     phi: f64,
 ) -> f64
@@ -225,26 +174,29 @@ pub const TABLE: [f64; 2] = [
 pub(crate) fn hidden() {}
 pub mod so3;
 ";
+        let scan = Scan::of(source);
+        let found: Vec<_> = scan
+            .entries
+            .iter()
+            .map(|entry| (entry.word, entry.name.as_str(), entry.first, entry.line, entry.public))
+            .collect();
         assert_eq!(
-            found(source),
+            found,
             [
-                ("hat".to_owned(), Kind::Function, 3, 10, true),
-                ("TABLE".to_owned(), Kind::Constant, 12, 15, true),
-                ("hidden".to_owned(), Kind::Function, 16, 16, false),
-                ("so3".to_owned(), Kind::Module, 17, 17, true),
+                ("fn", "hat", 3, 6, true),
+                ("constant", "TABLE", 15, 15, true),
+                ("fn", "hidden", 19, 19, false),
             ]
         );
+        assert_eq!(scan.modules, ["so3"]);
     }
 
     #[test]
-    fn members_know_what_they_stand_in() {
+    fn members_know_what_they_belong_to() {
         let source = "\
-pub struct Pinhole<const D: usize> {
-    /// Focal length.
-    pub fx: f64,
-}
+pub struct Pinhole<const D: usize> { pub fx: f64 }
 
-impl<const D: usize> Camera<D> for Pinhole<D> {
+impl<const D: usize> Camera<D> for inner::Pinhole<D> {
     fn project(&self) -> f64 {
         0.0
     }
@@ -258,32 +210,24 @@ pub enum Error {
 }
 
 pub use inner::{
-    One, Two,
+    One, deeper::*,
 };
 ";
-        let all = entries(source);
-        let parent = |at: usize| all[at].parent.map(|parent| all[parent].name.as_str());
-        let names: Vec<_> = all.iter().map(|entry| entry.name.as_str()).collect();
+        let scan = Scan::of(source);
+        let member = |entry: &Entry| {
+            let owner = entry.owner.clone()?;
+            Some(format!("{owner} {} {} {}", entry.word, entry.name, entry.public))
+        };
         assert_eq!(
-            names,
+            scan.entries.iter().filter_map(member).collect::<Vec<_>>(),
             [
-                "Pinhole",
-                "fx",
-                "Pinhole",
-                "project",
-                "Error",
-                "Bad",
-                "Worse",
-                "value",
-                "inner::{One, Two,}"
+                "Pinhole structfield fx true",
+                "Pinhole method project true",
+                "Error variant Bad true",
+                "Error variant Worse true",
             ]
         );
-        assert_eq!(all[2].kind, Kind::Impl { of_trait: true });
-        assert_eq!((parent(1), parent(3)), (Some("Pinhole"), Some("Pinhole")));
-        assert_eq!(
-            (parent(5), parent(6), parent(7)),
-            (Some("Error"), Some("Error"), Some("Worse"))
-        );
-        assert_eq!(all[7].kind, Kind::Field);
+        let handed_on: Vec<String> = scan.handed_on.iter().map(|path| path.join("::")).collect();
+        assert_eq!(handed_on, ["inner::One", "inner::deeper::*"]);
     }
 }

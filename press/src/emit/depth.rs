@@ -17,7 +17,7 @@ impl Emitter<'_, '_> {
         }
         // The main road reads this sentence, so it is resolved before depth begins.
         let establishes = self.resolve(block.line, attributes.value("establishes"));
-        self.depth = Some(*level);
+        self.depth = block.depth;
         if establishes.is_empty() {
             let problem = "a section in depth does not say what it establishes";
             let mend = "write {.depth establishes=\"…\"}: the sentence that whoever leaves it out has to believe";
@@ -29,9 +29,9 @@ impl Emitter<'_, '_> {
         ));
     }
 
-    /// Ends what is in depth before a heading of this level, or at the end of the page.
-    pub(super) fn end_depth(&mut self, level: usize) {
-        if self.depth.is_some_and(|depth| level <= depth) {
+    /// Ends what is in depth when what comes next, a block or the end of the page, does not belong to it.
+    pub(super) fn end_depth(&mut self, next: Option<usize>) {
+        if self.depth.is_some() && self.depth != next {
             self.depth = None;
             self.out.push_str("\n\n</div>\n\n");
         }

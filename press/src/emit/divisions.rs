@@ -1,19 +1,15 @@
 //! Divisions (`:::`): openings, predictions, theorems, proofs, notes.
 
-use std::sync::LazyLock;
-
-use regex::Regex;
+use maud::{PreEscaped, html};
 
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::emit::equations::unit;
+use crate::inline::{Mark, tokens};
 use crate::pages::Page;
-use crate::prose::{TERMS, escape};
+use crate::prose::TERMS;
 use crate::ways::{fives, seconds};
-
-static LABEL: LazyLock<Regex> =
-    LazyLock::new(|| Regex::new(r"@[a-z]+:[\w-]+").expect("a valid pattern"));
 
 /// An open `:::` and what was seen in it.
 pub(super) struct Division {
@@ -100,7 +96,10 @@ impl Emitter<'_, '_> {
             self.fault(block.line, &format!("{of}, {without}"), problem, mend);
             return "<div class=\"counterexample\">\n".to_owned();
         };
-        let pointer = if block.deep { format!("@{of}") } else { format!("[@{of}]{{.further}}") };
+        let pointer = match block.depth {
+            Some(_) => format!("@{of}"),
+            None => format!("[@{of}]{{.further}}"),
+        };
         let theorem = self.resolve(block.line, &pointer);
         let words = self.resolve(block.line, words);
         let href = self.source(&case.file, case.line);
@@ -110,12 +109,18 @@ impl Emitter<'_, '_> {
             size @ 10.0..10_000.0 => format!("{size:.0}"),
             size => format!("{size:.0e}"),
         };
-        format!(
-            "<div class=\"counterexample\">\n<details class=\"check margin\"><summary>off by <span class=\"quantity\">{off}{unit}</span></summary><p>Compared with {}, what the theorem says is off by {off}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. <a href=\"{href}\">Its code</a></p></details>\n<p class=\"counterexample-title\">{theorem} without “{words}”.</p>\n",
-            escape(&case.against),
-            case.kept,
-            case.tolerance,
-        )
+        let said = format!(
+            "Compared with {}, what the theorem says is off by {off}{unit} without the condition and by {:.0e}{unit} with it; the tolerance is {:.0e}{unit}. ",
+            case.against, case.kept, case.tolerance,
+        );
+        let html = html! {
+            details.check.margin {
+                summary { "off by " span.quantity { (off) (unit) } }
+                p { (said) a href=(href) { "Its code" } }
+            } "\n"
+            p.counterexample-title { (PreEscaped(theorem)) " without “" (PreEscaped(words)) "”." } "\n"
+        };
+        format!("<div class=\"counterexample\">\n{}", html.into_string())
     }
 
     /// What a hint says: a piece of a file that the exercise's own program reads too.
@@ -143,8 +148,10 @@ impl Emitter<'_, '_> {
         if !self.page.path.starts_with("exercises") {
             return String::new();
         }
-        let deep = LABEL.find_iter(needs).any(|label| {
-            self.known.labels.get(&label.as_str()[1..]).is_some_and(|target| target.deep)
+        let labels = self.known.labels;
+        let deep = tokens(needs).iter().any(|token| match token.mark {
+            Mark::Reference { label, .. } => labels.get(label).is_some_and(|target| target.deep),
+            _ => false,
         });
         let road = if deep { "the main road and what is in depth" } else { "the main road" };
         format!("<dt>Asks for</dt><dd>{road}</dd>")

@@ -1,12 +1,14 @@
 //! Equations, their numbers, and the quiet note beside them.
 
+use maud::html;
+
 use super::Emitter;
 use crate::accepted::normal;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::exhibits::Check;
 use crate::formulas::Formula;
-use crate::prose::{equation_html, equation_number, escape, fill};
+use crate::prose::{equation_html, equation_number, fill};
 
 impl Emitter<'_, '_> {
     pub(super) fn equation(
@@ -133,21 +135,25 @@ impl Emitter<'_, '_> {
 /// The quiet note beside a checked equation.
 fn note(check: &Check, href: &str) -> String {
     let worst = check.worst.map_or("not a number".to_owned(), |worst| format!("{worst:.0e}"));
-    format!(
-        "<details class=\"check margin\"><summary>checked: <span class=\"quantity\">{worst}</span> over {states} states</summary><p>Largest error {worst}{unit}, tolerance {:.0e}{unit}, over {states} states, against {}. The check rejects {} wrong formulas: {}. <a href=\"{href}\">Its code</a></p></details>",
-        check.tolerance,
-        escape(&check.against),
-        check.mutants.len(),
-        escape(&check.mutants.join(", ")),
-        states = check.states,
-        unit = unit(&check.unit),
-    )
+    let (states, against, unit) = (check.states, &check.against, unit(&check.unit));
+    let (tolerance, mutants) = (check.tolerance, check.mutants.join(", "));
+    let said = format!(
+        "Largest error {worst}{unit}, tolerance {tolerance:.0e}{unit}, over {states} states, against {against}. The check rejects {} wrong formulas: {mutants}. ",
+        check.mutants.len()
+    );
+    let note = html! {
+        details.check.margin {
+            summary { "checked: " span.quantity { (worst) } " over " (states) " states" }
+            p { (said) a href=(href) { "Its code" } }
+        }
+    };
+    note.into_string()
 }
 
 /// The unit of an error as it follows the number; nothing for a relative one.
 pub(super) fn unit(unit: &str) -> String {
     match unit {
         "" | "relative" | "no unit" => String::new(),
-        unit => format!("\u{a0}{}", escape(unit)),
+        unit => format!("\u{a0}{unit}"),
     }
 }

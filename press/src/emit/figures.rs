@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use maud::{Markup, PreEscaped, html};
+
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::Block;
 use crate::exhibits::Drawing;
 use crate::files;
-use crate::prose::escape;
+use crate::prose::table;
 
 /// The rows of a figure's data that the page shows; the CSV file has all.
 const ROWS_SHOWN: usize = 40;
@@ -44,7 +46,7 @@ impl Emitter<'_, '_> {
             );
         };
         self.found.figures.insert(name.to_owned());
-        let alt = escape(&self.plain(block.line, attributes.value("alt")));
+        let alt = self.plain(block.line, attributes.value("alt"));
         let caption = self.resolve(block.line, caption);
         let read = |end: &str| files::read(&folder.join(format!("{}.{end}", drawing.name)));
         let (svg, csv) = match (read("svg"), read("csv")) {
@@ -65,8 +67,10 @@ impl Emitter<'_, '_> {
             .filter(|line| !line.is_empty() && !line.starts_with("<?xml"))
             .collect::<Vec<_>>()
             .join(" ");
+        let plot = html! { div.plot role="img" aria-label=(alt) { (PreEscaped(svg)) } };
         let html = format!(
-            "<figure class=\"exhibit\" id=\"{id}\">\n<div class=\"plot\" role=\"img\" aria-label=\"{alt}\">{svg}</div>\n<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
+            "<figure class=\"exhibit\" id=\"{id}\">\n{}\n<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
+            plot.into_string(),
             block.number,
             caption.replace('\n', " "),
         );
@@ -79,22 +83,19 @@ impl Emitter<'_, '_> {
         let file = self.page.way_to(&Path::new("generated").join(&path));
         self.found.generated.insert(path, csv.into_bytes());
         let program = self.source(&drawing.file, drawing.line);
-        let row = |cell: &str, cells: &[String]| {
-            let cells: String =
-                cells.iter().map(|text| format!("<{cell}>{}</{cell}>", escape(text))).collect();
-            format!("<tr>{cells}</tr>")
+        let row = |cells: &Vec<String>| html! { @for cell in cells { td { (cell) } } };
+        let rows: Vec<Markup> = drawing.rows.iter().take(ROWS_SHOWN).map(row).collect();
+        let more = drawing.rows.len() - rows.len();
+        let data = html! {
+            details.data {
+                summary { "Data of Figure " (block.number) }
+                (table(None, &drawing.columns, &rows))
+                p {
+                    @if more > 0 { (more) " more rows in the " }
+                    a href=(file) download { "CSV file" } " · " a href=(program) { "program" }
+                }
+            }
         };
-        let rows: String =
-            drawing.rows.iter().take(ROWS_SHOWN).map(|cells| row("td", cells)).collect();
-        let more = match drawing.rows.len().saturating_sub(ROWS_SHOWN) {
-            0 => String::new(),
-            more => format!("{more} more rows in the "),
-        };
-        format!(
-            "<details class=\"data\"><summary>Data of Figure {}</summary><div class=\"table-wrapper\"><table><thead>{}</thead><tbody>{rows}</tbody></table></div>\
-             <p>{more}<a href=\"{file}\" download>CSV file</a> · <a href=\"{program}\">program</a></p></details>",
-            block.number,
-            row("th", &drawing.columns),
-        )
+        data.into_string()
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path};
 
+use maud::html;
+
 use super::Emitter;
 use crate::api::items::Item;
 use crate::attributes::Attributes;
@@ -9,7 +11,7 @@ use crate::blocks::Block;
 use crate::files;
 use crate::inline::NAMED_LABEL;
 use crate::listing::{self, Listing};
-use crate::prose::item_link;
+use crate::prose::{item_link, listed};
 
 impl Emitter<'_, '_> {
     pub(super) fn fence(
@@ -144,11 +146,8 @@ impl Emitter<'_, '_> {
             let name = item.path.rsplit("::").next().unwrap_or_default();
             item_link(self.page, library, item, name)
         };
-        let links: Vec<String> = shown.iter().map(link).collect();
-        match links.is_empty() {
-            true => String::new(),
-            false => format!(" <span class=\"source\">API: {}</span>", links.join(", ")),
-        }
+        let links = html! { " " span.source { "API: " (listed(shown.iter().map(link))) } };
+        if shown.is_empty() { String::new() } else { links.into_string() }
     }
 
     /// Looks up the labels that printed code names, as in `Implements {eq:projection}`; those in descriptions of the

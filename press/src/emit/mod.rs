@@ -27,7 +27,7 @@ pub struct Emitter<'a, 'f> {
     /// What is learned on the way.
     pub found: &'a mut Found<'f>,
     open: Vec<Division>,
-    /// The level of the heading that led into depth.
+    /// The line of the heading that led into depth.
     depth: Option<usize>,
     out: String,
 }
@@ -57,6 +57,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     pub fn emit(mut self) -> String {
         for block in &self.page.blocks {
             self.end_choices(&block.kind);
+            self.end_depth(block.depth);
             self.block(block);
         }
         for division in std::mem::take(&mut self.open) {
@@ -68,7 +69,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 "close it with ::: on a line of its own",
             );
         }
-        self.end_depth(1);
+        self.end_depth(None);
         self.definitions();
         self.out
     }
@@ -166,7 +167,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     fn heading(&mut self, block: &Block, level: usize, title: &str, attributes: &Attributes) {
-        self.end_depth(level);
         let shown = self.resolve(block.line, title);
         if level == 1 && self.page.number.is_some() && title != self.page.name {
             let problem = format!("the table of contents calls this page “{}”", self.page.name);
