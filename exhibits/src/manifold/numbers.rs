@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
-use super::accuracy::{jacobian_errors_near, log_errors_near, log_errors_near_half_turn};
+use super::accuracy::{errors_near, errors_near_half_turn};
 use super::uncertainty::{Drive, in_plane, plane_of};
 use crate::chapter::Chapter;
 
@@ -108,15 +108,14 @@ fn coning(chapter: &mut Chapter) {
 
 fn digits(chapter: &mut Chapter) {
     let digits = |error: f64| (-error.log10()).round();
-    let (log, jacobian) = (log_errors_near(1e-3), jacobian_errors_near(1e-3));
+    let [angle, jacobian, corner, _, _, library] = errors_near(1e-3);
     chapter.number("digits_angle_mrad", 1.0, "mrad", 0);
-    chapter.number("digits_angle", digits(log.textbook_angle), "", 0);
-    chapter.number("digits_jacobian", digits(jacobian.textbook_diagonal), "", 0);
-    chapter.number("digits_corner", digits(jacobian.textbook_corner), "", 0);
-    chapter.number("digits_library", digits(log.library.max(jacobian.library)), "", 0);
+    chapter.number("digits_angle", digits(angle), "", 0);
+    chapter.number("digits_jacobian", digits(jacobian), "", 0);
+    chapter.number("digits_corner", digits(corner), "", 0);
+    chapter.number("digits_library", digits(library), "", 0);
     chapter.number("digits_of_a_double", digits(f64::EPSILON), "", 0);
-    let near_half_turn = log_errors_near_half_turn(1e-3);
-    chapter.number("digits_near_half", digits(near_half_turn.textbook), "", 0);
+    chapter.number("digits_near_half", digits(errors_near_half_turn(1e-3)[0]), "", 0);
 }
 
 const DRAWS: usize = 100_000;
@@ -132,12 +131,8 @@ fn drive(chapter: &mut Chapter) {
     chapter.number("drive_heading_deg", drive.start[2].to_degrees(), "°", 0);
     chapter.number("drive_sideways", covariance[(1, 1)].sqrt(), "m", 1);
     chapter.number("drive_along", covariance[(0, 0)].sqrt(), "m", 2);
-    chapter.number(
-        "drive_correlation",
-        covariance[(1, 2)] / (covariance[(1, 1)] * covariance[(2, 2)]).sqrt(),
-        "",
-        2,
-    );
+    let correlation = covariance[(1, 2)] / (covariance[(1, 1)] * covariance[(2, 2)]).sqrt();
+    chapter.number("drive_correlation", correlation, "", 2);
     chapter.number("drive_draws", DRAWS as f64, "", 0);
     let information = covariance.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN));
     let (mut in_world, mut in_tangent) = (0, 0);
