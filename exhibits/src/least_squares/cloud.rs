@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::worked::{self, Tape};
+use crate::comparison::inverse;
 use crate::random::Random;
 
 /// Estimates that lie around the one from the readings at hand, which stands for the truth.
@@ -16,8 +17,7 @@ pub struct Cloud {
 impl Cloud {
     pub fn of(tapes: &[Tape], draws: usize, seed: u64) -> Self {
         let centre = worked::estimate(tapes);
-        let hessian = worked::hessian(tapes, &centre);
-        let covariance = hessian.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+        let covariance = inverse(worked::hessian(tapes, &centre));
         let mut random = Random::new(seed);
         let estimates = (0..draws).map(|_| {
             let other = tapes.iter().map(|tape| {
@@ -37,7 +37,7 @@ impl Cloud {
 
     /// How many percent lie within this many standard deviations, by the covariance.
     pub fn inside_percent(&self, radius: f64) -> f64 {
-        let information = self.covariance.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+        let information = inverse(self.covariance);
         let inside = self.estimates.iter().filter(|spot| {
             let error = *spot - self.centre;
             error.dot(&(information * error)) <= radius * radius
@@ -47,7 +47,7 @@ impl Cloud {
 
     /// The outline of that ellipse.
     pub fn ellipse(&self, radius: f64) -> Vec<(f64, f64)> {
-        let root = self.covariance.cholesky().map_or(Matrix2::repeat(f64::NAN), |root| root.l());
+        let root = self.covariance.cholesky().expect("it is positive definite").l();
         let around = (0..=90).map(|step| {
             let (sine, cosine) = (f64::from(step) * 4.0).to_radians().sin_cos();
             let spot = self.centre + radius * root * Vector2::new(cosine, sine);
