@@ -126,7 +126,7 @@ fn whitening(formula: Whitener) -> Comparison {
 }
 
 fn linear(chapter: &mut Chapter) {
-    let mutants: [(_, Solved); 3] = [
+    let mutants: [(_, OfFit<Vector3<f64>>); 3] = [
         ("sign", |fit| -fit.step(0.0)),
         ("diagonal of H only", |fit| -fit.gradient().component_div(&fit.hessian().diagonal())),
         ("last measurement not in the gradient", |fit| {
@@ -137,8 +137,9 @@ fn linear(chapter: &mut Chapter) {
     ];
     chapter.equation("normal-equations", normal_equations, |fit| fit.step(0.0), &mutants);
 
-    let formula: Left = |fit| 0.5 * (fit.r.norm_squared() - (fit.j * fit.step(0.0)).norm_squared());
-    let mutants: [(_, Left); 3] = [
+    let formula: OfFit<f64> =
+        |fit| 0.5 * (fit.r.norm_squared() - (fit.j * fit.step(0.0)).norm_squared());
+    let mutants: [(_, OfFit<f64>); 3] = [
         ("sign", |fit| 0.5 * (fit.r.norm_squared() + (fit.j * fit.step(0.0)).norm_squared())),
         ("step for its prediction", |f| 0.5 * (f.r.norm_squared() - f.step(0.0).norm_squared())),
         ("lengths not squared", |f| 0.5 * (f.r.norm() - (f.j * f.step(0.0)).norm()).powi(2)),
@@ -147,9 +148,9 @@ fn linear(chapter: &mut Chapter) {
 }
 
 /// Takes six whitened residuals in three unknowns.
-type Solved = fn(&Fit) -> Vector3<f64>;
+type OfFit<T> = fn(&Fit) -> T;
 
-fn normal_equations(formula: Solved) -> Comparison {
+fn normal_equations(formula: OfFit<Vector3<f64>>) -> Comparison {
     let against = "the singular value decomposition of J";
     Comparison::relative(against, 1e-9).over(STATES, 3, |random| {
         let fit = Fit::random(random);
@@ -157,9 +158,7 @@ fn normal_equations(formula: Solved) -> Comparison {
     })
 }
 
-type Left = fn(&Fit) -> f64;
-
-fn cost_left(formula: Left) -> Comparison {
+fn cost_left(formula: OfFit<f64>) -> Comparison {
     let against = "the residual less its parts along the columns of J, one column after the other";
     Comparison::relative(against, 1e-9).over(STATES, 4, |random| {
         let fit = Fit::random(random);
@@ -179,8 +178,8 @@ fn gauss_newton(chapter: &mut Chapter) {
     ];
     chapter.equation("cost-gradient", cost_gradient, formula, &mutants);
 
-    let formula: FullHessian = |tapes, spot| hessian(tapes, spot) + curvature(tapes, spot);
-    let mutants: [(_, FullHessian); 3] = [
+    let formula: AtSpot = |tapes, spot| hessian(tapes, spot) + curvature(tapes, spot);
+    let mutants: [(_, AtSpot); 3] = [
         ("curvature dropped", hessian),
         ("sign of the curvature", |t, spot| hessian(t, spot) - curvature(t, spot)),
         ("curvature without the residual", |tapes, spot| {
@@ -202,9 +201,10 @@ fn cost_gradient(formula: Gradient) -> Comparison {
     })
 }
 
-type FullHessian = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
+/// Takes tapes and a spot.
+type AtSpot = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
 
-fn full_hessian(formula: FullHessian) -> Comparison {
+fn full_hessian(formula: AtSpot) -> Comparison {
     let against = "second differences of the cost";
     Comparison::relative(against, 1e-4).over(STATES, 7, |random| {
         let (tapes, spot) = random_garden(random);
@@ -228,7 +228,7 @@ fn random_garden(random: &mut Random) -> (Vec<Tape>, Vector2<f64>) {
 }
 
 fn convergence(chapter: &mut Chapter) {
-    let mutants: [(_, Contraction); 4] = [
+    let mutants: [(_, AtSpot); 4] = [
         ("sign", |tapes, spot| -contraction(tapes, spot)),
         ("H not inverted", |tapes, spot| -hessian(tapes, spot) * curvature(tapes, spot)),
         ("full Hessian inverted", |tapes, spot| {
@@ -239,10 +239,7 @@ fn convergence(chapter: &mut Chapter) {
     chapter.equation("gauss-newton-rate", gauss_newton_rate, contraction, &mutants);
 }
 
-/// Takes tapes and their estimate.
-type Contraction = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
-
-fn gauss_newton_rate(formula: Contraction) -> Comparison {
+fn gauss_newton_rate(formula: AtSpot) -> Comparison {
     let against = "where steps lead that begin beside the estimate";
     Comparison::absolute(against, 1e-6, "").over(STATES, 8, |random| {
         let (tapes, _) = random_garden(random);
@@ -253,7 +250,7 @@ fn gauss_newton_rate(formula: Contraction) -> Comparison {
 }
 
 fn damping(chapter: &mut Chapter) {
-    let mutants: [(_, Damped); 4] = [
+    let mutants: [(_, Damped<Vector3<f64>>); 4] = [
         ("sign", |fit, lambda| -fit.step(lambda)),
         ("identity for the diagonal", |fit, lambda| fit.damped_by(lambda * Matrix3::identity())),
         ("damping dropped", |fit, _| fit.step(0.0)),
@@ -261,8 +258,8 @@ fn damping(chapter: &mut Chapter) {
     ];
     chapter.equation("damped-step", damped_step, Fit::step, &mutants);
 
-    let formula: Decrease = |fit, lambda| fit.predicted_decrease(lambda, -1.0, 1.0);
-    let mutants: [(_, Decrease); 3] = [
+    let formula: Damped<f64> = |fit, lambda| fit.predicted_decrease(lambda, -1.0, 1.0);
+    let mutants: [(_, Damped<f64>); 3] = [
         ("sign of the gradient", |fit, lambda| fit.predicted_decrease(lambda, 1.0, 1.0)),
         ("damping dropped", |fit, lambda| fit.predicted_decrease(lambda, -1.0, 0.0)),
         ("sign of the damping", |fit, lambda| fit.predicted_decrease(lambda, -1.0, -1.0)),
@@ -271,9 +268,9 @@ fn damping(chapter: &mut Chapter) {
 }
 
 /// Takes a fit and a damping.
-type Damped = fn(&Fit, f64) -> Vector3<f64>;
+type Damped<T> = fn(&Fit, f64) -> T;
 
-fn damped_step(formula: Damped) -> Comparison {
+fn damped_step(formula: Damped<Vector3<f64>>) -> Comparison {
     let against = "the undamped solution with one more measurement of zero for each unknown";
     Comparison::relative(against, 1e-9).over(STATES, 9, |random| {
         let (fit, lambda) = (Fit::random(random), random.logarithmic(0.01..10.0));
@@ -281,9 +278,7 @@ fn damped_step(formula: Damped) -> Comparison {
     })
 }
 
-type Decrease = fn(&Fit, f64) -> f64;
-
-fn predicted_decrease(formula: Decrease) -> Comparison {
+fn predicted_decrease(formula: Damped<f64>) -> Comparison {
     let against = "the cost of the linear residuals before and after the step";
     Comparison::relative(against, 1e-8).over(STATES, 10, |random| {
         let (fit, lambda) = (Fit::random(random), random.logarithmic(0.01..10.0));
@@ -301,8 +296,8 @@ fn certainty(chapter: &mut Chapter) {
     ];
     chapter.equation("gauge-direction", gauge_direction, formula, &mutants);
 
-    let formula: Certainty = |fit| inverse(fit.hessian());
-    let mutants: [(_, Certainty); 3] = [
+    let formula: OfFit<Matrix3<f64>> = |fit| inverse(fit.hessian());
+    let mutants: [(_, OfFit<Matrix3<f64>>); 3] = [
         ("not inverted", Fit::hessian),
         ("diagonal inverted alone", |fit| inverse(fit.diagonal())),
         ("inverted twice over", |fit| inverse(fit.hessian() * fit.hessian())),
@@ -338,9 +333,7 @@ fn gauge_direction(formula: Gauge) -> Comparison {
     })
 }
 
-type Certainty = fn(&Fit) -> Matrix3<f64>;
-
-fn estimate_covariance(formula: Certainty) -> Comparison {
+fn estimate_covariance(formula: OfFit<Matrix3<f64>>) -> Comparison {
     let against = "the scatter of 20,000 estimates for each state";
     Comparison::relative(against, 0.06).over(25, 12, |random| {
         let fit = Fit::random(random);

@@ -6,7 +6,7 @@ use vislam::least_squares::{
 };
 use vislam::manifold::se3;
 
-use super::cloud::{Cloud, radius_of_95_percent};
+use super::cloud::Cloud;
 use super::oracle::twist;
 use super::robust::{self, KERNELS};
 use super::worked::{self, GUESS, POSTS, SIGMA, ToSpot, estimate, fence, garden, rate, stepped};
@@ -96,20 +96,6 @@ pub fn fence_start() -> Vector2<f64> {
     estimate(&fence()) + Vector2::new(0.0, 0.01)
 }
 
-/// Across the fence, and the norm of the scaled gradient, after every accepted step.
-pub fn fence_path(start: Vector2<f64>, options: &Options) -> Vec<(f64, f64)> {
-    let mut path = Vec::new();
-    for max_iterations in 0..=options.max_iterations {
-        let options = Options { max_iterations, ..*options };
-        let (spot, report) = worked::solve(&fence(), start, &options);
-        path.push((spot.y, report.gradient_norm));
-        if report.iterations.len() < max_iterations {
-            break;
-        }
-    }
-    path
-}
-
 fn beside_the_fence(chapter: &mut Chapter) {
     let minimum = estimate(&fence());
     chapter.number("fence_0", fence()[0].measured, "m", 2);
@@ -117,8 +103,8 @@ fn beside_the_fence(chapter: &mut Chapter) {
     chapter.number("fence_sigma_2", fence()[2].sigma, "m", 1);
     chapter.number("fence_start_cm", 100.0 * (fence_start() - minimum).norm(), "cm", 0);
     chapter.number("rate_fence", rate(&fence(), &minimum), "", 1);
-    let path = fence_path(fence_start(), &worked::unstopped(5));
-    let distance = |step: usize| 100.0 * (path[step].0 - minimum.y).abs();
+    let path = worked::path(&fence(), fence_start(), &worked::unstopped(5));
+    let distance = |step: usize| 100.0 * (path[step].0.y - minimum.y).abs();
     chapter.number("fence_after_1_cm", distance(1), "cm", 1);
     chapter.number("fence_after_5_cm", distance(5), "cm", 0);
     let leap = stepped(&worked::two_tapes(), &worked::TWO_TAPE_STARTS[1]);
@@ -188,7 +174,7 @@ fn scatter(chapter: &mut Chapter) {
     chapter.number("sigma_y_cm", 100.0 * cloud.covariance.m22.sqrt(), "cm", 1);
     chapter.number("cloud_sigma_x_cm", 100.0 * cloud.deviation(0), "cm", 1);
     chapter.number("cloud_sigma_y_cm", 100.0 * cloud.deviation(1), "cm", 1);
-    chapter.number("cloud_inside_percent", cloud.inside_percent(radius_of_95_percent()), "%", 1);
+    chapter.number("cloud_inside_percent", cloud.inside_percent(), "%", 1);
     let cloud = Cloud::of(&fence(), FENCE_DRAWS, CLOUD_SEED);
     let errors = cloud.estimates.iter().map(|spot| spot.y - cloud.centre.y);
     let bias = errors.sum::<f64>() / FENCE_DRAWS as f64;

@@ -8,7 +8,7 @@ use std::time::Instant;
 use nalgebra::{DVector, Isometry3, Vector1};
 use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
 use vislam::least_squares::{
-    Dense, Fronts, LinearSystem, Manifold, Options, Problem, Report, Search, Solution,
+    Dense, Fronts, LinearSystem, Manifold, Options, Problem, Report, Search, Solution, Values,
 };
 use vislam::manifold::so3;
 use vislam::simulation::FlightRecording;
@@ -94,29 +94,39 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("window_stored", 1e-3 * first.stored() as f64, "thousand", 0);
     chapter.number("window_stored_along", 1e-3 * along.stored() as f64, "thousand", 0);
 
-    let covariance = window.problem.covariance_with(first, &values).expect("nothing is free");
+    errors(chapter, &recording, &window, &values);
+    let named = window.take_out_oldest(&values).expect("it can go");
+    chapter.number("window_named", named.len() as f64, "", 0);
+}
+
+/// How far off the estimates are, and how far they say that they are.
+fn errors(chapter: &mut Chapter, recording: &FlightRecording, window: &Window, values: &Values) {
+    let fronts = Fronts::new(&window.problem).expect("a problem");
+    let covariance = window.problem.covariance_with(fronts, values).expect("nothing is free");
     let flight = &recording.flight;
-    let last = recording.pictures[recording.pictures.len() - 1].nanoseconds;
-    let truth = flight.motion.at(1e-9 * last as f64).state;
     let late = Vector1::new(flight.rig.time_offset);
     let gravity = Gravity(flight.gravity);
     let mut error = |[off_name, sigma_name]: [_; 2], (off, sigma): (f64, f64), unit, decimals| {
         chapter.number(off_name, 1e3 * off, unit, decimals);
         chapter.number(sigma_name, 1e3 * sigma, unit, decimals);
     };
-    let (last, extrinsics) = (window.states[window.states.len() - 1], window.extrinsics);
-    let position = compare((last, &truth), &values, &covariance, 6..9);
+    let last = window.states.len() - 1;
+    let state = (window.states[last], &states(recording)[last]);
+    let position = compare(state, values, &covariance, 6..9);
     error(["window_position_off", "window_position_sigma"], position, "mm", 1);
-    let mount = &flight.rig.body_from_camera;
-    let lever = compare((extrinsics, mount), &values, &covariance, 0..3);
+    let mount = (window.extrinsics, &flight.rig.body_from_camera);
+    let lever = compare(mount, values, &covariance, 0..3);
     error(["window_lever_off", "window_lever_sigma"], lever, "mm", 1);
-    let clock = compare((window.time_offset, &late), &values, &covariance, 0..1);
+    let clock = compare((window.time_offset, &late), values, &covariance, 0..1);
     error(["window_clock_off", "window_clock_sigma"], clock, "ms", 2);
-    let down = compare((window.gravity, &gravity), &values, &covariance, 0..2);
+    let down = compare((window.gravity, &gravity), values, &covariance, 0..2);
     error(["window_down_off", "window_down_sigma"], down, "mrad", 2);
+}
 
-    let named = window.take_out_oldest(&values).expect("it can go");
-    chapter.number("window_named", named.len() as f64, "", 0);
+/// The true states at the pictures.
+fn states(recording: &FlightRecording) -> Vec<NavState> {
+    let at = |nanoseconds| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
+    recording.pictures.iter().map(|picture| at(picture.nanoseconds)).collect()
 }
 
 /// What the search of one flight did, and the normalized errors of the states in the middle and at
@@ -135,9 +145,7 @@ fn minute(seed: u64) -> FlightRecording {
 fn fly(seed: u64) -> Flown {
     let recording = minute(seed);
     let (sensors, flight) = (Sensors::from(&recording), &recording.flight);
-    let states = recording.pictures.iter();
-    let states: Vec<NavState> =
-        states.map(|picture| flight.motion.at(1e-9 * picture.nanoseconds as f64).state).collect();
+    let states = states(&recording);
 
     // What is known has the errors that its standard deviations say.
     let mut random = Random::new(seed);

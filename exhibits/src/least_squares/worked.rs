@@ -124,6 +124,20 @@ pub fn solve(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> (Vector2
     (solution.values[spot], solution.report)
 }
 
+/// Where a search is and the norm of its scaled gradient, after every iteration.
+pub fn path(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> Vec<(Vector2<f64>, f64)> {
+    let mut path = Vec::new();
+    for max_iterations in 0..=options.max_iterations {
+        let options = Options { max_iterations, ..*options };
+        let (spot, report) = solve(tapes, start, &options);
+        path.push((spot, report.gradient_norm));
+        if report.iterations.len() < max_iterations {
+            break;
+        }
+    }
+    path
+}
+
 /// Gauss-Newton that is stopped by nothing but its count.
 pub fn unstopped(max_iterations: usize) -> Options {
     Options {

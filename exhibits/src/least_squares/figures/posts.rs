@@ -10,7 +10,7 @@ use crate::figure::{
     self, Draw, Drawing, Drawn, ESTIMATED, Figure, INK, MEASURED, decimals, letters_around,
     letters_right_of,
 };
-use crate::least_squares::cloud::{Cloud, radius_of_95_percent};
+use crate::least_squares::cloud::Cloud;
 use crate::least_squares::numbers::{CLOUD_DRAWS, CLOUD_SEED};
 use crate::least_squares::worked::{POSTS, Tape, garden};
 
@@ -67,7 +67,7 @@ fn enlarged(drawing: &Drawing, tapes: &[Tape], cloud: &Cloud) -> Drawn {
     for arc in tapes.iter().flat_map(|tape| arcs(tape, &window)) {
         chart.line(arc, MEASURED, 5)?;
     }
-    chart.line(cloud.ellipse(radius_of_95_percent()), INK, 4)?;
+    chart.line(cloud.ellipse(), INK, 4)?;
     chart.dots([(x, y)], 14, ESTIMATED)?;
     chart.write("tapes", (x, y + 0.225), letters_around(MEASURED))?;
     chart.write("estimates", (x - 0.18, y - 0.19), letters_right_of(ESTIMATED))

@@ -1,6 +1,6 @@
 //! How fast Gauss-Newton arrives when measurements contradict each other more and more.
 
-use crate::figure::{self, Draw, Figure, SERIES, letters_right_of};
+use crate::figure::{self, Draw, Figure, SERIES, letters_right_of, powers};
 use crate::least_squares::worked::{self, GUESS, contradicting};
 
 /// By which the contradictions of the garden are multiplied.
@@ -39,9 +39,11 @@ fn by_theorem(factor: f64, distances: &[f64]) -> Vec<(f64, f64)> {
 
 pub fn rate() -> Figure {
     let series = FACTORS.map(distances);
-    let cell =
-        |distance: Option<&f64>| distance.map_or("below 1e-14".into(), |d| format!("{d:.1e}"));
-    let cells = |of: usize| (0..=STEPS).map(|step| cell(series[of].get(step))).collect();
+    let cells = |of: usize| {
+        let mut cells = powers(1, series[of].iter().copied());
+        cells.resize(STEPS + 1, "below 1e-14".to_owned());
+        cells
+    };
     let columns = vec![
         ("iteration", (0..=STEPS).map(|step| step.to_string()).collect()),
         ("without contradictions (m)", cells(0)),
@@ -58,9 +60,9 @@ pub fn rate() -> Figure {
                 chart.line(by_theorem(factor, distances), SERIES[index], 4)?;
             }
             let places = distances.iter().enumerate();
-            let places = places.map(|(step, distance)| (step as f64, distance.log10()));
+            let mut places = places.map(|(step, distance)| (step as f64, distance.log10()));
             chart.marks(places.clone(), index)?;
-            let (last, height) = places.last().unwrap_or((0.0, 0.0));
+            let (last, height) = places.next_back().unwrap_or((0.0, 0.0));
             let (name, beside) = if factor == 0.0 {
                 ("none".to_owned(), (last - 1.5, height - 1.0))
             } else {

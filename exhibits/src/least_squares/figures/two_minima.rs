@@ -14,22 +14,18 @@ const STEPS: usize = 12;
 const NAMES: [&str; 2] = ["Gauss-Newton", "Levenberg-Marquardt"];
 
 /// Where a search is after every accepted step.
-fn path(start: Vector2<f64>, options: &Options) -> Vec<Vector2<f64>> {
-    let mut path: Vec<Vector2<f64>> = Vec::new();
-    for steps in 0..=STEPS {
-        let options = Options { max_iterations: steps, ..*options };
-        let (spot, _) = worked::solve(&two_tapes(), start, &options);
-        if path.last() != Some(&spot) {
-            path.push(spot);
-        }
-    }
-    path
+fn path(start: Vector2<f64>, options: Options) -> Vec<Vector2<f64>> {
+    let options = Options { max_iterations: STEPS, ..options };
+    let path = worked::path(&two_tapes(), start, &options).into_iter();
+    let mut spots: Vec<_> = path.map(|(spot, _)| spot).collect();
+    spots.dedup();
+    spots
 }
 
 pub fn two_minima() -> Figure {
     // For each start the path of both methods.
     let paths = TWO_TAPE_STARTS
-        .map(|start| [path(start, &Options::gauss_newton()), path(start, &Options::default())]);
+        .map(|start| [path(start, Options::gauss_newton()), path(start, Options::default())]);
     let mut listed = Vec::new();
     for (start, methods) in paths.iter().enumerate() {
         for (name, path) in NAMES.into_iter().zip(methods) {
