@@ -8,7 +8,7 @@ mod figures;
 mod noise;
 mod numbers;
 mod oracle;
-mod worked;
+pub mod worked;
 
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Rotation3, Unit, Vector2, Vector3};
 use vislam::bearing::{self as theory, InverseDepth, transfer_by_infinite_homography as transfer};

@@ -127,8 +127,8 @@ fn with_third_column_times(
 }
 
 fn blocks(chapter: &mut Chapter) {
-    let formula: MovedPoint = |t, p| moved_by(matrix_of(t), p);
-    let mutants: [(_, MovedPoint); 5] = [
+    let formula: OfPose<Matrix3x6<f64>> = |t, p| moved_by(matrix_of(t), p);
+    let mutants: [(_, OfPose<Matrix3x6<f64>>); 5] = [
         ("sign of the skew", |t, p| moved_by(matrix_of(t), &-p)),
         ("skew of the point in the camera", |t, p| moved_by(matrix_of(t), &in_camera(t, p))),
         ("rotation dropped", |_, p| moved_by(Matrix3::identity(), p)),
@@ -137,8 +137,8 @@ fn blocks(chapter: &mut Chapter) {
     ];
     chapter.equation("moved-point", moved_point, formula, &mutants);
 
-    let formula: PoseBlock = |k, t, p| Some(k.jacobians(t, p)?.0);
-    let mutants: [(_, PoseBlock); 6] = [
+    let formula: Block<Matrix2x6<f64>> = |k, t, p| Some(k.jacobians(t, p)?.0);
+    let mutants: [(_, Block<Matrix2x6<f64>>); 6] = [
         ("perturbed on the left", |k, t, p| {
             Some(k.jacobians(t, p)?.0 * se3::adjoint(&t.inverse()))
         }),
@@ -156,8 +156,8 @@ fn blocks(chapter: &mut Chapter) {
     ];
     chapter.equation("pose-block", pose_block, formula, &mutants);
 
-    let formula: PointBlock = |k, t, p| Some(k.jacobians(t, p)?.1);
-    let mutants: [(_, PointBlock); 3] = [
+    let formula: Block<Matrix2x3<f64>> = |k, t, p| Some(k.jacobians(t, p)?.1);
+    let mutants: [(_, Block<Matrix2x3<f64>>); 3] = [
         ("rotation dropped", |k, t, p| k.projection_jacobian(&in_camera(t, p))),
         ("rotation transposed", |k, t, p| {
             Some(k.projection_jacobian(&in_camera(t, p))? * matrix_of(t).transpose())
@@ -180,9 +180,10 @@ fn halves_exchanged() -> Matrix6<f64> {
     Matrix6::from_fn(|row, column| f64::from(u8::from((row + 3) % 6 == column)))
 }
 
-type MovedPoint = fn(&Isometry3<f64>, &Vector3<f64>) -> Matrix3x6<f64>;
+/// Takes a pose and a point of the world.
+type OfPose<T> = fn(&Isometry3<f64>, &Vector3<f64>) -> T;
 
-fn moved_point(formula: MovedPoint) -> Comparison {
+fn moved_point(formula: OfPose<Matrix3x6<f64>>) -> Comparison {
     let against = "central differences of the matrix exponential by its power series";
     Comparison::relative(against, 1e-10).over(STATES, 3, |random| {
         let (_, pose, point) = state(random);
@@ -191,9 +192,10 @@ fn moved_point(formula: MovedPoint) -> Comparison {
     })
 }
 
-type PoseBlock = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<Matrix2x6<f64>>;
+/// Takes a camera, its pose and a point of the world; gives the block of its pixel.
+type Block<T> = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<T>;
 
-fn pose_block(formula: PoseBlock) -> Comparison {
+fn pose_block(formula: Block<Matrix2x6<f64>>) -> Comparison {
     let against = "central differences of the projection, the pose moved by a power series";
     Comparison::relative(against, 1e-8).over(STATES, 4, |random| {
         let (camera, pose, point) = state(random);
@@ -210,9 +212,7 @@ fn pose_block_by_differences(
     differences(STEP, |xi| image_of(camera, &moved_on_the_right(pose, xi, point)))
 }
 
-type PointBlock = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<Matrix2x3<f64>>;
-
-fn point_block(formula: PointBlock) -> Comparison {
+fn point_block(formula: Block<Matrix2x3<f64>>) -> Comparison {
     Comparison::relative("central differences of the projection", 1e-8).over(STATES, 5, |random| {
         let (camera, pose, point) = state(random);
         let seen = |step: &Vector3<f64>| image_of(&camera, &in_camera(&pose, &(point + step)));
@@ -270,8 +270,8 @@ fn reading(chapter: &mut Chapter) {
     let formula: TurnToStep = |p| (p.x * p.x + p.z * p.z) / p.x.abs();
     chapter.equation("turn-to-step", turn_to_step, formula, &mutants);
 
-    let formula: NullSpace = |t, p| pose_null_space(p, &ray(t, p));
-    let mutants: [(_, NullSpace); 4] = [
+    let formula: OfPose<SMatrix<f64, 6, 4>> = |t, p| pose_null_space(p, &ray(t, p));
+    let mutants: [(_, OfPose<SMatrix<f64, 6, 4>>); 4] = [
         ("sign of the skew", |t, p| pose_null_space(&-p, &ray(t, p))),
         ("skew of the point in the camera", |t, p| pose_null_space(&in_camera(t, p), &ray(t, p))),
         ("ray in the camera's frame", |t, p| pose_null_space(p, &in_camera(t, p))),
@@ -309,9 +309,7 @@ fn pose_null_space(point: &Vector3<f64>, ray_in_world: &Vector3<f64>) -> SMatrix
     basis
 }
 
-type NullSpace = fn(&Isometry3<f64>, &Vector3<f64>) -> SMatrix<f64, 6, 4>;
-
-fn null_space_of_pose_block(formula: NullSpace) -> Comparison {
+fn null_space_of_pose_block(formula: OfPose<SMatrix<f64, 6, 4>>) -> Comparison {
     let against = "the null space of the differences' singular value decomposition";
     Comparison::absolute(against, 1e-8, "").over(STATES, 8, |random| {
         let (camera, pose, point) = state(random);
@@ -324,7 +322,7 @@ fn null_space_of_pose_block(formula: NullSpace) -> Comparison {
 }
 
 fn lens(chapter: &mut Chapter) {
-    let mutants: [(_, Distort); 4] = [
+    let mutants: [(_, OfLens<Vector2<f64>>); 4] = [
         ("p1 and p2 exchanged", |lens, p| ordered(lens, [0, 1, 3, 2, 4]).distort(p)),
         ("k3 before p1 and p2", |lens, p| ordered(lens, [0, 1, 4, 2, 3]).distort(p)),
         ("tangential part dropped", |lens, p| radial_part(lens).distort(p)),
@@ -335,7 +333,7 @@ fn lens(chapter: &mut Chapter) {
     ];
     chapter.equation("distortion", distortion, RadialTangential::distort, &mutants);
 
-    let mutants: [(_, LensJacobian); 4] = [
+    let mutants: [(_, OfLens<Matrix2<f64>>); 4] = [
         ("factor held fixed", |lens, p| {
             Matrix2::from_diagonal_element(lens.distort(p).dot(p) / p.norm_squared())
         }),
@@ -387,9 +385,10 @@ fn random_slope(random: &mut Random) -> Vector2<f64> {
     Vector2::new(random.uniform(-0.9..0.9), random.uniform(-0.9..0.9))
 }
 
-type Distort = fn(&RadialTangential, &Vector2<f64>) -> Vector2<f64>;
+/// Takes a lens and an ideal point.
+type OfLens<T> = fn(&RadialTangential, &Vector2<f64>) -> T;
 
-fn distortion(formula: Distort) -> Comparison {
+fn distortion(formula: OfLens<Vector2<f64>>) -> Comparison {
     let against = "central differences of the scalar whose gradient it is";
     Comparison::absolute(against, 1e-10, "").over(STATES, 9, |random| {
         let (lens, ideal) = (random_lens(random), random_slope(random));
@@ -398,9 +397,7 @@ fn distortion(formula: Distort) -> Comparison {
     })
 }
 
-type LensJacobian = fn(&RadialTangential, &Vector2<f64>) -> Matrix2<f64>;
-
-fn distortion_jacobian(formula: LensJacobian) -> Comparison {
+fn distortion_jacobian(formula: OfLens<Matrix2<f64>>) -> Comparison {
     let against = "central differences of the distorted point";
     Comparison::absolute(against, 1e-9, "").over(STATES, 10, |random| {
         let (lens, ideal) = (random_lens(random), random_slope(random));

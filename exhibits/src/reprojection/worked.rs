@@ -3,10 +3,8 @@
 use nalgebra::{DMatrix, Isometry3, Matrix2x3, Matrix2x6, Vector3};
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
 
-pub const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
-
-/// In the world and, as the camera stands at its origin, in the camera.
-pub const POINT: Vector3<f64> = Vector3::new(0.2, -0.1, 5.0);
+// The camera stands at the origin of the world.
+pub use crate::bearing::worked::{CAMERA, POINT};
 
 /// The 2×6 pose block and the 2×3 point block of a point that the camera sees.
 pub fn blocks(point: &Vector3<f64>) -> (Matrix2x6<f64>, Matrix2x3<f64>) {

@@ -8,8 +8,8 @@ use plotters::series::DashedLineSeries;
 use plotters::style::Color;
 use vislam::manifold::se3;
 
+use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::figure::{self, Draw, ESTIMATED, Figure, INK, SERIES, decimals, letters_right_of};
-use crate::manifold::numbers::CHI_SQUARED_2;
 use crate::manifold::uncertainty::{Drive, plane_of};
 
 const DRAWS: usize = 700;
@@ -57,9 +57,10 @@ fn outlines() -> (Outline, Outline) {
     let with_heading = covariance.fixed_view::<2, 1>(0, 2).into_owned();
     let factor = position.cholesky().expect("it is positive definite");
     let expected = Drive::WORKED.expected();
+    let radius = chi_square_quantile(0.95, 2.0).sqrt();
     let corner = |k: i32| {
         let angle = TAU * f64::from(k) / f64::from(CORNERS);
-        let rho = CHI_SQUARED_2.sqrt() * factor.l() * Vector2::new(angle.cos(), angle.sin());
+        let rho = radius * factor.l() * Vector2::new(angle.cos(), angle.sin());
         let heading = with_heading.dot(&factor.solve(&rho));
         let twist = Vector6::new(rho.x, rho.y, 0.0, 0.0, 0.0, heading);
         let end = se3::retract(&expected, &twist).translation.vector;

@@ -3,7 +3,7 @@
 use plotters::series::DashedLineSeries;
 use plotters::style::Color;
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, letters_around, letters_right_of};
+use crate::figure::{self, Draw, Figure, INK, SERIES, letters_around, letters_right_of, powers};
 use crate::reprojection::mixing::{Convention, Experiment, FAR_START, predicted_rate};
 
 /// Degrees by which the camera that is turned most is turned from the world.
@@ -15,9 +15,11 @@ const LOWEST: f64 = -13.0;
 pub fn mixed_iterations() -> Figure {
     let consistent = run(ANGLES[0], Convention::Consistent);
     let mixed = ANGLES.map(|angle| run(angle, Convention::Mixed));
-    let cell =
-        |error: Option<&f64>| error.map_or("none".to_owned(), |error| format!("{error:.1e}"));
-    let cells = |errors: &[f64]| (0..=STEPS).map(|step| cell(errors.get(step))).collect();
+    let cells = |errors: &[f64]| {
+        let mut cells = powers(1, errors.iter().copied());
+        cells.resize(STEPS + 1, "none".to_owned());
+        cells
+    };
     let columns = vec![
         ("steps", (0..=STEPS).map(|step| step.to_string()).collect()),
         ("error with one convention", cells(&consistent)),
