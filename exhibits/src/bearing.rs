@@ -375,7 +375,7 @@ fn inverse_depth_jacobian(formula: InverseDepthJacobian) -> Comparison {
         let camera = random.camera();
         let (landmark, _) = landmark_and_point(&mut random, state);
         let second_from_first = small_motion(&mut random);
-        let slope = differences(|step: Vector3<f64>| {
+        let slope = differences(1e-5, |step: Vector3<f64>| {
             let ray = Vector3::new(landmark.x + step.x, landmark.y + step.y, 1.0);
             let lever = (landmark.inverse_depth + step.z) * second_from_first.translation.vector;
             image_of(&camera, &(second_from_first.rotation * ray + lever))

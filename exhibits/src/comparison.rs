@@ -208,15 +208,16 @@ pub fn inverse<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N>
     matrix.try_inverse().unwrap_or(SMatrix::repeat(f64::NAN))
 }
 
-/// The M×N derivative of a function at zero, by central differences with a step of 1e-5.
-pub fn differences<const M: usize, const N: usize>(
-    function: impl Fn(SVector<f64, N>) -> SVector<f64, M>,
-) -> SMatrix<f64, M, N> {
-    const STEP: f64 = 1e-5;
-    let columns = std::array::from_fn::<_, N, _>(|column| {
-        let mut step = SVector::<f64, N>::zeros();
-        step[column] = STEP;
-        (function(step) - function(-step)) / (2.0 * STEP)
+/// The derivative at zero of a function of `C` numbers, column by column, by central differences.
+pub fn differences<const R: usize, const C: usize>(
+    step: f64,
+    function: impl Fn(SVector<f64, C>) -> SVector<f64, R>,
+) -> SMatrix<f64, R, C> {
+    let columns = std::array::from_fn::<_, C, _>(|axis| {
+        let along = |change: f64| {
+            function(SVector::from_fn(|row, _| if row == axis { change } else { 0.0 }))
+        };
+        (along(step) - along(-step)) / (2.0 * step)
     });
     SMatrix::from_columns(&columns)
 }

@@ -29,6 +29,9 @@ use worked::{Tape, contraction, curvature, hessian};
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
 
+/// Step of the central differences.
+const STEP: f64 = 1e-5;
+
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     sums_of_squares(chapter);
@@ -197,7 +200,7 @@ fn cost_gradient(formula: Gradient) -> Comparison {
     Comparison::relative(against, 1e-6).over(STATES, 6, |random| {
         let problem = Rotated::random(random);
         let moved = |step: Vector3<f64>| problem.rotation * Rotation3::new(step);
-        (formula(&problem), differences(|step| Vector1::new(problem.cost(&moved(step)))))
+        (formula(&problem), differences(STEP, |step| Vector1::new(problem.cost(&moved(step)))))
     })
 }
 
@@ -245,7 +248,7 @@ fn gauss_newton_rate(formula: AtSpot) -> Comparison {
         let (tapes, _) = random_garden(random);
         let estimate = worked::estimate(&tapes);
         let led = |away: Vector2<f64>| worked::stepped(&tapes, &(estimate + away));
-        (formula(&tapes, &estimate), differences(led))
+        (formula(&tapes, &estimate), differences(STEP, led))
     })
 }
 
@@ -397,7 +400,7 @@ fn kernel_weight(formula: Weight) -> Comparison {
         // One block of six numbers, far enough from the kink of Huber's cost for differences.
         let (kernel, fit) = (kind(random.uniform(0.5..3.0)), Fit::random(&mut random));
         let norm = |step: Vector3<f64>| (fit.r + fit.j * step).norm();
-        let slope = differences(|step| Vector1::new(kernel.cost(norm(step))));
+        let slope = differences(STEP, |step| Vector1::new(kernel.cost(norm(step))));
         (formula(kernel, fit.r.norm()) * fit.gradient(), slope)
     })
 }

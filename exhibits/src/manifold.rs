@@ -22,6 +22,9 @@ use uncertainty::{Noise, sample_covariance};
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
 
+/// Step of the central differences.
+const STEP: f64 = 1e-5;
+
 /// States and draws at each of them of a comparison with simulated noise.
 const NOISY_STATES: u64 = 20;
 const DRAWS: usize = 10_000;
@@ -143,7 +146,7 @@ fn rotated_point(formula: PointJacobian) -> Comparison {
         let rotation = turned(&vector(random, 3.0));
         let length = random.uniform(0.5..5.0);
         let point = random.direction(length);
-        let slope = differences(|step: Vector3<f64>| rotation * turned(&step) * point);
+        let slope = differences(STEP, |step: Vector3<f64>| rotation * turned(&step) * point);
         (formula(&rotation, &point), slope)
     })
 }
@@ -235,7 +238,7 @@ fn compared_with_steps(
     Comparison::absolute(against, 1e-9, "").over(states, seed, |random| {
         let phi = vector(random, 6.0);
         let moved = |step: Vector3<f64>| step_between(&turned(&phi), &turned(&(phi + step)));
-        (formula(&phi), differences(moved))
+        (formula(&phi), differences(STEP, moved))
     })
 }
 
@@ -244,7 +247,7 @@ fn right_jacobian_inverse(formula: Exp) -> Comparison {
     Comparison::relative(against, 1e-8).over(STATES, 8, |random| {
         let phi = vector(random, 3.0);
         let moved = |step: Vector3<f64>| so3::log(&(turned(&phi) * turned(&step)));
-        (formula(&phi), differences(moved))
+        (formula(&phi), differences(STEP, moved))
     })
 }
 
@@ -390,7 +393,7 @@ fn se3_jacobian(formula: PoseJacobian) -> Comparison {
         let xi = twist(random, 4.0);
         let back = exponential_of(&-xi);
         let moved = |step: Vector6<f64>| small_twist(&(back * exponential_of(&(xi + step))));
-        (formula(&xi), differences(moved))
+        (formula(&xi), differences(STEP, moved))
     })
 }
 
