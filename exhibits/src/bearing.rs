@@ -8,21 +8,22 @@ mod figures;
 mod noise;
 mod numbers;
 mod oracle;
-mod worked;
+pub mod worked;
 
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Rotation3, Unit, Vector2, Vector3};
-use vislam::bearing::{self as theory, InverseDepth};
+use vislam::bearing::{self as theory, InverseDepth, transfer_by_infinite_homography as transfer};
 use vislam::reprojection::Pinhole;
 
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, differences};
 use crate::random::Random;
-use oracle::{central_difference, image_of, meeting_depth};
+use noise::Pair;
+use oracle::{calibration, image_of};
 
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
 
-/// Stands for the pixel of a formula that gives none; no comparison accepts it.
+/// Stands for the pixel of a point that has none; no comparison accepts it.
 const NOWHERE: Vector2<f64> = Vector2::new(f64::NAN, f64::NAN);
 
 /// Metres that stand for infinity: from there a point moves by less than 1e-11 px between two
@@ -48,22 +49,16 @@ fn one_view(chapter: &mut Chapter) {
         ("sign of x", |k, p| k.project_cam(&Vector3::new(-p.x, p.y, p.z))),
         ("distance for depth", |k, p| k.project_cam(&Vector3::new(p.x, p.y, p.norm()))),
         ("not divided by depth", |k, p| k.project_cam(&Vector3::new(p.x, p.y, 1.0))),
-        ("focal lengths exchanged", |k, p| with_focal_lengths_exchanged(k).project_cam(p)),
-        ("principal point dropped", |k, p| with_principal_point_dropped(k).project_cam(p)),
+        ("focal lengths exchanged", |k, p| exchanged(k).project_cam(p)),
+        ("principal point dropped", |k, p| uncentred(k).project_cam(p)),
     ];
     chapter.equation("projection", projection, Pinhole::project_cam, &mutants);
 
     let mutants: [(_, Bearing); 4] = [
-        ("K for its inverse", |k, pixel| {
-            Unit::new_normalize(oracle::calibration(k) * pixel.push(1.0))
-        }),
-        ("focal lengths exchanged", |k, pixel| {
-            theory::bearing(&with_focal_lengths_exchanged(k), pixel)
-        }),
-        ("principal point dropped", |k, pixel| {
-            theory::bearing(&with_principal_point_dropped(k), pixel)
-        }),
-        ("not normalized", |k, pixel| Unit::new_unchecked(theory::back_project(k, pixel, 1.0))),
+        ("K for its inverse", |k, u| Unit::new_normalize(calibration(k) * u.push(1.0))),
+        ("focal lengths exchanged", |k, u| theory::bearing(&exchanged(k), u)),
+        ("principal point dropped", |k, u| theory::bearing(&uncentred(k), u)),
+        ("not normalized", |k, u| Unit::new_unchecked(theory::back_project(k, u, 1.0))),
     ];
     chapter.equation("bearing", bearing, theory::bearing, &mutants);
 
@@ -79,52 +74,46 @@ fn one_view(chapter: &mut Chapter) {
     chapter.equation("depth-blind", depth_blind, |k, p, s| k.project_cam(&(s * p)), &mutants);
 }
 
+pub fn exchanged(camera: &Pinhole) -> Pinhole {
+    Pinhole { fx: camera.fy, fy: camera.fx, ..*camera }
+}
+
+fn uncentred(camera: &Pinhole) -> Pinhole {
+    Pinhole { cx: 0.0, cy: 0.0, ..*camera }
+}
+
 type Projection = fn(&Pinhole, &Vector3<f64>) -> Option<Vector2<f64>>;
 
 fn projection(formula: Projection) -> Comparison {
     let against = "the line through the optical centre and the point, cut with the plane z = 1";
-    let mut comparison = Comparison::absolute(against, 1e-11, "px");
-    let mut random = Random::new(1);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let point = random.point(0.1..100.0);
-        let pixel = formula(&camera, &point).unwrap_or(NOWHERE);
-        comparison.add(pixel.as_slice(), image_of(&camera, &point).as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-11, "px").over(STATES, 1, |random| {
+        let (camera, point) = (random.camera(), random.point(0.1..100.0));
+        (formula(&camera, &point), image_of(&camera, &point))
+    })
 }
 
 type Bearing = fn(&Pinhole, &Vector2<f64>) -> Unit<Vector3<f64>>;
 
 fn bearing(formula: Bearing) -> Comparison {
     let against = "the pixel of a point reached by walking along the ray, and the distance walked";
-    let mut comparison = Comparison::relative(against, 1e-13);
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-13).over(STATES, 2, |random| {
         let camera = random.camera();
         let pixel = image_of(&camera, &random.point(1.0..2.0));
         let walked = random.logarithmic(0.1..100.0);
         let reached = walked * formula(&camera, &pixel).into_inner();
-        let seen = image_of(&camera, &reached);
-        comparison.add(&[seen.x, seen.y, reached.norm()], &[pixel.x, pixel.y, walked]);
-    }
-    comparison
+        ((image_of(&camera, &reached), reached.norm()), (pixel, walked))
+    })
 }
 
 type Stretched = fn(&Pinhole, &Vector3<f64>, f64) -> Option<Vector2<f64>>;
 
 fn depth_blind(formula: Stretched) -> Comparison {
     let against = "the pixel of the point before it was stretched";
-    let mut comparison = Comparison::absolute(against, 1e-11, "px");
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let point = random.point(0.5..50.0);
-        let stretch = random.logarithmic(0.2..20.0);
-        let pixel = formula(&camera, &point, stretch).unwrap_or(NOWHERE);
-        comparison.add(pixel.as_slice(), image_of(&camera, &point).as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-11, "px").over(STATES, 3, |random| {
+        let (camera, point) = (random.camera(), random.point(0.5..50.0));
+        let stretched = formula(&camera, &point, random.logarithmic(0.2..20.0));
+        (stretched, image_of(&camera, &point))
+    })
 }
 
 fn two_views(chapter: &mut Chapter) {
@@ -151,17 +140,11 @@ type Disparity = fn(&Pinhole, f64, f64) -> f64;
 
 fn disparity(formula: Disparity) -> Comparison {
     let against = "the projections into both cameras";
-    let mut comparison = Comparison::absolute(against, 1e-11, "px");
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
-        let point = random.point(0.5..100.0);
-        let first = image_of(&camera, &point);
-        let second = image_of(&camera, &(point - baseline * Vector3::x()));
-        comparison.add(&[formula(&camera, baseline, point.z)], &[first.x - second.x]);
-    }
-    comparison
+    Comparison::absolute(against, 1e-11, "px").over(STATES, 4, |random| {
+        let pair = Pair::random(random);
+        let [first, second] = pair.columns();
+        (formula(&pair.camera, pair.baseline, pair.point.z), first - second)
+    })
 }
 
 /// Takes a camera, a baseline, a depth and a stretch.
@@ -169,28 +152,20 @@ type Stretch = fn(&Pinhole, f64, f64, f64) -> f64;
 
 fn stretch(formula: Stretch) -> Comparison {
     let against = "the second camera's pixels before and after";
-    let mut comparison = Comparison::absolute(against, 1e-11, "px");
-    let mut random = Random::new(5);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
-        let point = random.point(0.5..100.0);
-        let stretch = random.logarithmic(0.5..3.0);
-        let seen = |point: Vector3<f64>| image_of(&camera, &(point - baseline * Vector3::x()));
-        let shift = seen(stretch * point).x - seen(point).x;
-        comparison.add(&[formula(&camera, baseline, point.z, stretch)], &[shift]);
-    }
-    comparison
+    Comparison::absolute(against, 1e-11, "px").over(STATES, 5, |random| {
+        let (pair, s) = (Pair::random(random), random.logarithmic(0.5..3.0));
+        let stretched = Pair { point: s * pair.point, ..pair };
+        let shift = stretched.columns()[1] - pair.columns()[1];
+        (formula(&pair.camera, pair.baseline, pair.point.z, s), shift)
+    })
 }
 
 fn uncertain_depth(chapter: &mut Chapter) {
     let mutants: [(_, DepthSigma); 4] = [
-        ("depth not squared", |k, b, depth, sigma| theory::depth_sigma(k, b, depth, sigma) / depth),
-        ("baseline above the line", |k, b, depth, sigma| {
-            theory::depth_sigma(k, 1.0 / b, depth, sigma)
-        }),
-        ("focal length dropped", |_, b, depth, sigma| depth * depth * sigma / b),
-        ("fy for fx", |k, b, depth, sigma| depth * depth * sigma / (k.fy * b)),
+        ("depth not squared", |k, b, z, sigma| theory::depth_sigma(k, b, z, sigma) / z),
+        ("baseline above the line", |k, b, z, sigma| theory::depth_sigma(k, 1.0 / b, z, sigma)),
+        ("focal length dropped", |_, b, z, sigma| z * z * sigma / b),
+        ("fy for fx", |k, b, z, sigma| z * z * sigma / (k.fy * b)),
     ];
     chapter.equation("depth-sigma", depth_sigma, theory::depth_sigma, &mutants);
 
@@ -202,12 +177,12 @@ fn uncertain_depth(chapter: &mut Chapter) {
     ];
     chapter.equation("disparity-noise", disparity_noise, theory::disparity_sigma, &mutants);
 
-    let formula: DepthSigma = |k, b, depth, sigma| (sigma / k.fx) / (b / depth);
+    let formula: DepthSigma = |k, b, z, sigma| (sigma / k.fx) / (b / z);
     let mutants: [(_, DepthSigma); 4] = [
-        ("parallax squared", |k, b, depth, sigma| (sigma / k.fx) / (b / depth).powi(2)),
-        ("times parallax", |k, b, depth, sigma| (sigma / k.fx) * (b / depth)),
+        ("parallax squared", |k, b, z, sigma| (sigma / k.fx) / (b / z).powi(2)),
+        ("times parallax", |k, b, z, sigma| (sigma / k.fx) * (b / z)),
         ("baseline for parallax", |k, b, _, sigma| (sigma / k.fx) / b),
-        ("pixels for angle", |_, b, depth, sigma| sigma / (b / depth)),
+        ("pixels for angle", |_, b, z, sigma| sigma / (b / z)),
     ];
     chapter.equation("parallax-depth", parallax_depth, formula, &mutants);
 }
@@ -216,37 +191,22 @@ fn uncertain_depth(chapter: &mut Chapter) {
 type DepthSigma = fn(&Pinhole, f64, f64, f64) -> f64;
 
 fn depth_sigma(formula: DepthSigma) -> Comparison {
-    compared_with_meeting_rays(6, formula, |sigma, _| sigma)
+    let against = "central differences of the depth at which the two rays meet";
+    Comparison::relative(against, 1e-7).over(STATES, 6, |random| {
+        let (pair, sigma) = (Pair::random(random), random.uniform(0.2..3.0));
+        let true_sigma = pair.slope(|depth| depth, 1e-4).abs() * sigma;
+        (formula(&pair.camera, pair.baseline, pair.point.z, sigma), true_sigma)
+    })
 }
 
 fn parallax_depth(formula: DepthSigma) -> Comparison {
-    compared_with_meeting_rays(7, formula, |sigma, depth| sigma / depth)
-}
-
-/// Compares `formula` with `expected`, which is given the true standard deviation of depth, and the
-/// depth.
-fn compared_with_meeting_rays(
-    seed: u64,
-    formula: DepthSigma,
-    expected: fn(f64, f64) -> f64,
-) -> Comparison {
     let against = "central differences of the depth at which the two rays meet";
-    let mut comparison = Comparison::relative(against, 1e-7);
-    let mut random = Random::new(seed);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
-        let point = random.point(0.5..100.0);
-        let sigma = random.uniform(0.2..3.0);
-        let first = image_of(&camera, &point).x;
-        let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
-        let depth = |second| meeting_depth(&camera, baseline, first, second);
-        let slope = central_difference(depth, second, 1e-4 * (first - second));
-        let true_sigma = slope.abs() * sigma;
-        let value = formula(&camera, baseline, point.z, sigma);
-        comparison.add(&[value], &[expected(true_sigma, point.z)]);
-    }
-    comparison
+    Comparison::relative(against, 1e-7).over(STATES, 7, |random| {
+        let (pair, sigma) = (Pair::random(random), random.uniform(0.2..3.0));
+        let true_sigma = pair.slope(|depth| depth, 1e-4).abs() * sigma;
+        let depth = pair.point.z;
+        (formula(&pair.camera, pair.baseline, depth, sigma), true_sigma / depth)
+    })
 }
 
 /// Takes the standard deviations of the noise in the first and in the second image.
@@ -254,44 +214,32 @@ type DisparityNoise = fn(f64, f64) -> f64;
 
 fn disparity_noise(formula: DisparityNoise) -> Comparison {
     let against = "Monte Carlo with 20,000 noisy pairs of pixels for each state";
-    let mut comparison = Comparison::relative(against, 0.02);
     let mut random = Random::new(8);
-    for state in 0..25 {
-        let first_sigma = random.uniform(0.5..2.0);
-        let second_sigma = random.uniform(0.5..2.0);
-        let measured = noise::Pair { first_sigma, second_sigma, ..noise::Pair::worked() };
-        let drawn = noise::Moments::of(measured.disparities(100 + state).take(20_000));
-        comparison.add(&[formula(first_sigma, second_sigma)], &[drawn.deviation()]);
-    }
-    comparison
+    Comparison::relative(against, 0.02).each(100..125, |seed| {
+        let [first_sigma, second_sigma] = [(); 2].map(|()| random.uniform(0.5..2.0));
+        let measured = Pair { first_sigma, second_sigma, ..Pair::worked() };
+        let drawn = noise::Moments::of(measured.disparities(seed).take(20_000));
+        (formula(first_sigma, second_sigma), drawn.deviation())
+    })
 }
 
 fn other_blindnesses(chapter: &mut Chapter) {
-    let formula: Scaled = |k, r, centre, p, s| picture(k, r, &(s * centre), &(s * p));
+    let formula: Scaled = |k, r, c, p, s| k.project(&pose(r, &(s * c)), &(s * p));
     let mutants: [(_, Scaled); 3] = [
-        ("centres stay", |k, r, centre, p, s| picture(k, r, centre, &(s * p))),
-        ("points stay", |k, r, centre, p, s| picture(k, r, &(s * centre), p)),
-        ("centres shrink", |k, r, centre, p, s| picture(k, r, &(centre / s), &(s * p))),
+        ("centres stay", |k, r, c, p, s| k.project(&pose(r, c), &(s * p))),
+        ("points stay", |k, r, c, p, s| k.project(&pose(r, &(s * c)), p)),
+        ("centres shrink", |k, r, c, p, s| k.project(&pose(r, &(c / s)), &(s * p))),
     ];
     chapter.equation("scale-blind", scale_blind, formula, &mutants);
 
     let mutants: [(_, Turned); 3] = [
-        ("rotation transposed", |k, r, pixel| {
-            theory::transfer_by_infinite_homography(k, &r.inverse(), pixel)
-        }),
-        ("K and its inverse dropped", |_, r, pixel| dehomogenized(r * pixel.push(1.0))),
-        ("K and its inverse exchanged", |k, r, pixel| {
-            let calibration = oracle::calibration(k);
-            let turned = r * (calibration * pixel.push(1.0));
-            dehomogenized(calibration.try_inverse()? * turned)
+        ("rotation transposed", |k, r, u| transfer(k, &r.inverse(), u)),
+        ("K and its inverse dropped", |_, r, u| dehomogenized(r * u.push(1.0))),
+        ("K and its inverse exchanged", |k, r, u| {
+            dehomogenized(calibration(k).try_inverse()? * (r * (calibration(k) * u.push(1.0))))
         }),
     ];
-    chapter.equation(
-        "rotation-blind",
-        rotation_blind,
-        theory::transfer_by_infinite_homography,
-        &mutants,
-    );
+    chapter.equation("rotation-blind", rotation_blind, transfer, &mutants);
 }
 
 /// Takes a camera, its rotation from the world, its centre, a point and the scale of the world.
@@ -300,48 +248,31 @@ type Scaled =
 
 fn scale_blind(formula: Scaled) -> Comparison {
     let against = "the pixel in the world of the first size";
-    let mut comparison = Comparison::absolute(against, 1e-10, "px");
-    let mut random = Random::new(9);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let rotation = random.rotation(3.0);
-        let centre = random.direction(2.0);
-        let point_in_camera = random.point(1.0..50.0);
-        let point = rotation.inverse() * point_in_camera + centre;
+    Comparison::absolute(against, 1e-10, "px").over(STATES, 9, |random| {
+        let (camera, rotation) = (random.camera(), random.rotation(3.0));
+        let (centre, in_camera) = (random.direction(2.0), random.point(1.0..50.0));
+        let point = rotation.inverse() * in_camera + centre;
         let scale = random.logarithmic(0.2..5.0);
-        let pixel = formula(&camera, &rotation, &centre, &point, scale).unwrap_or(NOWHERE);
-        comparison.add(pixel.as_slice(), image_of(&camera, &point_in_camera).as_slice());
-    }
-    comparison
+        (formula(&camera, &rotation, &centre, &point, scale), image_of(&camera, &in_camera))
+    })
 }
 
-/// What a camera with this centre sees of a point.
-fn picture(
-    camera: &Pinhole,
-    camera_from_world: &Rotation3<f64>,
-    centre: &Vector3<f64>,
-    point: &Vector3<f64>,
-) -> Option<Vector2<f64>> {
+/// Camera from world, by the camera's rotation and its centre in the world.
+fn pose(camera_from_world: &Rotation3<f64>, centre: &Vector3<f64>) -> Isometry3<f64> {
     let translation = -(camera_from_world * centre);
-    let pose = Isometry3::from_parts(translation.into(), (*camera_from_world).into());
-    camera.project(&pose, point)
+    Isometry3::from_parts(translation.into(), (*camera_from_world).into())
 }
 
 type Turned = fn(&Pinhole, &Rotation3<f64>, &Vector2<f64>) -> Option<Vector2<f64>>;
 
 fn rotation_blind(formula: Turned) -> Comparison {
     let against = "projections of points at any depth on the ray";
-    let mut comparison = Comparison::absolute(against, 1e-10, "px");
-    let mut random = Random::new(10);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let rotation = random.rotation(0.35);
+    Comparison::absolute(against, 1e-10, "px").over(STATES, 10, |random| {
+        let (camera, rotation) = (random.camera(), random.rotation(0.35));
         let point = random.point(0.5..500.0);
-        let pixel = image_of(&camera, &point);
-        let turned = formula(&camera, &rotation, &pixel).unwrap_or(NOWHERE);
-        comparison.add(turned.as_slice(), image_of(&camera, &(rotation * point)).as_slice());
-    }
-    comparison
+        let turned = formula(&camera, &rotation, &image_of(&camera, &point));
+        (turned, image_of(&camera, &(rotation * point)))
+    })
 }
 
 fn dehomogenized(pixel: Vector3<f64>) -> Option<Vector2<f64>> {
@@ -372,17 +303,13 @@ type InverseDepthLine = fn(&Pinhole, f64, f64, f64) -> f64;
 
 fn inverse_depth_line(formula: InverseDepthLine) -> Comparison {
     let against = "the projection of the point, one in ten of them at infinity";
-    let mut comparison = Comparison::absolute(against, 1e-10, "px");
     let mut random = Random::new(11);
-    for state in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
+    Comparison::absolute(against, 1e-10, "px").each(0..STATES, |state| {
+        let (camera, baseline) = (random.camera(), random.logarithmic(0.05..2.0));
         let (landmark, point) = landmark_and_point(&mut random, state);
-        let first = image_of(&camera, &point).x;
-        let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
-        comparison.add(&[formula(&camera, baseline, first, landmark.inverse_depth)], &[second]);
-    }
-    comparison
+        let [first, second] = Pair { camera, baseline, point, ..Pair::worked() }.columns();
+        (formula(&camera, baseline, first, landmark.inverse_depth), second)
+    })
 }
 
 /// Takes a camera, a baseline and the standard deviation of the disparity.
@@ -390,55 +317,33 @@ type InverseDepthSigma = fn(&Pinhole, f64, f64) -> f64;
 
 fn inverse_depth_sigma(formula: InverseDepthSigma) -> Comparison {
     let against = "central differences of the inverse depth at which the two rays meet";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(14);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let baseline = random.logarithmic(0.05..2.0);
-        let point = random.point(0.5..100.0);
-        let sigma = random.uniform(0.2..3.0);
-        let first = image_of(&camera, &point).x;
-        let second = image_of(&camera, &(point - baseline * Vector3::x())).x;
-        let inverse_depth = |second| 1.0 / meeting_depth(&camera, baseline, first, second);
-        let slope = central_difference(inverse_depth, second, 1e-2 * (first - second));
-        comparison.add(&[formula(&camera, baseline, sigma)], &[slope.abs() * sigma]);
-    }
-    comparison
+    Comparison::relative(against, 1e-9).over(STATES, 14, |random| {
+        let (pair, sigma) = (Pair::random(random), random.uniform(0.2..3.0));
+        let slope = pair.slope(|depth| 1.0 / depth, 1e-2);
+        (formula(&pair.camera, pair.baseline, sigma), slope.abs() * sigma)
+    })
 }
 
 fn projected_inverse_depth(chapter: &mut Chapter) {
     let formula = InverseDepth::project_into;
     let mutants: [(_, InverseDepthProjection); 5] = [
-        ("translation not times inverse depth", |point, k, motion| {
-            with_inverse_depth(1.0, point).project_into(k, motion)
+        ("translation not times inverse depth", |p, k, t| with_rho(1.0, p).project_into(k, t)),
+        ("translation dropped", |p, k, t| with_rho(0.0, p).project_into(k, t)),
+        ("sign of the translation", |p, k, t| {
+            p.project_into(k, &Isometry3::from_parts(t.translation.inverse(), t.rotation))
         }),
-        ("translation dropped", |point, k, motion| {
-            with_inverse_depth(0.0, point).project_into(k, motion)
-        }),
-        ("sign of the translation", |point, k, motion| {
-            point.project_into(k, &with_translation_negated(motion))
-        }),
-        ("rotation transposed", |point, k, motion| {
-            point.project_into(k, &with_rotation_transposed(motion))
-        }),
-        ("motion inverted", |point, k, motion| point.project_into(k, &motion.inverse())),
+        ("rotation transposed", |p, k, t| p.project_into(k, &turned_back(t))),
+        ("motion inverted", |p, k, t| p.project_into(k, &t.inverse())),
     ];
     chapter.equation("inverse-depth-projection", inverse_depth_projection, formula, &mutants);
 
     let formula = InverseDepth::project_with_jacobian;
     let mutants: [(_, InverseDepthJacobian); 5] = [
-        ("rotation transposed", |point, k, motion| {
-            point.project_with_jacobian(k, &with_rotation_transposed(motion))
-        }),
-        ("sign of the last column", |point, k, motion| {
-            with_last_column_times(-1.0, point.project_with_jacobian(k, motion))
-        }),
-        ("last column dropped", |point, k, motion| {
-            with_last_column_times(0.0, point.project_with_jacobian(k, motion))
-        }),
-        ("by depth for by inverse depth", |point, k, motion| {
-            let factor = -point.inverse_depth.powi(2);
-            with_last_column_times(factor, point.project_with_jacobian(k, motion))
+        ("rotation transposed", |p, k, t| p.project_with_jacobian(k, &turned_back(t))),
+        ("sign of the last column", |p, k, t| last_column_times(-1.0, p, k, t)),
+        ("last column dropped", |p, k, t| last_column_times(0.0, p, k, t)),
+        ("by depth for by inverse depth", |p, k, t| {
+            last_column_times(-p.inverse_depth.powi(2), p, k, t)
         }),
         ("second depth held fixed", with_second_depth_held_fixed),
     ];
@@ -449,45 +354,35 @@ type InverseDepthProjection = fn(&InverseDepth, &Pinhole, &Isometry3<f64>) -> Op
 
 fn inverse_depth_projection(formula: InverseDepthProjection) -> Comparison {
     let against = "the projection of the moved point, one in ten of them at infinity";
-    let mut comparison = Comparison::absolute(against, 1e-10, "px");
     let mut random = Random::new(12);
-    for state in 0..STATES {
+    Comparison::absolute(against, 1e-10, "px").each(0..STATES, |state| {
         let camera = random.camera();
         let (landmark, point) = landmark_and_point(&mut random, state);
         let second_from_first = small_motion(&mut random);
-        let pixel = formula(&landmark, &camera, &second_from_first).unwrap_or(NOWHERE);
         let moved = second_from_first.transform_point(&point.into()).coords;
-        comparison.add(pixel.as_slice(), image_of(&camera, &moved).as_slice());
-    }
-    comparison
+        (formula(&landmark, &camera, &second_from_first), image_of(&camera, &moved))
+    })
 }
 
-type InverseDepthJacobian =
-    fn(&InverseDepth, &Pinhole, &Isometry3<f64>) -> Option<(Vector2<f64>, Matrix2x3<f64>)>;
+/// The pixel and its derivatives by x, y and the inverse depth.
+type PixelAndJacobian = Option<(Vector2<f64>, Matrix2x3<f64>)>;
+type InverseDepthJacobian = fn(&InverseDepth, &Pinhole, &Isometry3<f64>) -> PixelAndJacobian;
 
 fn inverse_depth_jacobian(formula: InverseDepthJacobian) -> Comparison {
     let against = "central differences, one in ten at infinity";
-    let mut comparison = Comparison::relative(against, 1e-9);
     let mut random = Random::new(13);
-    for state in 0..STATES {
+    Comparison::relative(against, 1e-9).each(0..STATES, |state| {
         let camera = random.camera();
         let (landmark, _) = landmark_and_point(&mut random, state);
         let second_from_first = small_motion(&mut random);
-        let parameters = Vector3::new(landmark.x, landmark.y, landmark.inverse_depth);
-        let pixel = |p: Vector3<f64>| {
-            let ray = second_from_first.rotation * Vector3::new(p.x, p.y, 1.0);
-            image_of(&camera, &(ray + p.z * second_from_first.translation.vector))
-        };
-        let step = 1e-5;
-        let differences = Matrix2x3::from_fn(|row, column| {
-            let along = |change| pixel(parameters + change * Vector3::ith(column, 1.0))[row];
-            central_difference(along, 0.0, step)
+        let slope = differences(1e-5, |step: Vector3<f64>| {
+            let ray = Vector3::new(landmark.x + step.x, landmark.y + step.y, 1.0);
+            let lever = (landmark.inverse_depth + step.z) * second_from_first.translation.vector;
+            image_of(&camera, &(second_from_first.rotation * ray + lever))
         });
-        let jacobian = formula(&landmark, &camera, &second_from_first)
-            .map_or(Matrix2x3::repeat(f64::NAN), |(_, jacobian)| jacobian);
-        comparison.add(jacobian.as_slice(), differences.as_slice());
-    }
-    comparison
+        let projected = formula(&landmark, &camera, &second_from_first);
+        (projected.map(|(_, jacobian)| jacobian), slope)
+    })
 }
 
 /// A point in the first camera, as inverse depth and as coordinates; every tenth lies at infinity.
@@ -506,31 +401,21 @@ fn small_motion(random: &mut Random) -> Isometry3<f64> {
     Isometry3::from_parts(random.direction(length).into(), rotation.into())
 }
 
-fn with_focal_lengths_exchanged(camera: &Pinhole) -> Pinhole {
-    Pinhole { fx: camera.fy, fy: camera.fx, ..*camera }
-}
-
-fn with_principal_point_dropped(camera: &Pinhole) -> Pinhole {
-    Pinhole { cx: 0.0, cy: 0.0, ..*camera }
-}
-
-fn with_inverse_depth(inverse_depth: f64, point: &InverseDepth) -> InverseDepth {
+fn with_rho(inverse_depth: f64, point: &InverseDepth) -> InverseDepth {
     InverseDepth { inverse_depth, ..*point }
 }
 
-fn with_translation_negated(motion: &Isometry3<f64>) -> Isometry3<f64> {
-    let opposite = -motion.translation.vector;
-    Isometry3::from_parts(opposite.into(), motion.rotation)
-}
-
-fn with_rotation_transposed(motion: &Isometry3<f64>) -> Isometry3<f64> {
+fn turned_back(motion: &Isometry3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(motion.translation, motion.rotation.inverse())
 }
 
-type PixelAndJacobian = Option<(Vector2<f64>, Matrix2x3<f64>)>;
-
-fn with_last_column_times(factor: f64, projected: PixelAndJacobian) -> PixelAndJacobian {
-    let (pixel, mut jacobian) = projected?;
+fn last_column_times(
+    factor: f64,
+    landmark: &InverseDepth,
+    camera: &Pinhole,
+    second_from_first: &Isometry3<f64>,
+) -> PixelAndJacobian {
+    let (pixel, mut jacobian) = landmark.project_with_jacobian(camera, second_from_first)?;
     jacobian.column_mut(2).scale_mut(factor);
     Some((pixel, jacobian))
 }

@@ -1,6 +1,6 @@
 //! The one way in which a formula is compared with something independent of it.
 
-use nalgebra::{Dim, Isometry3, Matrix, RawStorage, Rotation3};
+use nalgebra::{Dim, Isometry3, Matrix, RawStorage, Rotation3, SMatrix, SVector};
 
 use crate::random::Random;
 
@@ -155,6 +155,11 @@ impl Comparison {
         self
     }
 
+    /// Compares a formula with its oracle at the only state there is.
+    pub fn once(self, formula: impl Values, oracle: impl Values) -> Self {
+        self.each([(formula, oracle)], |both| both)
+    }
+
     /// Compares one state. The values are all components of a scalar, vector or matrix.
     pub fn add(&mut self, formula: &[f64], oracle: &[f64]) {
         assert_eq!(formula.len(), oracle.len(), "a check compares values of the same shape");
@@ -198,6 +203,25 @@ fn length(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).sum::<f64>().sqrt()
 }
 
+/// The inverse of a matrix, or of one that has none NaN, which no comparison accepts.
+pub fn inverse<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    matrix.try_inverse().unwrap_or(SMatrix::repeat(f64::NAN))
+}
+
+/// The derivative at zero of a function of `C` numbers, column by column, by central differences.
+pub fn differences<const R: usize, const C: usize>(
+    step: f64,
+    function: impl Fn(SVector<f64, C>) -> SVector<f64, R>,
+) -> SMatrix<f64, R, C> {
+    let columns = std::array::from_fn::<_, C, _>(|axis| {
+        let along = |change: f64| {
+            function(SVector::from_fn(|row, _| if row == axis { change } else { 0.0 }))
+        };
+        (along(step) - along(-step)) / (2.0 * step)
+    });
+    SMatrix::from_columns(&columns)
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::{Matrix2x3, Vector2};
@@ -214,6 +238,8 @@ mod tests {
         assert_eq!((random.states, random.failure()), (3, None));
         let given = absolute().each([1.0, 2.0], |number| (Some(number), 1.0));
         assert_eq!((given.states, given.worst), (2, 1.0));
+        let single = absolute().once(2.0, 2.5);
+        assert_eq!((single.states, single.worst), (1, 0.5));
     }
 
     #[test]

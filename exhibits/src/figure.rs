@@ -3,10 +3,11 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
+use nalgebra::Vector2;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
-use plotters::element::{EmptyElement, Polygon, Text};
+use plotters::element::{Circle, EmptyElement, Polygon, Text};
 use plotters::prelude::{Cartesian2d, DrawingArea, IntoDrawingArea, SVGBackend};
 use plotters::series::LineSeries;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -160,6 +161,24 @@ pub trait Draw {
 
     /// Text at a point; the style says how it stands there.
     fn write(&mut self, text: &str, at: (f64, f64), style: TextStyle<'static>) -> Drawn;
+
+    /// A filled circle at each of these points.
+    fn dots(
+        &mut self,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        radius: i32,
+        colour: impl Color,
+    ) -> Drawn;
+
+    /// An arrow with a head that is this part of its length, and at most so many units to each side
+    /// of its end.
+    fn arrow(
+        &mut self,
+        from: &Vector2<f64>,
+        to: &Vector2<f64>,
+        head: (f64, f64),
+        colour: RGBColor,
+    ) -> Drawn;
 }
 
 impl<X, Y> Draw for ChartContext<'_, SVGBackend<'_>, Cartesian2d<X, Y>>
@@ -185,6 +204,29 @@ where
 
     fn write(&mut self, text: &str, at: (f64, f64), style: TextStyle<'static>) -> Drawn {
         self.draw_series([Text::new(text.to_owned(), at, style)])?;
+        Ok(())
+    }
+
+    fn dots(
+        &mut self,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        radius: i32,
+        colour: impl Color,
+    ) -> Drawn {
+        let circles = points.into_iter().map(|at| Circle::new(at, radius, colour.filled()));
+        self.draw_series(circles)?;
+        Ok(())
+    }
+
+    fn arrow(
+        &mut self,
+        from: &Vector2<f64>,
+        to: &Vector2<f64>,
+        head: (f64, f64),
+        colour: RGBColor,
+    ) -> Drawn {
+        self.line([(from.x, from.y), (to.x, to.y)], colour, 5)?;
+        self.draw_series([Polygon::new(arrow_head(from, to, head), colour.filled())])?;
         Ok(())
     }
 }
@@ -224,6 +266,23 @@ fn disc(radius: f64) -> Vec<(i32, i32)> {
         ((radius * cosine).round() as i32, (radius * sine).round() as i32)
     };
     (0..20).map(corner).collect()
+}
+
+/// A triangle around the end of an arrow: a part of its length, and at most `largest` units to each
+/// side of the end.
+fn arrow_head(
+    from: &Vector2<f64>,
+    to: &Vector2<f64>,
+    (part, largest): (f64, f64),
+) -> Vec<(f64, f64)> {
+    let length = (to - from).norm();
+    if length == 0.0 {
+        return vec![(to.x, to.y)];
+    }
+    let forward = part.min(largest / length) * (to - from);
+    let across = Vector2::new(-forward.y, forward.x);
+    let corners = [to + forward, to - forward + across, to - forward - across];
+    corners.map(|corner| (corner.x, corner.y)).to_vec()
 }
 
 #[cfg(test)]

@@ -10,22 +10,27 @@ mod numbers;
 mod oracle;
 mod robust;
 mod window;
-mod worked;
+pub mod worked;
+
+use std::f64::consts::TAU;
 
 use nalgebra::{
-    Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, SMatrix, Vector2, Vector3, Vector6,
+    Isometry3, Matrix2, Matrix3, Matrix6, Rotation3, Vector1, Vector2, Vector3, Vector6,
 };
 use vislam::least_squares::{Kernel, sqrt_information};
 use vislam::manifold::{se3, so3};
 
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, differences, inverse};
 use crate::random::Random;
 use oracle::{Fit, Rotated, random_covariance, twist};
-use worked::Tape;
+use worked::{Tape, contraction, curvature, hessian};
 
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
+
+/// Step of the central differences.
+const STEP: f64 = 1e-5;
 
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
@@ -52,26 +57,14 @@ fn sums_of_squares(chapter: &mut Chapter) {
     ];
     chapter.equation("posterior-squares", posterior_squares, formula, &mutants);
 
-    let formula: Whitener = |covariance| sqrt_information(covariance).unwrap_or(NO_MATRIX);
+    let formula: Whitener = |covariance| sqrt_information(covariance).ok();
     let mutants: [(_, Whitener); 3] = [
-        ("root of the covariance", |c| c.cholesky().map_or(NO_MATRIX, |factor| factor.l())),
-        ("transposed", |c| sqrt_information(c).unwrap_or(NO_MATRIX).transpose()),
-        ("information without the root", |c| c.try_inverse().unwrap_or(NO_MATRIX)),
+        ("root of the covariance", |covariance| Some(covariance.cholesky()?.l())),
+        ("transposed", |covariance| Some(sqrt_information(covariance).ok()?.transpose())),
+        ("information without the root", |covariance| covariance.try_inverse()),
     ];
     chapter.equation("whitening", whitening, formula, &mutants);
 }
-
-const NO_MATRIX: Matrix3<f64> = Matrix3::new(
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-    f64::NAN,
-);
 
 /// A difference from what is expected, with its covariance.
 struct Deviation {
@@ -81,12 +74,22 @@ struct Deviation {
 
 impl Deviation {
     fn squared(&self) -> f64 {
-        let whitener = sqrt_information(&self.covariance).unwrap_or(Matrix2::repeat(f64::NAN));
-        (whitener * self.difference).norm_squared()
+        let whitener = sqrt_information(&self.covariance);
+        whitener.map_or(f64::NAN, |whitener| (whitener * self.difference).norm_squared())
     }
 
     fn with_covariance(&self) -> f64 {
         self.difference.dot(&(self.covariance * self.difference))
+    }
+
+    /// Logarithm of its normal density: that of the first coordinate, and that of the second when
+    /// the first is known.
+    fn log_density(&self) -> f64 {
+        let scalar = |x: f64, variance: f64| -0.5 * (x * x / variance + (TAU * variance).ln());
+        let (first, second) = (self.difference.x, self.difference.y);
+        let slope = self.covariance.m21 / self.covariance.m11;
+        let given_first = self.covariance.m22 - slope * self.covariance.m12;
+        scalar(first, self.covariance.m11) + scalar(second - slope * first, given_first)
     }
 }
 
@@ -95,52 +98,38 @@ type Squares = fn(&Deviation, &Deviation) -> f64;
 
 fn posterior_squares(formula: Squares) -> Comparison {
     let against = "logarithms of normal densities, one coordinate given the other";
-    let mut comparison = Comparison::absolute(against, 1e-9, "nat");
-    let mut random = Random::new(1);
-    for _ in 0..STATES {
-        let covariances = [random_covariance(&mut random), random_covariance(&mut random)];
-        let spots =
-            [(); 2].map(|()| Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0)));
-        let measured = Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0));
-        let believed = Vector2::new(random.uniform(1.0..5.0), random.uniform(1.0..5.0));
-        // The constant drops out of the difference between two spots.
-        let [here, there] = spots.map(|spot| {
+    Comparison::absolute(against, 1e-9, "nat").over(STATES, 1, |random| {
+        let covariances = [(); 2].map(|()| random_covariance(random));
+        let [here, there, measured, believed] =
+            [(); 4].map(|()| Vector2::from_fn(|_, _| random.uniform(1.0..5.0)));
+        let [here, there] = [here, there].map(|spot| {
             let lengths = Vector2::new(spot.norm(), (spot - worked::POSTS[1]).norm());
-            [
-                Deviation { difference: lengths - measured, covariance: covariances[0] },
-                Deviation { difference: spot - believed, covariance: covariances[1] },
-            ]
+            let from_measured =
+                Deviation { difference: lengths - measured, covariance: covariances[0] };
+            let from_prior = Deviation { difference: spot - believed, covariance: covariances[1] };
+            let surprise = -from_measured.log_density() - from_prior.log_density();
+            [formula(&from_measured, &from_prior), surprise]
         });
-        let by_formula = formula(&here[0], &here[1]) - formula(&there[0], &there[1]);
-        let surprise = |deviations: &[Deviation; 2]| -> f64 {
-            let surprises = deviations.iter().map(|deviation| {
-                -oracle::log_density(&deviation.difference, &deviation.covariance)
-            });
-            surprises.sum()
-        };
-        comparison.add(&[by_formula], &[surprise(&here) - surprise(&there)]);
-    }
-    comparison
+        // The constant drops out of the difference between two spots.
+        (here[0] - there[0], here[1] - there[1])
+    })
 }
 
-type Whitener = fn(&Matrix3<f64>) -> Matrix3<f64>;
+type Whitener = fn(&Matrix3<f64>) -> Option<Matrix3<f64>>;
 
 fn whitening(formula: Whitener) -> Comparison {
     let against = "the squared length with the covariance solved by elimination";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
-        let covariance: Matrix3<f64> = random_covariance(&mut random);
+    Comparison::relative(against, 1e-9).over(STATES, 2, |random| {
+        let covariance: Matrix3<f64> = random_covariance(random);
         let difference = random.direction(2.0);
         let solved = covariance.lu().solve(&difference).unwrap_or(Vector3::repeat(f64::NAN));
-        let whitened = formula(&covariance) * difference;
-        comparison.add(&[whitened.norm_squared()], &[difference.dot(&solved)]);
-    }
-    comparison
+        let squared = |whitener: Matrix3<f64>| (whitener * difference).norm_squared();
+        (formula(&covariance).map(squared), difference.dot(&solved))
+    })
 }
 
 fn linear(chapter: &mut Chapter) {
-    let mutants: [(_, Solved); 3] = [
+    let mutants: [(_, OfFit<Vector3<f64>>); 3] = [
         ("sign", |fit| -fit.step(0.0)),
         ("diagonal of H only", |fit| -fit.gradient().component_div(&fit.hessian().diagonal())),
         ("last measurement not in the gradient", |fit| {
@@ -151,44 +140,33 @@ fn linear(chapter: &mut Chapter) {
     ];
     chapter.equation("normal-equations", normal_equations, |fit| fit.step(0.0), &mutants);
 
-    let formula: Left = |fit| 0.5 * (fit.r.norm_squared() - (fit.j * fit.step(0.0)).norm_squared());
-    let mutants: [(_, Left); 3] = [
+    let formula: OfFit<f64> =
+        |fit| 0.5 * (fit.r.norm_squared() - (fit.j * fit.step(0.0)).norm_squared());
+    let mutants: [(_, OfFit<f64>); 3] = [
         ("sign", |fit| 0.5 * (fit.r.norm_squared() + (fit.j * fit.step(0.0)).norm_squared())),
-        ("step for its prediction", |fit| {
-            0.5 * (fit.r.norm_squared() - fit.step(0.0).norm_squared())
-        }),
-        ("lengths not squared", |fit| {
-            0.5 * (fit.r.norm() - (fit.j * fit.step(0.0)).norm()).powi(2)
-        }),
+        ("step for its prediction", |f| 0.5 * (f.r.norm_squared() - f.step(0.0).norm_squared())),
+        ("lengths not squared", |f| 0.5 * (f.r.norm() - (f.j * f.step(0.0)).norm()).powi(2)),
     ];
     chapter.equation("cost-left", cost_left, formula, &mutants);
 }
 
 /// Takes six whitened residuals in three unknowns.
-type Solved = fn(&Fit) -> Vector3<f64>;
+type OfFit<T> = fn(&Fit) -> T;
 
-fn normal_equations(formula: Solved) -> Comparison {
+fn normal_equations(formula: OfFit<Vector3<f64>>) -> Comparison {
     let against = "the singular value decomposition of J";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
-        let fit = Fit::random(&mut random);
-        comparison.add(formula(&fit).as_slice(), fit.by_singular_values().as_slice());
-    }
-    comparison
+    Comparison::relative(against, 1e-9).over(STATES, 3, |random| {
+        let fit = Fit::random(random);
+        (formula(&fit), fit.by_singular_values())
+    })
 }
 
-type Left = fn(&Fit) -> f64;
-
-fn cost_left(formula: Left) -> Comparison {
+fn cost_left(formula: OfFit<f64>) -> Comparison {
     let against = "the residual less its parts along the columns of J, one column after the other";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
-        let fit = Fit::random(&mut random);
-        comparison.add(&[formula(&fit)], &[0.5 * fit.orthogonal_part().norm_squared()]);
-    }
-    comparison
+    Comparison::relative(against, 1e-9).over(STATES, 4, |random| {
+        let fit = Fit::random(random);
+        (formula(&fit), 0.5 * fit.orthogonal_part().norm_squared())
+    })
 }
 
 fn gauss_newton(chapter: &mut Chapter) {
@@ -203,14 +181,13 @@ fn gauss_newton(chapter: &mut Chapter) {
     ];
     chapter.equation("cost-gradient", cost_gradient, formula, &mutants);
 
-    let formula: FullHessian =
-        |tapes, spot| worked::hessian(tapes, spot) + worked::curvature(tapes, spot);
-    let mutants: [(_, FullHessian); 3] = [
-        ("curvature dropped", worked::hessian),
-        ("sign of the curvature", |t, spot| worked::hessian(t, spot) - worked::curvature(t, spot)),
+    let formula: AtSpot = |tapes, spot| hessian(tapes, spot) + curvature(tapes, spot);
+    let mutants: [(_, AtSpot); 3] = [
+        ("curvature dropped", hessian),
+        ("sign of the curvature", |t, spot| hessian(t, spot) - curvature(t, spot)),
         ("curvature without the residual", |tapes, spot| {
             let curvatures = tapes.iter().map(|tape| tape.curvature_at(spot));
-            worked::hessian(tapes, spot) + curvatures.sum::<Matrix2<f64>>()
+            hessian(tapes, spot) + curvatures.sum::<Matrix2<f64>>()
         }),
     ];
     chapter.equation("full-hessian", full_hessian, formula, &mutants);
@@ -220,95 +197,72 @@ type Gradient = fn(&Rotated) -> Vector3<f64>;
 
 fn cost_gradient(formula: Gradient) -> Comparison {
     let against = "central differences of the cost";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(6);
-    for _ in 0..STATES {
-        let problem = Rotated::random(&mut random);
-        let cost = |step: Vector3<f64>| {
-            SMatrix::<f64, 1, 1>::new(problem.cost(&(problem.rotation * Rotation3::new(step))))
-        };
-        comparison.add(formula(&problem).as_slice(), oracle::jacobian(cost).as_slice());
-    }
-    comparison
+    Comparison::relative(against, 1e-6).over(STATES, 6, |random| {
+        let problem = Rotated::random(random);
+        let moved = |step: Vector3<f64>| problem.rotation * Rotation3::new(step);
+        (formula(&problem), differences(STEP, |step| Vector1::new(problem.cost(&moved(step)))))
+    })
 }
 
-type FullHessian = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
+/// Takes tapes and a spot.
+type AtSpot = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
 
-fn full_hessian(formula: FullHessian) -> Comparison {
+fn full_hessian(formula: AtSpot) -> Comparison {
     let against = "second differences of the cost";
-    let mut comparison = Comparison::relative(against, 1e-4);
-    let mut random = Random::new(7);
-    for _ in 0..STATES {
-        let (tapes, spot) = random_garden(&mut random, 1.0);
-        let cost = |spot: Vector2<f64>| -> f64 {
+    Comparison::relative(against, 1e-4).over(STATES, 7, |random| {
+        let (tapes, spot) = random_garden(random);
+        let cost = |spot: Vector2<f64>| {
             tapes.iter().map(|tape| 0.5 * tape.residual_at(&spot).powi(2)).sum()
         };
-        let oracle = oracle::second_differences(cost, spot, 1e-3);
-        comparison.add(formula(&tapes, &spot).as_slice(), oracle.as_slice());
-    }
-    comparison
+        (formula(&tapes, &spot), oracle::second_differences(cost, spot, 1e-3))
+    })
 }
 
-/// Tapes to random posts, wrong by up to `noise` metres, and a spot among them.
-fn random_garden(random: &mut Random, noise: f64) -> (Vec<Tape>, Vector2<f64>) {
+/// Tapes to random posts, wrong by up to a metre, and a spot among them.
+fn random_garden(random: &mut Random) -> (Vec<Tape>, Vector2<f64>) {
     let spot = Vector2::new(random.uniform(3.0..6.0), random.uniform(3.0..6.0));
     let corners = [(0.0, 0.0), (9.0, 0.0), (0.0, 9.0), (9.0, 9.0)];
     let tapes = corners.map(|(x, y)| {
         let post = Vector2::new(x + random.uniform(-1.0..1.0), y + random.uniform(-1.0..1.0));
-        let measured = (spot - post).norm() + random.uniform(-noise..noise);
+        let measured = (spot - post).norm() + random.uniform(-1.0..1.0);
         Tape { post, measured, sigma: random.uniform(0.1..0.3) }
     });
     (tapes.to_vec(), spot)
 }
 
 fn convergence(chapter: &mut Chapter) {
-    let mutants: [(_, Contraction); 4] = [
-        ("sign", |tapes, spot| -worked::contraction(tapes, spot)),
-        ("H not inverted", |tapes, spot| {
-            -worked::hessian(tapes, spot) * worked::curvature(tapes, spot)
-        }),
+    let mutants: [(_, AtSpot); 4] = [
+        ("sign", |tapes, spot| -contraction(tapes, spot)),
+        ("H not inverted", |tapes, spot| -hessian(tapes, spot) * curvature(tapes, spot)),
         ("full Hessian inverted", |tapes, spot| {
-            let full = worked::hessian(tapes, spot) + worked::curvature(tapes, spot);
-            -full.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN))
-                * worked::curvature(tapes, spot)
+            -inverse(hessian(tapes, spot) + curvature(tapes, spot)) * curvature(tapes, spot)
         }),
-        ("transposed", |tapes, spot| worked::contraction(tapes, spot).transpose()),
+        ("transposed", |tapes, spot| contraction(tapes, spot).transpose()),
     ];
-    chapter.equation("gauss-newton-rate", gauss_newton_rate, worked::contraction, &mutants);
+    chapter.equation("gauss-newton-rate", gauss_newton_rate, contraction, &mutants);
 }
 
-/// Takes tapes and their estimate.
-type Contraction = fn(&[Tape], &Vector2<f64>) -> Matrix2<f64>;
-
-fn gauss_newton_rate(formula: Contraction) -> Comparison {
+fn gauss_newton_rate(formula: AtSpot) -> Comparison {
     let against = "where steps lead that begin beside the estimate";
-    let mut comparison = Comparison::absolute(against, 1e-6, "");
-    let mut random = Random::new(8);
-    for _ in 0..STATES {
-        let (tapes, _) = random_garden(&mut random, 1.0);
+    Comparison::absolute(against, 1e-6, "").over(STATES, 8, |random| {
+        let (tapes, _) = random_garden(random);
         let estimate = worked::estimate(&tapes);
         let led = |away: Vector2<f64>| worked::stepped(&tapes, &(estimate + away));
-        let oracle: Matrix2<f64> = oracle::jacobian(led);
-        comparison.add(formula(&tapes, &estimate).as_slice(), oracle.as_slice());
-    }
-    comparison
+        (formula(&tapes, &estimate), differences(STEP, led))
+    })
 }
 
 fn damping(chapter: &mut Chapter) {
-    let mutants: [(_, Damped); 4] = [
+    let mutants: [(_, Damped<Vector3<f64>>); 4] = [
         ("sign", |fit, lambda| -fit.step(lambda)),
-        ("identity for the diagonal", |fit, lambda| {
-            fit.solve(fit.hessian() + lambda * Matrix3::identity())
-        }),
+        ("identity for the diagonal", |fit, lambda| fit.damped_by(lambda * Matrix3::identity())),
         ("damping dropped", |fit, _| fit.step(0.0)),
-        ("diagonal dropped from H", |fit, lambda| {
-            fit.solve(fit.hessian() + (lambda - 1.0) * fit.diagonal())
-        }),
+        ("diagonal dropped from H", |fit, lambda| fit.damped_by((lambda - 1.0) * fit.diagonal())),
     ];
     chapter.equation("damped-step", damped_step, Fit::step, &mutants);
 
-    let formula: Decrease = |fit, lambda| fit.predicted_decrease(lambda, -1.0, 1.0);
-    let mutants: [(_, Decrease); 3] = [
+    let formula: Damped<f64> = |fit, lambda| fit.predicted_decrease(lambda, -1.0, 1.0);
+    let mutants: [(_, Damped<f64>); 3] = [
         ("sign of the gradient", |fit, lambda| fit.predicted_decrease(lambda, 1.0, 1.0)),
         ("damping dropped", |fit, lambda| fit.predicted_decrease(lambda, -1.0, 0.0)),
         ("sign of the damping", |fit, lambda| fit.predicted_decrease(lambda, -1.0, -1.0)),
@@ -317,35 +271,23 @@ fn damping(chapter: &mut Chapter) {
 }
 
 /// Takes a fit and a damping.
-type Damped = fn(&Fit, f64) -> Vector3<f64>;
+type Damped<T> = fn(&Fit, f64) -> T;
 
-fn damped_step(formula: Damped) -> Comparison {
+fn damped_step(formula: Damped<Vector3<f64>>) -> Comparison {
     let against = "the undamped solution with one more measurement of zero for each unknown";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(9);
-    for _ in 0..STATES {
-        let fit = Fit::random(&mut random);
-        let lambda = random.logarithmic(0.01..10.0);
-        let oracle = fit.with_measurements_of_zero(lambda);
-        comparison.add(formula(&fit, lambda).as_slice(), oracle.as_slice());
-    }
-    comparison
+    Comparison::relative(against, 1e-9).over(STATES, 9, |random| {
+        let (fit, lambda) = (Fit::random(random), random.logarithmic(0.01..10.0));
+        (formula(&fit, lambda), fit.with_measurements_of_zero(lambda))
+    })
 }
 
-type Decrease = fn(&Fit, f64) -> f64;
-
-fn predicted_decrease(formula: Decrease) -> Comparison {
+fn predicted_decrease(formula: Damped<f64>) -> Comparison {
     let against = "the cost of the linear residuals before and after the step";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(10);
-    for _ in 0..STATES {
-        let fit = Fit::random(&mut random);
-        let lambda = random.logarithmic(0.01..10.0);
+    Comparison::relative(against, 1e-8).over(STATES, 10, |random| {
+        let (fit, lambda) = (Fit::random(random), random.logarithmic(0.01..10.0));
         let after = fit.r + fit.j * fit.with_measurements_of_zero(lambda);
-        let decrease = 0.5 * (fit.r.norm_squared() - after.norm_squared());
-        comparison.add(&[formula(&fit, lambda)], &[decrease]);
-    }
-    comparison
+        (formula(&fit, lambda), 0.5 * (fit.r.norm_squared() - after.norm_squared()))
+    })
 }
 
 fn certainty(chapter: &mut Chapter) {
@@ -357,14 +299,11 @@ fn certainty(chapter: &mut Chapter) {
     ];
     chapter.equation("gauge-direction", gauge_direction, formula, &mutants);
 
-    let formula: Certainty = |fit| fit.hessian().try_inverse().unwrap_or(NO_MATRIX);
-    let mutants: [(_, Certainty); 3] = [
+    let formula: OfFit<Matrix3<f64>> = |fit| inverse(fit.hessian());
+    let mutants: [(_, OfFit<Matrix3<f64>>); 3] = [
         ("not inverted", Fit::hessian),
-        ("diagonal inverted alone", |fit| fit.diagonal().try_inverse().unwrap_or(NO_MATRIX)),
-        ("inverted twice over", |fit| {
-            let inverse = fit.hessian().try_inverse().unwrap_or(NO_MATRIX);
-            inverse * inverse
-        }),
+        ("diagonal inverted alone", |fit| inverse(fit.diagonal())),
+        ("inverted twice over", |fit| inverse(fit.hessian() * fit.hessian())),
     ];
     chapter.equation("estimate-covariance", estimate_covariance, formula, &mutants);
 
@@ -373,10 +312,8 @@ fn certainty(chapter: &mut Chapter) {
         ("sign", |h| schur(h, 1.0)),
         ("other unknowns held", |h| h.fixed_view::<3, 3>(0, 0).into()),
         ("blocks exchanged", |h| {
-            let mut exchanged = *h;
-            exchanged.fixed_view_mut::<3, 3>(0, 0).copy_from(&h.fixed_view::<3, 3>(3, 3));
-            exchanged.fixed_view_mut::<3, 3>(3, 3).copy_from(&h.fixed_view::<3, 3>(0, 0));
-            schur(&exchanged, -1.0)
+            let block = |row, column| h.fixed_view::<3, 3>(row, column).into_owned();
+            block(3, 3) - block(0, 3) * inverse(block(0, 0)) * block(3, 0)
         }),
     ];
     chapter.equation("marginal-information", marginal_information, formula, &mutants);
@@ -387,40 +324,30 @@ type Gauge = fn(&Isometry3<f64>, &Vector6<f64>) -> Vector6<f64>;
 
 fn gauge_direction(formula: Gauge) -> Comparison {
     let against = "central differences of relative poses, which may not change";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(11);
-    for _ in 0..STATES {
-        let poses = [(); 2].map(|()| se3::exp(&twist(&mut random, 1.5)));
-        let xi = twist(&mut random, 1.0);
+    Comparison::absolute(against, 1e-8, "").over(STATES, 11, |random| {
+        let poses = [(); 2].map(|()| se3::exp(&twist(random, 1.5)));
+        let xi = twist(random, 1.0);
         let steps = poses.map(|pose| formula(&pose, &xi));
-        let [first, second] =
-            [0, 1].map(|i| move |t: f64| se3::retract(&poses[i], &(t * steps[i])));
-        let relative = |t: f64| first(t).inv_mul(&second(t));
-        let change = se3::local(&relative(-1e-6), &relative(1e-6)) / 2e-6;
-        comparison.add(change.as_slice(), &[0.0; 6]);
-    }
-    comparison
+        let relative = |t: f64| {
+            let [first, second] = [0, 1].map(|i| se3::retract(&poses[i], &(t * steps[i])));
+            first.inv_mul(&second)
+        };
+        (se3::local(&relative(-1e-6), &relative(1e-6)) / 2e-6, [0.0; 6])
+    })
 }
 
-type Certainty = fn(&Fit) -> Matrix3<f64>;
-
-fn estimate_covariance(formula: Certainty) -> Comparison {
+fn estimate_covariance(formula: OfFit<Matrix3<f64>>) -> Comparison {
     let against = "the scatter of 20,000 estimates for each state";
-    let mut comparison = Comparison::relative(against, 0.06);
-    let mut random = Random::new(12);
-    for _ in 0..25 {
-        let fit = Fit::random(&mut random);
-        let scatter = fit.scatter(&mut random, 20_000);
-        comparison.add(formula(&fit).as_slice(), scatter.as_slice());
-    }
-    comparison
+    Comparison::relative(against, 0.06).over(25, 12, |random| {
+        let fit = Fit::random(random);
+        (formula(&fit), fit.scatter(random, 20_000))
+    })
 }
 
 /// The block of the first three unknowns, with `sign` times what the others take from it.
 fn schur(h: &Matrix6<f64>, sign: f64) -> Matrix3<f64> {
     let block = |row, column| h.fixed_view::<3, 3>(row, column).into_owned();
-    let inverse = block(3, 3).try_inverse().unwrap_or(NO_MATRIX);
-    block(0, 0) + sign * block(0, 3) * inverse * block(3, 0)
+    block(0, 0) + sign * block(0, 3) * inverse(block(3, 3)) * block(3, 0)
 }
 
 /// Takes the Hessian of six unknowns.
@@ -428,16 +355,12 @@ type Marginal = fn(&Matrix6<f64>) -> Matrix3<f64>;
 
 fn marginal_information(formula: Marginal) -> Comparison {
     let against = "the inverse of a block of the inverse";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(13);
-    for _ in 0..STATES {
-        let hessian: Matrix6<f64> = random_covariance(&mut random);
+    Comparison::relative(against, 1e-8).over(STATES, 13, |random| {
+        let hessian: Matrix6<f64> = random_covariance(random);
         let covariance = hessian.lu().try_inverse().unwrap_or(Matrix6::repeat(f64::NAN));
         let marginal = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-        let information = marginal.lu().try_inverse().unwrap_or(NO_MATRIX);
-        comparison.add(formula(&hessian).as_slice(), information.as_slice());
-    }
-    comparison
+        (formula(&hessian), marginal.lu().try_inverse())
+    })
 }
 
 fn kernels(chapter: &mut Chapter) {
@@ -471,21 +394,15 @@ type Weight = fn(Kernel, f64) -> f64;
 
 fn kernel_weight(formula: Weight) -> Comparison {
     let against = "central differences of the robust cost";
-    let mut comparison = Comparison::relative(against, 1e-5);
     let mut random = Random::new(14);
-    for state in 0..STATES {
-        let parameter = random.uniform(0.5..3.0);
-        let kernel =
-            if state % 2 == 0 { Kernel::Huber(parameter) } else { Kernel::Cauchy(parameter) };
+    let kinds = [Kernel::Huber, Kernel::Cauchy].into_iter().cycle();
+    Comparison::relative(against, 1e-5).each(kinds.take(STATES), |kind| {
         // One block of six numbers, far enough from the kink of Huber's cost for differences.
-        let fit = Fit::random(&mut random);
-        let cost = |step: Vector3<f64>| {
-            SMatrix::<f64, 1, 1>::new(kernel.cost((fit.r + fit.j * step).norm()))
-        };
-        let gradient = formula(kernel, fit.r.norm()) * fit.gradient();
-        comparison.add(gradient.as_slice(), oracle::jacobian(cost).as_slice());
-    }
-    comparison
+        let (kernel, fit) = (kind(random.uniform(0.5..3.0)), Fit::random(&mut random));
+        let norm = |step: Vector3<f64>| (fit.r + fit.j * step).norm();
+        let slope = differences(STEP, |step| Vector1::new(kernel.cost(norm(step))));
+        (formula(kernel, fit.r.norm()) * fit.gradient(), slope)
+    })
 }
 
 /// Takes a kernel's parameter and a norm.
@@ -493,26 +410,20 @@ type Cost = fn(f64, f64) -> f64;
 
 fn huber_shift(formula: Cost) -> Comparison {
     let against = "the cheapest of 100,000 corrections";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(15);
-    for _ in 0..50 {
+    Comparison::absolute(against, 1e-8, "").over(50, 15, |random| {
         let (threshold, norm) = (random.uniform(0.5..3.0), random.uniform(0.0..8.0));
         let price = |correction: f64| 0.5 * (norm - correction).powi(2) + threshold * correction;
         let corrections = (0..=100_000).map(|step| norm * f64::from(step) * 1e-5);
         let cheapest = corrections.map(price).fold(f64::INFINITY, f64::min);
-        comparison.add(&[formula(threshold, norm)], &[cheapest]);
-    }
-    comparison
+        (formula(threshold, norm), cheapest)
+    })
 }
 
 fn student_noise(formula: Cost) -> Comparison {
     let against = "normal densities averaged over an uncertain precision, by quadrature";
-    let mut comparison = Comparison::absolute(against, 1e-6, "nat");
-    let mut random = Random::new(16);
-    for _ in 0..100 {
+    Comparison::absolute(against, 1e-6, "nat").over(100, 16, |random| {
         let (scale, norm) = (random.uniform(1.6..4.0), random.uniform(0.1..20.0));
         let surprise = oracle::mixture(scale, 0.0).ln() - oracle::mixture(scale, norm).ln();
-        comparison.add(&[formula(scale, norm)], &[surprise]);
-    }
-    comparison
+        (formula(scale, norm), surprise)
+    })
 }

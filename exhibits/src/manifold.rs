@@ -7,25 +7,26 @@ mod accuracy;
 mod counterexamples;
 mod figures;
 mod numbers;
-mod oracle;
+pub mod oracle;
 mod uncertainty;
 
-use nalgebra::{
-    Isometry3, Matrix3, Matrix6, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3, Vector6,
-};
+use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, SMatrix, UnitQuaternion, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, differences};
 use crate::random::Random;
-use oracle::{cross, differences, small_twist, small_vector, turned, twist_matrix};
+use oracle::{cross, exponential_of, small_twist, small_vector, turned, twist_of};
 use uncertainty::{Noise, sample_covariance};
 
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
 
+/// Step of the central differences.
+const STEP: f64 = 1e-5;
+
 /// States and draws at each of them of a comparison with simulated noise.
-const NOISY_STATES: usize = 20;
+const NOISY_STATES: u64 = 20;
 const DRAWS: usize = 10_000;
 
 /// Registers the chapter's exhibits.
@@ -50,8 +51,7 @@ fn vector(random: &mut Random, largest: f64) -> Vector3<f64> {
 
 fn twist(random: &mut Random, largest_angle: f64) -> Vector6<f64> {
     let length = random.uniform(0.3..3.0);
-    let (rho, phi) = (random.direction(length), vector(random, largest_angle));
-    Vector6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z)
+    twist_of(&random.direction(length), &vector(random, largest_angle))
 }
 
 /// A pose that does not come from the formulas to be checked.
@@ -67,15 +67,8 @@ fn pose(random: &mut Random) -> Isometry3<f64> {
 fn exponential(chapter: &mut Chapter) {
     let mutants: [(_, Exp); 5] = [
         ("transposed", |phi| so3::exp(&-phi).into_inner()),
-        ("second power dropped", |phi| {
-            let t = phi.norm();
-            Matrix3::identity() + t.sin() / t * cross(phi)
-        }),
-        ("sign of the second power", |phi| {
-            let t = phi.norm();
-            Matrix3::identity() + t.sin() / t * cross(phi)
-                - (1.0 - t.cos()) / (t * t) * cross(phi) * cross(phi)
-        }),
+        ("second power dropped", |phi| accuracy::textbook_exp(phi, 0.0)),
+        ("sign of the second power", |phi| accuracy::textbook_exp(phi, -1.0)),
         ("half the angle", |phi| so3::exp(&(0.5 * phi)).into_inner()),
         ("the Jacobian for it", so3::left_jacobian),
     ];
@@ -109,13 +102,10 @@ type Log = fn(&Rotation3<f64>) -> Vector3<f64>;
 
 fn so3_log(formula: Log) -> Comparison {
     let against = "the axis and the angle of a rotation that was put together from a basis";
-    let mut comparison = Comparison::absolute(against, 1e-13, "rad");
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
-        let phi = vector(&mut random, 3.1);
-        comparison.add(formula(&turned(&phi)).as_slice(), phi.as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-13, "rad").over(STATES, 2, |random| {
+        let phi = vector(random, 3.1);
+        (formula(&turned(&phi)), phi)
+    })
 }
 
 fn frames(chapter: &mut Chapter) {
@@ -142,31 +132,23 @@ type OtherSide = fn(&Rotation3<f64>, &Vector3<f64>) -> Vector3<f64>;
 
 fn so3_adjoint(formula: OtherSide) -> Comparison {
     let against = "the same rotation with the vector on the right, put together from bases";
-    let mut comparison = Comparison::absolute(against, 1e-13, "");
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
-        let (rotation, phi) = (turned(&vector(&mut random, 3.0)), vector(&mut random, 3.0));
-        let left = turned(&formula(&rotation, &phi)) * rotation;
-        let right = rotation * turned(&phi);
-        comparison.add(left.matrix().as_slice(), right.matrix().as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-13, "").over(STATES, 3, |random| {
+        let (rotation, phi) = (turned(&vector(random, 3.0)), vector(random, 3.0));
+        (turned(&formula(&rotation, &phi)) * rotation, rotation * turned(&phi))
+    })
 }
 
 type PointJacobian = fn(&Rotation3<f64>, &Vector3<f64>) -> Matrix3<f64>;
 
 fn rotated_point(formula: PointJacobian) -> Comparison {
     let against = "central differences of the rotated point";
-    let mut comparison = Comparison::relative(against, 1e-9);
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
-        let rotation = turned(&vector(&mut random, 3.0));
+    Comparison::relative(against, 1e-9).over(STATES, 4, |random| {
+        let rotation = turned(&vector(random, 3.0));
         let length = random.uniform(0.5..5.0);
         let point = random.direction(length);
-        let slope = differences(|step: &Vector3<f64>| rotation * turned(step) * point);
-        comparison.add(formula(&rotation, &point).as_slice(), slope.as_slice());
-    }
-    comparison
+        let slope = differences(STEP, |step: Vector3<f64>| rotation * turned(&step) * point);
+        (formula(&rotation, &point), slope)
+    })
 }
 
 fn jacobians(chapter: &mut Chapter) {
@@ -253,29 +235,20 @@ fn compared_with_steps(
     step_between: fn(&Rotation3<f64>, &Rotation3<f64>) -> Vector3<f64>,
 ) -> Comparison {
     let against = "central differences of rotations that were put together from bases";
-    let mut comparison = Comparison::absolute(against, 1e-9, "");
-    let mut random = Random::new(seed);
-    for _ in 0..states {
-        let phi = vector(&mut random, 6.0);
-        let rotation = turned(&phi);
-        let slope =
-            differences(|step: &Vector3<f64>| step_between(&rotation, &turned(&(phi + step))));
-        comparison.add(formula(&phi).as_slice(), slope.as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-9, "").over(states, seed, |random| {
+        let phi = vector(random, 6.0);
+        let moved = |step: Vector3<f64>| step_between(&turned(&phi), &turned(&(phi + step)));
+        (formula(&phi), differences(STEP, moved))
+    })
 }
 
 fn right_jacobian_inverse(formula: Exp) -> Comparison {
     let against = "central differences of the logarithm";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(8);
-    for _ in 0..STATES {
-        let phi = vector(&mut random, 3.0);
-        let rotation = turned(&phi);
-        let slope = differences(|step: &Vector3<f64>| so3::log(&(rotation * turned(step))));
-        comparison.add(formula(&phi).as_slice(), slope.as_slice());
-    }
-    comparison
+    Comparison::relative(against, 1e-8).over(STATES, 8, |random| {
+        let phi = vector(random, 3.0);
+        let moved = |step: Vector3<f64>| so3::log(&(turned(&phi) * turned(&step)));
+        (formula(&phi), differences(STEP, moved))
+    })
 }
 
 fn products(chapter: &mut Chapter) {
@@ -293,18 +266,14 @@ type Product = fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>;
 
 fn bch(formula: Product) -> Comparison {
     let against = "the logarithm of the product, less the sum of the two vectors";
-    let mut comparison = Comparison::relative(against, 0.01);
-    let mut random = Random::new(9);
-    for _ in 0..STATES {
+    Comparison::relative(against, 0.01).over(STATES, 9, |random| {
         let first = random.direction(2e-3);
         let across = first.cross(&random.direction(1.0)).normalize();
         let second = random.uniform(-1e-3..1e-3) * first / first.norm() + 2e-3 * across;
         let beyond_sum = |vector: Vector3<f64>| vector - first - second;
         let product = so3::log(&(turned(&first) * turned(&second)));
-        let value = beyond_sum(formula(&first, &second));
-        comparison.add(value.as_slice(), beyond_sum(product).as_slice());
-    }
-    comparison
+        (beyond_sum(formula(&first, &second)), beyond_sum(product))
+    })
 }
 
 fn poses(chapter: &mut Chapter) {
@@ -322,19 +291,21 @@ fn poses(chapter: &mut Chapter) {
             se3::adjoint(&Isometry3::from_parts(Default::default(), t.rotation))
         }),
         ("sign of the corner", |t| {
-            let opposite = (-t.translation.vector).into();
-            se3::adjoint(&Isometry3::from_parts(opposite, t.rotation))
+            se3::adjoint(&Isometry3::from_parts(t.translation.inverse(), t.rotation))
         }),
         ("corner below", |t| se3::adjoint(t).transpose()),
         ("rotation before the skew", |t| {
-            let mut matrix = se3::adjoint(t);
-            let rotation = t.rotation.to_rotation_matrix();
-            let corner = rotation * cross(&t.translation.vector);
-            matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&corner);
-            matrix
+            let corner = t.rotation.to_rotation_matrix() * cross(&t.translation.vector);
+            with_corner(se3::adjoint(t), &corner)
         }),
     ];
     chapter.equation("se3-adjoint", se3_adjoint, se3::adjoint, &mutants);
+}
+
+/// The matrix with another upper right block.
+fn with_corner(mut matrix: Matrix6<f64>, corner: &Matrix3<f64>) -> Matrix6<f64> {
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(corner);
+    matrix
 }
 
 fn turn_of(xi: &Vector6<f64>) -> Vector3<f64> {
@@ -351,30 +322,21 @@ type PoseExp = fn(&Vector6<f64>) -> Isometry3<f64>;
 
 fn se3_exp(formula: PoseExp) -> Comparison {
     let against = "the power series of the 4×4 matrix";
-    let mut comparison = Comparison::absolute(against, 1e-11, "");
-    let mut random = Random::new(10);
-    for _ in 0..STATES {
-        let xi = twist(&mut random, 6.0);
-        let pose = formula(&xi).to_homogeneous();
-        comparison.add(pose.as_slice(), oracle::series(&twist_matrix(&xi)).as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-11, "").over(STATES, 10, |random| {
+        let xi = twist(random, 6.0);
+        (formula(&xi), exponential_of(&xi))
+    })
 }
 
 type Adjoint = fn(&Isometry3<f64>) -> Matrix6<f64>;
 
 fn se3_adjoint(formula: Adjoint) -> Comparison {
     let against = "the two products of 4×4 matrices, the twist on the right and on the left";
-    let mut comparison = Comparison::absolute(against, 1e-10, "");
-    let mut random = Random::new(11);
-    for _ in 0..STATES {
-        let (pose, xi) = (pose(&mut random), twist(&mut random, 3.0));
+    Comparison::absolute(against, 1e-10, "").over(STATES, 11, |random| {
+        let (pose, xi) = (pose(random), twist(random, 3.0));
         let (moved, pose) = (formula(&pose) * xi, pose.to_homogeneous());
-        let left = oracle::series(&twist_matrix(&moved)) * pose;
-        let right = pose * oracle::series(&twist_matrix(&xi));
-        comparison.add(left.as_slice(), right.as_slice());
-    }
-    comparison
+        (exponential_of(&moved) * pose, pose * exponential_of(&xi))
+    })
 }
 
 fn pose_jacobians(chapter: &mut Chapter) {
@@ -393,16 +355,10 @@ fn pose_jacobians(chapter: &mut Chapter) {
     let mutants: [(_, PoseJacobian); 4] = [
         ("left for right", se3::left_jacobian),
         ("inverse", se3::right_jacobian_inverse),
-        ("corner dropped", |xi| {
-            let mut matrix = se3::right_jacobian(xi);
-            matrix.fixed_view_mut::<3, 3>(0, 3).fill(0.0);
-            matrix
-        }),
+        ("corner dropped", |xi| with_corner(se3::right_jacobian(xi), &Matrix3::zeros())),
         ("corner of the left one", |xi| {
-            let mut matrix = se3::right_jacobian(xi);
-            let left = se3::left_jacobian(xi);
-            matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&left.fixed_view::<3, 3>(0, 3));
-            matrix
+            let left = se3::left_jacobian(xi).fixed_view::<3, 3>(0, 3).into_owned();
+            with_corner(se3::right_jacobian(xi), &left)
         }),
     ];
     chapter.equation("se3-jacobian", se3_jacobian, se3::right_jacobian, &mutants);
@@ -413,10 +369,8 @@ type Corner = fn(&Vector3<f64>, &Vector3<f64>) -> Matrix3<f64>;
 
 fn se3_corner(formula: Corner) -> Comparison {
     let against = "the sum over all products of powers of the two matrices";
-    let mut comparison = Comparison::absolute(against, 1e-12, "");
-    let mut random = Random::new(12);
-    for _ in 0..STATES {
-        let (phi, rho) = (vector(&mut random, 4.0), vector(&mut random, 3.0));
+    Comparison::absolute(against, 1e-12, "").over(STATES, 12, |random| {
+        let (phi, rho) = (vector(random, 4.0), vector(random, 3.0));
         // Powers of φ^ before and behind ρ^, each word of n letters over (n+1)!.
         let mut words = cross(&rho);
         let mut power = cross(&phi);
@@ -427,135 +381,112 @@ fn se3_corner(formula: Corner) -> Comparison {
             factorial *= f64::from(n + 1);
             sum += words / factorial;
         }
-        comparison.add(formula(&phi, &rho).as_slice(), sum.as_slice());
-    }
-    comparison
+        (formula(&phi, &rho), sum)
+    })
 }
 
 type PoseJacobian = fn(&Vector6<f64>) -> Matrix6<f64>;
 
 fn se3_jacobian(formula: PoseJacobian) -> Comparison {
     let against = "central differences of the power series of the 4×4 matrix";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(13);
-    for _ in 0..100 {
-        let xi = twist(&mut random, 4.0);
-        let back = oracle::series(&twist_matrix(&-xi));
-        let slope = differences(|step: &Vector6<f64>| {
-            small_twist(&(back * oracle::series(&twist_matrix(&(xi + step)))))
-        });
-        comparison.add(formula(&xi).as_slice(), slope.as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-8, "").over(100, 13, |random| {
+        let xi = twist(random, 4.0);
+        let back = exponential_of(&-xi);
+        let moved = |step: Vector6<f64>| small_twist(&(back * exponential_of(&(xi + step))));
+        (formula(&xi), differences(STEP, moved))
+    })
 }
 
 fn covariances(chapter: &mut Chapter) {
-    let formula: Composed = |second, first_sigma, second_sigma| {
-        let moved = se3::adjoint(&second.inverse());
-        moved * first_sigma * moved.transpose() + second_sigma
-    };
+    let formula: Composed = |t, first, second| moved(se3::adjoint(&t.inverse()), first) + second;
     let mutants: [(_, Composed); 4] = [
-        ("added without moving", |_, first_sigma, second_sigma| first_sigma + second_sigma),
-        ("moved the other way", |second, first_sigma, second_sigma| {
-            let moved = se3::adjoint(second);
-            moved * first_sigma * moved.transpose() + second_sigma
-        }),
-        ("first pose certain", |_, _, second_sigma| *second_sigma),
-        ("transposed for inverse", |second, first_sigma, second_sigma| {
-            let moved = se3::adjoint(second).transpose();
-            moved * first_sigma * moved.transpose() + second_sigma
+        ("added without moving", |_, first, second| first + second),
+        ("moved the other way", |t, first, second| moved(se3::adjoint(t), first) + second),
+        ("first pose certain", |_, _, second| *second),
+        ("transposed for inverse", |t, first, second| {
+            moved(se3::adjoint(t).transpose(), first) + second
         }),
     ];
     chapter.equation("compose-covariance", compose_covariance, formula, &mutants);
 
     let mutants: [(_, Moved); 4] = [
         ("not moved", |_, sigma| *sigma),
-        ("moved the other way", |t, sigma| {
-            let back = se3::adjoint(&t.inverse());
-            back * sigma * back.transpose()
-        }),
+        ("moved the other way", |t, sigma| moved(se3::adjoint(&t.inverse()), sigma)),
         ("adjoint on one side", |t, sigma| se3::adjoint(t) * sigma),
-        ("transposes exchanged", |t, sigma| se3::adjoint(t).transpose() * sigma * se3::adjoint(t)),
+        ("transposes exchanged", |t, sigma| moved(se3::adjoint(t).transpose(), sigma)),
     ];
-    let formula: Moved = |t, sigma| se3::adjoint(t) * sigma * se3::adjoint(t).transpose();
+    let formula: Moved = |t, sigma| moved(se3::adjoint(t), sigma);
     chapter.equation("left-covariance", left_covariance, formula, &mutants);
 
     let mutants: [(_, OfVector); 4] = [
         ("Jacobian forgotten", |_, sigma| *sigma),
-        ("not inverted", |phi, sigma| {
-            so3::right_jacobian(phi) * sigma * so3::right_jacobian(phi).transpose()
-        }),
+        ("not inverted", |phi, sigma| moved(so3::right_jacobian(phi), sigma)),
         ("left for right", |phi, sigma| {
             so3::left_jacobian_inverse(phi) * sigma * so3::right_jacobian_inverse(phi)
         }),
         ("on one side only", |phi, sigma| so3::right_jacobian_inverse(phi) * sigma),
     ];
-    let formula: OfVector = |phi, sigma| {
-        let inverse = so3::right_jacobian_inverse(phi);
-        inverse * sigma * inverse.transpose()
-    };
+    let formula: OfVector = |phi, sigma| moved(so3::right_jacobian_inverse(phi), sigma);
     chapter.equation("vector-covariance", vector_covariance, formula, &mutants);
+}
+
+/// The covariance of a vector with this covariance after a linear map.
+fn moved<const N: usize>(
+    by: SMatrix<f64, N, N>,
+    covariance: &SMatrix<f64, N, N>,
+) -> SMatrix<f64, N, N> {
+    by * covariance * by.transpose()
 }
 
 /// Takes the second pose and the covariances of the first and of the second.
 type Composed = fn(&Isometry3<f64>, &Matrix6<f64>, &Matrix6<f64>) -> Matrix6<f64>;
 
 fn compose_covariance(formula: Composed) -> Comparison {
-    let mut comparison = against_noise();
     let mut random = Random::new(14);
-    for state in 0..NOISY_STATES as u64 {
-        let (first, second) = (pose(&mut random), pose(&mut random));
-        let first_sigma = uncertainty::covariance(&mut random, 0.005, 0.01);
-        let second_sigma = uncertainty::covariance(&mut random, 0.005, 0.01);
-        let mut first_noise = Noise::new(&first_sigma, 1000 + state);
-        let mut second_noise = Noise::new(&second_sigma, 2000 + state);
-        let expected = first * second;
+    against_noise().each(0..NOISY_STATES, |state| {
+        let poses = [(); 2].map(|()| pose(&mut random));
+        let sigmas = [(); 2].map(|()| uncertainty::covariance(&mut random, 0.005, 0.01));
+        let mut first = Noise::new(&sigmas[0], 1000 + state);
+        let mut second = Noise::new(&sigmas[1], 2000 + state);
         let drawn = sample_covariance(DRAWS, || {
-            let product = first_noise.around(&first) * second_noise.around(&second);
-            se3::local(&expected, &product)
+            let product = first.around(&poses[0]) * second.around(&poses[1]);
+            se3::local(&(poses[0] * poses[1]), &product)
         });
-        let value = formula(&second, &first_sigma, &second_sigma);
-        comparison.add(value.as_slice(), drawn.as_slice());
-    }
-    comparison
+        (formula(&poses[1], &sigmas[0], &sigmas[1]), drawn)
+    })
 }
 
 /// Takes a pose and the covariance of the small twist on its right.
 type Moved = fn(&Isometry3<f64>, &Matrix6<f64>) -> Matrix6<f64>;
 
 fn left_covariance(formula: Moved) -> Comparison {
-    let mut comparison = against_noise();
     let mut random = Random::new(15);
-    for state in 0..NOISY_STATES as u64 {
+    against_noise().each(0..NOISY_STATES, |state| {
         let pose = pose(&mut random);
         let sigma = uncertainty::covariance(&mut random, 0.005, 0.01);
         let mut noise = Noise::new(&sigma, 3000 + state);
         let drawn = sample_covariance(DRAWS, || se3::log(&(noise.around(&pose) * pose.inverse())));
-        comparison.add(formula(&pose, &sigma).as_slice(), drawn.as_slice());
-    }
-    comparison
+        (formula(&pose, &sigma), drawn)
+    })
 }
 
 /// Takes a rotation vector and the covariance of the small vector on the right of its rotation.
 type OfVector = fn(&Vector3<f64>, &Matrix3<f64>) -> Matrix3<f64>;
 
 fn vector_covariance(formula: OfVector) -> Comparison {
-    let mut comparison = against_noise();
     let mut random = Random::new(16);
-    for state in 0..NOISY_STATES as u64 {
+    against_noise().each(0..NOISY_STATES, |state| {
         let angle = random.uniform(1.5..2.8);
         let phi = random.direction(angle);
         let rotation = turned(&phi);
         let whole = uncertainty::covariance(&mut random, 0.01, 0.01);
         let mut noise = Noise::new(&whole, 4000 + state);
-        let sigma: SMatrix<f64, 3, 3> = whole.fixed_view::<3, 3>(3, 3).into();
+        let sigma = whole.fixed_view::<3, 3>(3, 3).into_owned();
         let drawn = sample_covariance(DRAWS, || {
-            let small: SVector<f64, 3> = noise.draw().fixed_rows::<3>(3).into();
-            so3::log(&(rotation * turned(&small))) - phi
+            so3::log(&(rotation * turned(&turn_of(&noise.draw())))) - phi
         });
-        comparison.add(formula(&phi, &sigma).as_slice(), drawn.as_slice());
-    }
-    comparison
+        (formula(&phi, &sigma), drawn)
+    })
 }
 
 fn against_noise() -> Comparison {

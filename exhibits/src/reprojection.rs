@@ -10,15 +10,19 @@ mod numbers;
 mod oracle;
 mod worked;
 
+use std::f64::consts::TAU;
+
 use nalgebra::{
-    Isometry3, Matrix2, Matrix2x3, Matrix2x6, Matrix3, Matrix6, Rotation3, SMatrix, Vector2,
-    Vector3, Vector6,
+    Isometry3, Matrix2, Matrix2x3, Matrix2x6, Matrix3, Matrix3x6, Matrix6, Rotation3, SMatrix,
+    Vector1, Vector2, Vector3, Vector6,
 };
 use vislam::manifold::{se3, so3};
-use vislam::reprojection::{LinearizedReproj, Pinhole, Projection, RadialTangential, ReprojFactor};
+use vislam::reprojection::{Pinhole, Projection, RadialTangential, ReprojFactor};
 
+use crate::bearing::exchanged;
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, inverse};
+use crate::manifold::oracle::twist_of;
 use crate::random::Random;
 use oracle::{differences, image_of, moved_on_the_left, moved_on_the_right};
 
@@ -27,12 +31,6 @@ const STATES: usize = 500;
 
 /// Step of the central differences, in metres and radians.
 const STEP: f64 = 1e-3;
-
-/// Stand for the Jacobians of a formula that gives none; no comparison accepts them.
-const NO_POSE_BLOCK: Matrix2x6<f64> =
-    Matrix2x6::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 6]));
-const NO_POINT_BLOCK: Matrix2x3<f64> =
-    Matrix2x3::from_array_storage(nalgebra::ArrayStorage([[f64::NAN; 2]; 3]));
 
 /// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
@@ -68,21 +66,12 @@ fn matrix_of(pose: &Isometry3<f64>) -> Matrix3<f64> {
 }
 
 fn noise(chapter: &mut Chapter) {
-    let formula: PixelLikelihood =
-        |e, sigma| 0.5 * e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln();
+    let formula: PixelLikelihood = |e, s| 0.5 * e.norm_squared() + (TAU * s * s).ln();
     let mutants: [(_, PixelLikelihood); 4] = [
-        ("half dropped", |e, sigma| {
-            e.norm_squared() + (std::f64::consts::TAU * sigma * sigma).ln()
-        }),
-        ("normalized in one dimension", |e, sigma| {
-            0.5 * e.norm_squared() + 0.5 * (std::f64::consts::TAU * sigma * sigma).ln()
-        }),
-        ("norm not squared", |e, sigma| {
-            0.5 * e.norm() + (std::f64::consts::TAU * sigma * sigma).ln()
-        }),
-        ("sign of the constant", |e, sigma| {
-            0.5 * e.norm_squared() - (std::f64::consts::TAU * sigma * sigma).ln()
-        }),
+        ("half dropped", |e, s| e.norm_squared() + (TAU * s * s).ln()),
+        ("normalized in one dimension", |e, s| 0.5 * e.norm_squared() + 0.5 * (TAU * s * s).ln()),
+        ("norm not squared", |e, s| 0.5 * e.norm() + (TAU * s * s).ln()),
+        ("sign of the constant", |e, s| 0.5 * e.norm_squared() - (TAU * s * s).ln()),
     ];
     chapter.equation("pixel-likelihood", pixel_likelihood, formula, &mutants);
 }
@@ -92,9 +81,7 @@ type PixelLikelihood = fn(&Vector2<f64>, f64) -> f64;
 
 fn pixel_likelihood(formula: PixelLikelihood) -> Comparison {
     let against = "the bell-shaped surface, normalized by summing it over a grid of pixels";
-    let mut comparison = Comparison::absolute(against, 1e-8, "nats");
-    let mut random = Random::new(1);
-    for _ in 0..50 {
+    Comparison::absolute(against, 1e-8, "nats").over(50, 1, |random| {
         let sigma = random.uniform(0.3..3.0);
         let surface = |u: f64, v: f64| (-(u * u + v * v) / (2.0 * sigma * sigma)).exp();
         let spacing = 0.25 * sigma;
@@ -102,9 +89,8 @@ fn pixel_likelihood(formula: PixelLikelihood) -> Comparison {
         let volume: f64 = places().flat_map(|u| places().map(move |v| surface(u, v))).sum();
         let off = Vector2::new(random.normal(sigma), random.normal(sigma));
         let density = surface(off.x, off.y) / (volume * spacing * spacing);
-        comparison.add(&[formula(&(off / sigma), sigma)], &[-density.ln()]);
-    }
-    comparison
+        (formula(&(off / sigma), sigma), -density.ln())
+    })
 }
 
 fn projection(chapter: &mut Chapter) {
@@ -112,9 +98,7 @@ fn projection(chapter: &mut Chapter) {
         ("sign of the third column", |k, p| with_third_column_times(k, p, -1.0)),
         ("third column dropped", |k, p| with_third_column_times(k, p, 0.0)),
         ("third column over Z, not its square", |k, p| with_third_column_times(k, p, p.z)),
-        ("focal lengths exchanged", |k, p| {
-            Pinhole { fx: k.fy, fy: k.fx, ..*k }.projection_jacobian(p)
-        }),
+        ("focal lengths exchanged", |k, p| exchanged(k).projection_jacobian(p)),
         ("distance for depth", |k, p| k.projection_jacobian(&Vector3::new(p.x, p.y, p.norm()))),
     ];
     let formula = Pinhole::projection_jacobian;
@@ -124,17 +108,12 @@ fn projection(chapter: &mut Chapter) {
 type ProjectionJacobian = fn(&Pinhole, &Vector3<f64>) -> Option<Matrix2x3<f64>>;
 
 fn projection_jacobian(formula: ProjectionJacobian) -> Comparison {
-    let mut comparison = Comparison::relative("central differences of the projection", 1e-9);
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
+    Comparison::relative("central differences of the projection", 1e-9).over(STATES, 2, |random| {
         let camera = random.camera();
         let point = random.point(0.5..50.0);
-        let step = STEP * point.z;
-        let expected = differences(step, |step| image_of(&camera, &(point + step)));
-        let jacobian = formula(&camera, &point).unwrap_or(NO_POINT_BLOCK);
-        comparison.add(jacobian.as_slice(), expected.as_slice());
-    }
-    comparison
+        let moved = |step: &_| image_of(&camera, &(point + step));
+        (formula(&camera, &point), differences(STEP * point.z, moved))
+    })
 }
 
 fn with_third_column_times(
@@ -148,48 +127,37 @@ fn with_third_column_times(
 }
 
 fn blocks(chapter: &mut Chapter) {
-    let formula: MovedPoint = |t, p| beside(&matrix_of(t), &(-matrix_of(t) * so3::hat(p)));
-    let mutants: [(_, MovedPoint); 5] = [
-        ("sign of the skew", |t, p| beside(&matrix_of(t), &(matrix_of(t) * so3::hat(p)))),
-        ("skew of the point in the camera", |t, p| {
-            beside(&matrix_of(t), &(-matrix_of(t) * so3::hat(&in_camera(t, p))))
-        }),
-        ("rotation dropped", |_, p| beside(&Matrix3::identity(), &-so3::hat(p))),
-        ("rotation transposed", |t, p| {
-            let rotation = matrix_of(t).transpose();
-            beside(&rotation, &(-rotation * so3::hat(p)))
-        }),
-        ("perturbed on the left", |t, p| {
-            beside(&Matrix3::identity(), &-so3::hat(&in_camera(t, p)))
-        }),
+    let formula: OfPose<Matrix3x6<f64>> = |t, p| moved_by(matrix_of(t), p);
+    let mutants: [(_, OfPose<Matrix3x6<f64>>); 5] = [
+        ("sign of the skew", |t, p| moved_by(matrix_of(t), &-p)),
+        ("skew of the point in the camera", |t, p| moved_by(matrix_of(t), &in_camera(t, p))),
+        ("rotation dropped", |_, p| moved_by(Matrix3::identity(), p)),
+        ("rotation transposed", |t, p| moved_by(matrix_of(t).transpose(), p)),
+        ("perturbed on the left", |t, p| moved_by(Matrix3::identity(), &in_camera(t, p))),
     ];
     chapter.equation("moved-point", moved_point, formula, &mutants);
 
-    let formula: PoseBlock = |k, t, p| Some(k.jacobians(t, p)?.0);
-    let mutants: [(_, PoseBlock); 6] = [
+    let formula: Block<Matrix2x6<f64>> = |k, t, p| Some(k.jacobians(t, p)?.0);
+    let mutants: [(_, Block<Matrix2x6<f64>>); 6] = [
         ("perturbed on the left", |k, t, p| {
             Some(k.jacobians(t, p)?.0 * se3::adjoint(&t.inverse()))
         }),
         ("skew of the point in the camera", |k, t, p| {
-            let by_point = k.jacobians(t, p)?.1;
-            Some(by_point * beside(&Matrix3::identity(), &-so3::hat(&in_camera(t, p))))
+            Some(k.jacobians(t, p)?.1 * moved_by(Matrix3::identity(), &in_camera(t, p)))
         }),
         ("sign of the skew", |k, t, p| {
-            Some(k.jacobians(t, p)?.1 * beside(&Matrix3::identity(), &so3::hat(p)))
+            Some(k.jacobians(t, p)?.1 * moved_by(Matrix3::identity(), &-p))
         }),
-        ("rotation before translation", |k, t, p| {
-            Some(k.jacobians(t, p)?.1 * beside(&-so3::hat(p), &Matrix3::identity()))
-        }),
+        ("rotation before translation", |k, t, p| Some(k.jacobians(t, p)?.0 * halves_exchanged())),
         ("rotation dropped", |k, t, p| {
-            let by_camera_point = k.projection_jacobian(&in_camera(t, p))?;
-            Some(by_camera_point * beside(&Matrix3::identity(), &-so3::hat(p)))
+            Some(k.projection_jacobian(&in_camera(t, p))? * moved_by(Matrix3::identity(), p))
         }),
         ("pose inverted", |k, t, p| Some(k.jacobians(t, p)?.0 * -se3::adjoint(t))),
     ];
     chapter.equation("pose-block", pose_block, formula, &mutants);
 
-    let formula: PointBlock = |k, t, p| Some(k.jacobians(t, p)?.1);
-    let mutants: [(_, PointBlock); 3] = [
+    let formula: Block<Matrix2x3<f64>> = |k, t, p| Some(k.jacobians(t, p)?.1);
+    let mutants: [(_, Block<Matrix2x3<f64>>); 3] = [
         ("rotation dropped", |k, t, p| k.projection_jacobian(&in_camera(t, p))),
         ("rotation transposed", |k, t, p| {
             Some(k.projection_jacobian(&in_camera(t, p))? * matrix_of(t).transpose())
@@ -199,41 +167,41 @@ fn blocks(chapter: &mut Chapter) {
     chapter.equation("point-block", point_block, formula, &mutants);
 }
 
-/// The 3×6 matrix of two 3×3 ones side by side.
-fn beside(left: &Matrix3<f64>, right: &Matrix3<f64>) -> SMatrix<f64, 3, 6> {
-    let mut both = SMatrix::<f64, 3, 6>::zeros();
-    both.fixed_columns_mut::<3>(0).copy_from(left);
-    both.fixed_columns_mut::<3>(3).copy_from(right);
+/// The 3×6 derivative of a point by a twist on the right of a pose with this rotation.
+fn moved_by(rotation: Matrix3<f64>, point: &Vector3<f64>) -> Matrix3x6<f64> {
+    let mut both = Matrix3x6::zeros();
+    both.fixed_columns_mut::<3>(0).copy_from(&rotation);
+    both.fixed_columns_mut::<3>(3).copy_from(&(-rotation * so3::hat(point)));
     both
 }
 
-type MovedPoint = fn(&Isometry3<f64>, &Vector3<f64>) -> SMatrix<f64, 3, 6>;
-
-fn moved_point(formula: MovedPoint) -> Comparison {
-    let against = "central differences of the matrix exponential by its power series";
-    let mut comparison = Comparison::relative(against, 1e-10);
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
-        let (_, pose, point) = state(&mut random);
-        let expected = differences(STEP, |xi| moved_on_the_right(&pose, xi, &point));
-        comparison.add(formula(&pose, &point).as_slice(), expected.as_slice());
-    }
-    comparison
+/// Exchanges translation and rotation in a twist.
+fn halves_exchanged() -> Matrix6<f64> {
+    Matrix6::from_fn(|row, column| f64::from(u8::from((row + 3) % 6 == column)))
 }
 
-type PoseBlock = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<Matrix2x6<f64>>;
+/// Takes a pose and a point of the world.
+type OfPose<T> = fn(&Isometry3<f64>, &Vector3<f64>) -> T;
 
-fn pose_block(formula: PoseBlock) -> Comparison {
+fn moved_point(formula: OfPose<Matrix3x6<f64>>) -> Comparison {
+    let against = "central differences of the matrix exponential by its power series";
+    Comparison::relative(against, 1e-10).over(STATES, 3, |random| {
+        let (_, pose, point) = state(random);
+        let moved = |xi: &_| moved_on_the_right(&pose, xi, &point);
+        (formula(&pose, &point), differences(STEP, moved))
+    })
+}
+
+/// Takes a camera, its pose and a point of the world; gives the block of its pixel.
+type Block<T> = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<T>;
+
+fn pose_block(formula: Block<Matrix2x6<f64>>) -> Comparison {
     let against = "central differences of the projection, the pose moved by a power series";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
-        let (camera, pose, point) = state(&mut random);
+    Comparison::relative(against, 1e-8).over(STATES, 4, |random| {
+        let (camera, pose, point) = state(random);
         let expected = pose_block_by_differences(&camera, &pose, &point);
-        let block = formula(&camera, &pose, &point).unwrap_or(NO_POSE_BLOCK);
-        comparison.add(block.as_slice(), expected.as_slice());
-    }
-    comparison
+        (formula(&camera, &pose, &point), expected)
+    })
 }
 
 fn pose_block_by_differences(
@@ -244,18 +212,12 @@ fn pose_block_by_differences(
     differences(STEP, |xi| image_of(camera, &moved_on_the_right(pose, xi, point)))
 }
 
-type PointBlock = fn(&Pinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<Matrix2x3<f64>>;
-
-fn point_block(formula: PointBlock) -> Comparison {
-    let mut comparison = Comparison::relative("central differences of the projection", 1e-8);
-    let mut random = Random::new(5);
-    for _ in 0..STATES {
-        let (camera, pose, point) = state(&mut random);
+fn point_block(formula: Block<Matrix2x3<f64>>) -> Comparison {
+    Comparison::relative("central differences of the projection", 1e-8).over(STATES, 5, |random| {
+        let (camera, pose, point) = state(random);
         let seen = |step: &Vector3<f64>| image_of(&camera, &in_camera(&pose, &(point + step)));
-        let block = formula(&camera, &pose, &point).unwrap_or(NO_POINT_BLOCK);
-        comparison.add(block.as_slice(), differences(STEP, seen).as_slice());
-    }
-    comparison
+        (formula(&camera, &pose, &point), differences(STEP, seen))
+    })
 }
 
 fn factor(chapter: &mut Chapter) {
@@ -270,8 +232,8 @@ fn factor(chapter: &mut Chapter) {
         }),
     ];
     let formula: FactorBlocks = |factor, predicted| {
-        let LinearizedReproj { by_pose, by_point, .. } = factor.linearize(predicted);
-        (by_pose, by_point)
+        let linearized = factor.linearize(predicted);
+        (linearized.by_pose, linearized.by_point)
     };
     chapter.equation("factor-blocks", factor_blocks, formula, &mutants);
 }
@@ -284,24 +246,18 @@ fn scaled(predicted: &Projection, factor: f64) -> (Matrix2x6<f64>, Matrix2x3<f64
 
 fn factor_blocks(formula: FactorBlocks) -> Comparison {
     let against = "central differences of the whitened residual";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(6);
-    for _ in 0..STATES {
-        let (camera, pose, point) = state(&mut random);
+    Comparison::relative(against, 1e-8).over(STATES, 6, |random| {
+        let (camera, pose, point) = state(random);
         let sigma = random.logarithmic(0.2..5.0);
         let predicted = camera.project_with_jacobians(&pose, &point).expect("it is in sight");
         let pixel = predicted.pixel + sigma * Vector2::new(random.normal(1.0), random.normal(1.0));
         let factor = ReprojFactor { keyframe: 0, point: 0, pixel, inverse_sigma: 1.0 / sigma };
         let residual = |in_camera: Vector3<f64>| (image_of(&camera, &in_camera) - pixel) / sigma;
-        let by_pose: Matrix2x6<f64> =
-            differences(STEP, |xi| residual(moved_on_the_right(&pose, xi, &point)));
-        let by_point: Matrix2x3<f64> =
-            differences(STEP, |step| residual(in_camera(&pose, &(point + step))));
-        let (pose_block, point_block) = formula(&factor, &predicted);
-        let both = [pose_block.as_slice(), point_block.as_slice()].concat();
-        comparison.add(&both, &[by_pose.as_slice(), by_point.as_slice()].concat());
-    }
-    comparison
+        let by_pose = |xi: &Vector6<f64>| residual(moved_on_the_right(&pose, xi, &point));
+        let by_point = |step: &Vector3<f64>| residual(in_camera(&pose, &(point + step)));
+        let expected = (differences(STEP, by_pose), differences(STEP, by_point));
+        (formula(&factor, &predicted), expected)
+    })
 }
 
 fn reading(chapter: &mut Chapter) {
@@ -314,15 +270,10 @@ fn reading(chapter: &mut Chapter) {
     let formula: TurnToStep = |p| (p.x * p.x + p.z * p.z) / p.x.abs();
     chapter.equation("turn-to-step", turn_to_step, formula, &mutants);
 
-    let formula: NullSpace =
-        |t, p| pose_null_space(p, &t.inverse_transform_vector(&in_camera(t, p)));
-    let mutants: [(_, NullSpace); 4] = [
-        ("sign of the skew", |t, p| {
-            pose_null_space(&-p, &t.inverse_transform_vector(&in_camera(t, p)))
-        }),
-        ("skew of the point in the camera", |t, p| {
-            pose_null_space(&in_camera(t, p), &t.inverse_transform_vector(&in_camera(t, p)))
-        }),
+    let formula: OfPose<SMatrix<f64, 6, 4>> = |t, p| pose_null_space(p, &ray(t, p));
+    let mutants: [(_, OfPose<SMatrix<f64, 6, 4>>); 4] = [
+        ("sign of the skew", |t, p| pose_null_space(&-p, &ray(t, p))),
+        ("skew of the point in the camera", |t, p| pose_null_space(&in_camera(t, p), &ray(t, p))),
         ("ray in the camera's frame", |t, p| pose_null_space(p, &in_camera(t, p))),
         ("point for ray", |_, p| pose_null_space(p, p)),
     ];
@@ -334,17 +285,19 @@ type TurnToStep = fn(&Vector3<f64>) -> f64;
 
 fn turn_to_step(formula: TurnToStep) -> Comparison {
     let against = "columns of the pixel moved by small turns and steps";
-    let mut comparison = Comparison::relative(against, 1e-7);
-    let mut random = Random::new(7);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-7).over(STATES, 7, |random| {
         let camera = random.camera();
         let slope = random.uniform(0.02..0.8) * random.uniform(-1.0..1.0).signum();
         let depth = random.logarithmic(1.0..50.0);
         let point = depth * Vector3::new(slope, random.uniform(-0.8..0.8), 1.0);
         let block = pose_block_by_differences(&camera, &Isometry3::identity(), &point);
-        comparison.add(&[formula(&point)], &[(block[(0, 4)] / block[(0, 2)]).abs()]);
-    }
-    comparison
+        (formula(&point), (block[(0, 4)] / block[(0, 2)]).abs())
+    })
+}
+
+/// From the camera to the point, along the axes of the world.
+fn ray(pose: &Isometry3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
+    pose.inverse_transform_vector(&in_camera(pose, point))
 }
 
 /// Four twists as columns: three turns about the point, and a step along its ray.
@@ -356,34 +309,23 @@ fn pose_null_space(point: &Vector3<f64>, ray_in_world: &Vector3<f64>) -> SMatrix
     basis
 }
 
-type NullSpace = fn(&Isometry3<f64>, &Vector3<f64>) -> SMatrix<f64, 6, 4>;
-
-fn null_space_of_pose_block(formula: NullSpace) -> Comparison {
+fn null_space_of_pose_block(formula: OfPose<SMatrix<f64, 6, 4>>) -> Comparison {
     let against = "the null space of the differences' singular value decomposition";
-    let mut comparison = Comparison::absolute(against, 1e-8, "");
-    let mut random = Random::new(8);
-    for _ in 0..STATES {
-        let (camera, pose, point) = state(&mut random);
+    Comparison::absolute(against, 1e-8, "").over(STATES, 8, |random| {
+        let (camera, pose, point) = state(random);
         let block = pose_block_by_differences(&camera, &pose, &point);
         let rows = block.svd(false, true).v_t.expect("it was asked for");
         let onto_null_space = Matrix6::identity() - rows.transpose() * rows;
         let basis = formula(&pose, &point).qr().q();
-        comparison.add((basis * basis.transpose()).as_slice(), onto_null_space.as_slice());
-    }
-    comparison
+        (basis * basis.transpose(), onto_null_space)
+    })
 }
 
 fn lens(chapter: &mut Chapter) {
-    let mutants: [(_, Distort); 4] = [
-        ("p1 and p2 exchanged", |lens, p| {
-            with_coefficients(lens, |[k1, k2, p1, p2, k3]| [k1, k2, p2, p1, k3]).distort(p)
-        }),
-        ("k3 before p1 and p2", |lens, p| {
-            with_coefficients(lens, |[k1, k2, p1, p2, k3]| [k1, k2, k3, p1, p2]).distort(p)
-        }),
-        ("tangential part dropped", |lens, p| {
-            with_coefficients(lens, |[k1, k2, _, _, k3]| [k1, k2, 0.0, 0.0, k3]).distort(p)
-        }),
+    let mutants: [(_, OfLens<Vector2<f64>>); 4] = [
+        ("p1 and p2 exchanged", |lens, p| ordered(lens, [0, 1, 3, 2, 4]).distort(p)),
+        ("k3 before p1 and p2", |lens, p| ordered(lens, [0, 1, 4, 2, 3]).distort(p)),
+        ("tangential part dropped", |lens, p| radial_part(lens).distort(p)),
         ("radius for its square", |lens, p| {
             let [k1, k2, ..] = lens.coefficients();
             (1.0 + k1 * p.norm() + k2 * p.norm_squared()) * p
@@ -391,7 +333,7 @@ fn lens(chapter: &mut Chapter) {
     ];
     chapter.equation("distortion", distortion, RadialTangential::distort, &mutants);
 
-    let mutants: [(_, LensJacobian); 4] = [
+    let mutants: [(_, OfLens<Matrix2<f64>>); 4] = [
         ("factor held fixed", |lens, p| {
             Matrix2::from_diagonal_element(lens.distort(p).dot(p) / p.norm_squared())
         }),
@@ -403,9 +345,7 @@ fn lens(chapter: &mut Chapter) {
             let j = lens.jacobian(p);
             Matrix2::new(j.m22, j.m12, j.m21, j.m11)
         }),
-        ("tangential part dropped", |lens, p| {
-            with_coefficients(lens, |[k1, k2, _, _, k3]| [k1, k2, 0.0, 0.0, k3]).jacobian(p)
-        }),
+        ("tangential part dropped", |lens, p| radial_part(lens).jacobian(p)),
     ];
     let formula = RadialTangential::jacobian;
     chapter.equation("distortion-jacobian", distortion_jacobian, formula, &mutants);
@@ -425,53 +365,45 @@ fn lens(chapter: &mut Chapter) {
 /// A lens about as strong as that of a wide-angle camera.
 fn random_lens(random: &mut Random) -> RadialTangential {
     let mut within = |size: f64| random.uniform(-size..size);
-    let coefficients = [within(0.3), within(0.1), within(0.02), within(0.02), within(0.03)];
-    lens_with(coefficients)
+    lens_with([within(0.3), within(0.1), within(0.02), within(0.02), within(0.03)])
 }
 
 fn lens_with([k1, k2, p1, p2, k3]: [f64; 5]) -> RadialTangential {
     RadialTangential::new(k1, k2, p1, p2, k3).expect("finite coefficients")
 }
 
-fn with_coefficients(
-    lens: &RadialTangential,
-    change: fn([f64; 5]) -> [f64; 5],
-) -> RadialTangential {
-    lens_with(change(lens.coefficients()))
+fn ordered(lens: &RadialTangential, order: [usize; 5]) -> RadialTangential {
+    lens_with(order.map(|index| lens.coefficients()[index]))
+}
+
+fn radial_part(lens: &RadialTangential) -> RadialTangential {
+    let [k1, k2, _, _, k3] = lens.coefficients();
+    lens_with([k1, k2, 0.0, 0.0, k3])
 }
 
 fn random_slope(random: &mut Random) -> Vector2<f64> {
     Vector2::new(random.uniform(-0.9..0.9), random.uniform(-0.9..0.9))
 }
 
-type Distort = fn(&RadialTangential, &Vector2<f64>) -> Vector2<f64>;
+/// Takes a lens and an ideal point.
+type OfLens<T> = fn(&RadialTangential, &Vector2<f64>) -> T;
 
-fn distortion(formula: Distort) -> Comparison {
+fn distortion(formula: OfLens<Vector2<f64>>) -> Comparison {
     let against = "central differences of the scalar whose gradient it is";
-    let mut comparison = Comparison::absolute(against, 1e-10, "");
-    let mut random = Random::new(9);
-    for _ in 0..STATES {
-        let (lens, ideal) = (random_lens(&mut random), random_slope(&mut random));
-        let gradient = differences(STEP, |step: &Vector2<f64>| {
-            SMatrix::<f64, 1, 1>::new(oracle::lens_potential(&lens, &(ideal + step)))
-        });
-        comparison.add(formula(&lens, &ideal).as_slice(), gradient.as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-10, "").over(STATES, 9, |random| {
+        let (lens, ideal) = (random_lens(random), random_slope(random));
+        let potential = |step: &_| Vector1::new(oracle::lens_potential(&lens, &(ideal + step)));
+        (formula(&lens, &ideal), differences(STEP, potential))
+    })
 }
 
-type LensJacobian = fn(&RadialTangential, &Vector2<f64>) -> Matrix2<f64>;
-
-fn distortion_jacobian(formula: LensJacobian) -> Comparison {
-    let mut comparison =
-        Comparison::absolute("central differences of the distorted point", 1e-9, "");
-    let mut random = Random::new(10);
-    for _ in 0..STATES {
-        let (lens, ideal) = (random_lens(&mut random), random_slope(&mut random));
-        let expected = differences(STEP, |step| lens.distort(&(ideal + step)));
-        comparison.add(formula(&lens, &ideal).as_slice(), expected.as_slice());
-    }
-    comparison
+fn distortion_jacobian(formula: OfLens<Matrix2<f64>>) -> Comparison {
+    let against = "central differences of the distorted point";
+    Comparison::absolute(against, 1e-9, "").over(STATES, 10, |random| {
+        let (lens, ideal) = (random_lens(random), random_slope(random));
+        let distorted = |step: &_| lens.distort(&(ideal + step));
+        (formula(&lens, &ideal), differences(STEP, distorted))
+    })
 }
 
 /// Takes k1, k2, k3 and the square of the radius.
@@ -479,45 +411,38 @@ type Fold = fn([f64; 3], f64) -> f64;
 
 fn fold(formula: Fold) -> Comparison {
     let against = "differences of the distorted radius along a ray";
-    let mut comparison = Comparison::absolute(against, 1e-9, "");
-    let mut random = Random::new(11);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-9, "").over(STATES, 11, |random| {
         let mut within = |size: f64| random.uniform(-size..size);
         let (k1, k2, k3) = (within(0.6), within(0.4), within(0.2));
         let lens = lens_with([k1, k2, 0.0, 0.0, k3]);
-        let direction = random.uniform(0.0..std::f64::consts::TAU);
-        let ray = Vector2::new(direction.cos(), direction.sin());
-        let radius = random.uniform(0.1..1.2);
-        let shown = |step: &SMatrix<f64, 1, 1>| lens.distort(&((radius + step[0]) * ray));
-        let slope = ray.dot(&differences(STEP, shown));
-        comparison.add(&[formula([k1, k2, k3], radius * radius)], &[slope]);
-    }
-    comparison
+        let (ray, radius) = (direction(random), random.uniform(0.1..1.2));
+        let shown = |step: &Vector1<f64>| lens.distort(&((radius + step[0]) * ray));
+        (formula([k1, k2, k3], radius * radius), ray.dot(&differences(STEP, shown)))
+    })
+}
+
+/// Any direction in the image plane.
+fn direction(random: &mut Random) -> Vector2<f64> {
+    let angle = random.uniform(0.0..TAU);
+    Vector2::new(angle.cos(), angle.sin())
 }
 
 fn lens_and_noise(chapter: &mut Chapter) {
-    let formula: UndistortedNoise = |lens, p, sigma| {
-        let inverse = inverse_of(&lens.jacobian(p));
-        sigma * sigma * inverse * inverse.transpose()
-    };
+    let formula: UndistortedNoise = |lens, p, sigma| spread(inverse(lens.jacobian(p)), sigma);
     let mutants: [(_, UndistortedNoise); 4] = [
-        ("unchanged", |_, _, sigma| sigma * sigma * Matrix2::identity()),
-        ("Jacobian for its inverse", |lens, p, sigma| {
-            sigma * sigma * lens.jacobian(p) * lens.jacobian(p).transpose()
-        }),
-        ("inverse on one side only", |lens, p, sigma| {
-            sigma * sigma * inverse_of(&lens.jacobian(p))
-        }),
+        ("unchanged", |_, _, sigma| spread(Matrix2::identity(), sigma)),
+        ("Jacobian for its inverse", |lens, p, sigma| spread(lens.jacobian(p), sigma)),
+        ("inverse on one side only", |lens, p, sigma| sigma * sigma * inverse(lens.jacobian(p))),
         ("at the distorted point", |lens, p, sigma| {
-            let inverse = inverse_of(&lens.jacobian(&lens.distort(&lens.distort(p))));
-            sigma * sigma * inverse * inverse.transpose()
+            spread(inverse(lens.jacobian(&lens.distort(&lens.distort(p)))), sigma)
         }),
     ];
     chapter.equation("undistorted-noise", undistorted_noise, formula, &mutants);
 }
 
-fn inverse_of(matrix: &Matrix2<f64>) -> Matrix2<f64> {
-    matrix.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN))
+/// The covariance of noise with this deviation in both coordinates, after a linear map.
+fn spread(by: Matrix2<f64>, sigma: f64) -> Matrix2<f64> {
+    sigma * sigma * by * by.transpose()
 }
 
 /// Takes a lens, an ideal point and the deviation of the distorted one.
@@ -525,25 +450,20 @@ type UndistortedNoise = fn(&RadialTangential, &Vector2<f64>, f64) -> Matrix2<f64
 
 fn undistorted_noise(formula: UndistortedNoise) -> Comparison {
     let against = "the scatter of 20,000 noisy points that were undistorted, for each state";
-    let mut comparison = Comparison::relative(against, 0.035);
-    let mut random = Random::new(12);
     let euroc = worked::euroc().lens;
-    for _ in 0..20 {
-        let direction = random.uniform(0.0..std::f64::consts::TAU);
-        let ideal = random.uniform(0.75..0.95) * Vector2::new(direction.cos(), direction.sin());
+    Comparison::relative(against, 0.035).over(20, 12, |random| {
+        let direction = direction(random);
+        let ideal = random.uniform(0.75..0.95) * direction;
         let sigma = random.uniform(1e-3..3e-3);
         let shown = euroc.distort(&ideal);
-        let (mut scatter, draws) = (Matrix2::zeros(), 20_000);
-        for _ in 0..draws {
+        let mut scatter = Matrix2::zeros();
+        for _ in 0..20_000 {
             let noise = Vector2::new(random.normal(sigma), random.normal(sigma));
-            let off = euroc
-                .undistort(&(shown + noise))
-                .map_or(Vector2::repeat(f64::NAN), |found| found - ideal);
-            scatter += off * off.transpose() / f64::from(draws);
+            let off = euroc.undistort(&(shown + noise)).expect("it is in the image") - ideal;
+            scatter += off * off.transpose() / 20_000.0;
         }
-        comparison.add(formula(&euroc, &ideal, sigma).as_slice(), scatter.as_slice());
-    }
-    comparison
+        (formula(&euroc, &ideal, sigma), scatter)
+    })
 }
 
 fn conventions(chapter: &mut Chapter) {
@@ -551,16 +471,18 @@ fn conventions(chapter: &mut Chapter) {
     let mutants: [(_, ByAdjoint); 5] = [
         ("inverse of the adjoint", |left, t| left * se3::adjoint(&t.inverse())),
         ("adjoint transposed", |left, t| left * se3::adjoint(t).transpose()),
-        ("translation dropped", |left, t| {
-            left * se3::adjoint(&Isometry3::from_parts(Default::default(), t.rotation))
-        }),
+        ("translation dropped", |left, t| left * se3::adjoint(&turn_of(t))),
         ("unchanged", |left, _| *left),
         ("rotation before translation", |left, t| {
-            let adjoint = se3::adjoint(t);
-            left * Matrix6::from_fn(|row, column| adjoint[((row + 3) % 6, (column + 3) % 6)])
+            left * halves_exchanged() * se3::adjoint(t) * halves_exchanged()
         }),
     ];
     chapter.equation("left-right", left_right, formula, &mutants);
+}
+
+/// The pose without its translation.
+fn turn_of(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(Default::default(), pose.rotation)
 }
 
 /// Takes the 2×6 block of a step on the left, and the pose.
@@ -568,15 +490,12 @@ type ByAdjoint = fn(&Matrix2x6<f64>, &Isometry3<f64>) -> Matrix2x6<f64>;
 
 fn left_right(formula: ByAdjoint) -> Comparison {
     let against = "central differences on the right, from central differences on the left";
-    let mut comparison = Comparison::relative(against, 1e-8);
-    let mut random = Random::new(13);
-    for _ in 0..STATES {
-        let (camera, pose, point) = state(&mut random);
-        let left = differences(STEP, |xi| image_of(&camera, &moved_on_the_left(&pose, xi, &point)));
+    Comparison::relative(against, 1e-8).over(STATES, 13, |random| {
+        let (camera, pose, point) = state(random);
+        let moved = |xi: &_| image_of(&camera, &moved_on_the_left(&pose, xi, &point));
         let right = pose_block_by_differences(&camera, &pose, &point);
-        comparison.add(formula(&left, &pose).as_slice(), right.as_slice());
-    }
-    comparison
+        (formula(&differences(STEP, moved), &pose), right)
+    })
 }
 
 fn mixed(chapter: &mut Chapter) {
@@ -585,10 +504,7 @@ fn mixed(chapter: &mut Chapter) {
         ("sign", |t, error| error + se3::adjoint(t) * error),
         ("inverse of the adjoint", |t, error| error - se3::adjoint(&t.inverse()) * error),
         ("identity dropped", |t, error| -se3::adjoint(t) * error),
-        ("translation dropped", |t, error| {
-            let turn = Isometry3::from_parts(Default::default(), t.rotation);
-            error - se3::adjoint(&turn) * error
-        }),
+        ("translation dropped", |t, error| error - se3::adjoint(&turn_of(t)) * error),
     ];
     chapter.equation("mixed-error", mixed_error, formula, &mutants);
 
@@ -607,19 +523,15 @@ type MixedError = fn(&Isometry3<f64>, &Vector6<f64>) -> Vector6<f64>;
 
 fn mixed_error(formula: MixedError) -> Comparison {
     let against = "a Gauss-Newton step that takes the left block for the right one";
-    let mut comparison = Comparison::relative(against, 1e-3);
-    let mut random = Random::new(14);
-    for _ in 0..100 {
+    Comparison::relative(against, 1e-3).over(100, 14, |random| {
         let camera = random.camera();
         let rotation = random.rotation(3.0);
         let truth = Isometry3::from_parts(random.direction(2.0).into(), rotation.into());
         let seen: Vec<_> = (0..20).map(|_| (random.point(2.0..10.0), Vector2::zeros())).collect();
-        let (first, second) = (random.direction(1e-6), random.direction(1e-6));
-        let error = Vector6::new(first.x, first.y, first.z, second.x, second.y, second.z);
+        let error = twist_of(&random.direction(1e-6), &random.direction(1e-6));
         let after = after_a_mixed_step(&camera, &truth, &error, &seen);
-        comparison.add((1e6 * formula(&truth, &error)).as_slice(), (1e6 * after).as_slice());
-    }
-    comparison
+        (1e6 * formula(&truth, &error), 1e6 * after)
+    })
 }
 
 /// The error of a camera after a Gauss-Newton step with the left block, taken on the right. It sees
@@ -643,7 +555,7 @@ fn after_a_mixed_step(
     }
     let negligible = 1e-9 * hessian.norm();
     let step = hessian.svd(true, true).solve(&-gradient, negligible);
-    se3::local(truth, &se3::retract(&start, &step.unwrap_or(Vector6::repeat(f64::NAN))))
+    se3::local(truth, &se3::retract(&start, &step.expect("both factors are there")))
 }
 
 /// Takes the angle by which a camera is turned from the world.
@@ -651,16 +563,11 @@ type MixedRate = fn(f64) -> f64;
 
 fn mixed_rate(formula: MixedRate) -> Comparison {
     let against = "the largest eigenvalue of the error's 6×6 matrix, computed numerically";
-    let mut comparison = Comparison::absolute(against, 1e-5, "");
-    let mut random = Random::new(15);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-5, "").over(STATES, 15, |random| {
         let angle = random.uniform(0.05..3.1);
         let rotation = Rotation3::new(random.direction(angle));
         let pose = Isometry3::from_parts(random.direction(2.0).into(), rotation.into());
         let map = Matrix6::identity() - se3::adjoint(&pose);
-        let eigenvalues = map.complex_eigenvalues();
-        let largest = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        comparison.add(&[formula(angle)], &[largest]);
-    }
-    comparison
+        (formula(angle), map.complex_eigenvalues().map(|value| value.norm()).max())
+    })
 }

@@ -18,35 +18,29 @@ pub fn counterexamples(chapter: &mut Chapter) {
 
 /// Whether the bearing of the worked point's pixel leads to the point times `s` as well.
 fn pixel_of_a_multiple(s: f64) -> Comparison {
-    let mut comparison = Comparison::absolute("the direction to the point", 1e-12, "");
     let pixel = CAMERA.project_cam(&POINT).unwrap_or(NOWHERE);
-    comparison.add(bearing(&CAMERA, &pixel).as_slice(), (s * POINT).normalize().as_slice());
-    comparison
+    let direction = bearing(&CAMERA, &pixel).into_inner();
+    let against = Comparison::absolute("the direction to the point", 1e-12, "");
+    against.once(direction, (s * POINT).normalize())
 }
 
 /// Whether the second camera sees the worked point in the same direction when camera centres and
 /// points are multiplied by these.
 fn scaled_world((centres, points): (f64, f64)) -> Comparison {
-    let mut comparison = Comparison::absolute("the direction before", 1e-12, "");
     let centre = BASELINE * Vector3::x();
-    let direction = |centre: Vector3<f64>, point: Vector3<f64>| (point - centre).normalize();
-    let (before, after) = (direction(centre, POINT), direction(centres * centre, points * POINT));
-    comparison.add(after.as_slice(), before.as_slice());
-    comparison
+    let after = (points * POINT - centres * centre).normalize();
+    let against = Comparison::absolute("the direction before", 1e-12, "");
+    against.once(after, (POINT - centre).normalize())
 }
 
 /// Whether the pixel before a turn tells the pixel after it, at two depths, when the camera's centre
 /// stands so many metres before the axis of the turn.
 fn turned_camera(before_the_axis: f64) -> Comparison {
-    let mut comparison = Comparison::absolute("the image of the point itself", 1e-9, "px");
     let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), 10_f64.to_radians());
     let axis = -before_the_axis * Vector3::z();
     let pose = Isometry3::from_parts((axis - turn * axis).into(), turn.into());
     let pixel = CAMERA.project_cam(&POINT).unwrap_or(NOWHERE);
-    let told = transfer_by_infinite_homography(&CAMERA, &turn, &pixel).unwrap_or(NOWHERE);
-    for point in [POINT, 10.0 * POINT] {
-        let seen = CAMERA.project(&pose, &point).unwrap_or(NOWHERE);
-        comparison.add(told.as_slice(), seen.as_slice());
-    }
-    comparison
+    let told = transfer_by_infinite_homography(&CAMERA, &turn, &pixel);
+    let against = Comparison::absolute("the image of the point itself", 1e-9, "px");
+    against.each([POINT, 10.0 * POINT], |point| (told, CAMERA.project(&pose, &point)))
 }

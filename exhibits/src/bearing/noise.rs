@@ -4,13 +4,14 @@ use nalgebra::Vector3;
 use vislam::bearing::{depth_from_disparity, depth_sigma, disparity_sigma};
 use vislam::reprojection::Pinhole;
 
-use super::oracle::image_of;
+use super::oracle::{image_of, meeting_depth};
 use super::worked;
 use crate::chapter::Chapter;
 use crate::random::Random;
 use crate::record::RecordValue;
 
 /// A point seen by two cameras side by side, with independent noise in the two images.
+#[derive(Clone, Copy)]
 pub struct Pair {
     pub camera: Pinhole,
     pub baseline: f64,
@@ -38,10 +39,29 @@ impl Pair {
         Self { point: depth * Vector3::z(), ..Self::worked() }
     }
 
+    /// Any cameras and any point, with a pixel of noise in each image.
+    pub fn random(random: &mut Random) -> Self {
+        let (camera, baseline) = (random.camera(), random.logarithmic(0.05..2.0));
+        Self { camera, baseline, point: random.point(0.5..100.0), ..Self::worked() }
+    }
+
+    /// Columns of the point in the two images.
+    pub fn columns(&self) -> [f64; 2] {
+        [0.0, self.baseline].map(|x| image_of(&self.camera, &(self.point - x * Vector3::x())).x)
+    }
+
+    /// The derivative by the second column of a function of the depth at which the rays of both
+    /// columns meet: a central difference whose step is this part of the disparity.
+    pub fn slope(&self, of_depth: fn(f64) -> f64, part: f64) -> f64 {
+        let [first, second] = self.columns();
+        let step = part * (first - second);
+        let at = |second| of_depth(meeting_depth(&self.camera, self.baseline, first, second));
+        (at(second + step) - at(second - step)) / (2.0 * step)
+    }
+
     /// Disparities measured again and again, without end.
     pub fn disparities(&self, seed: u64) -> impl Iterator<Item = f64> + use<> {
-        let first = image_of(&self.camera, &self.point).x;
-        let second = image_of(&self.camera, &(self.point - self.baseline * Vector3::x())).x;
+        let [first, second] = self.columns();
         let (first_sigma, second_sigma) = (self.first_sigma, self.second_sigma);
         let mut random = Random::new(seed);
         std::iter::repeat_with(move || {

@@ -55,12 +55,10 @@ fn stretched(chapter: &mut Chapter) {
     chapter.number("stretch_move_px", move_px, "px", 2);
 
     chapter.number("short_baseline", SHORT_BASELINE, "m", 1);
-    let too_near = |baseline| contradiction(baseline, -1.0);
-    let too_far = |baseline| contradiction(baseline, 1.0);
-    chapter.number("one_metre_near_px", too_near(BASELINE), "px", 0);
-    chapter.number("one_metre_far_px", too_far(BASELINE), "px", 2);
-    chapter.number("one_metre_near_short_px", too_near(SHORT_BASELINE), "px", 0);
-    chapter.number("one_metre_far_short_px", too_far(SHORT_BASELINE), "px", 2);
+    chapter.number("one_metre_near_px", contradiction(BASELINE, -1.0), "px", 0);
+    chapter.number("one_metre_far_px", contradiction(BASELINE, 1.0), "px", 2);
+    chapter.number("one_metre_near_short_px", contradiction(SHORT_BASELINE, -1.0), "px", 0);
+    chapter.number("one_metre_far_short_px", contradiction(SHORT_BASELINE, 1.0), "px", 2);
 }
 
 fn depth_sigmas(chapter: &mut Chapter) {
@@ -120,10 +118,10 @@ fn far_away(chapter: &mut Chapter) {
     chapter.number("far_median", quantile(&mut depths, 0.5), "m", 1);
     chapter.number("far_p05", quantile(&mut depths, 0.05), "m", 1);
     chapter.number("far_p95", quantile(&mut depths, 0.95), "m", 1);
-    let too_far = percentage(&depths, |z| z > FAR + 2.0 * sigma);
-    let too_near = percentage(&depths, |z| z < FAR - 2.0 * sigma);
-    chapter.number("far_above_two_sigma_percent", too_far, "%", 1);
-    chapter.number("far_below_two_sigma_percent", too_near, "%", 1);
+    let above = percentage(&depths, |z| z > FAR + 2.0 * sigma);
+    let below = percentage(&depths, |z| z < FAR - 2.0 * sigma);
+    chapter.number("far_above_two_sigma_percent", above, "%", 1);
+    chapter.number("far_below_two_sigma_percent", below, "%", 1);
 
     let inverse_depths: Vec<f64> = pair.inverse_depths(FAR_SEED).take(FAR_DRAWS).collect();
     let sigma = inverse_depth_sigma(&CAMERA, BASELINE, pair.disparity_sigma());
@@ -135,12 +133,7 @@ fn far_away(chapter: &mut Chapter) {
     let very_far: Vec<f64> = Pair::at_depth(VERY_FAR).depths(FAR_SEED).take(FAR_DRAWS).collect();
     chapter.number("very_far_depth", VERY_FAR, "m", 0);
     chapter.number("very_far_disparity_px", disparity(&CAMERA, BASELINE, VERY_FAR), "px", 0);
-    chapter.number(
-        "very_far_beyond_percent",
-        percentage(&very_far, |z| z == f64::INFINITY),
-        "%",
-        1,
-    );
+    chapter.number("very_far_beyond_percent", percentage(&very_far, f64::is_infinite), "%", 1);
 }
 
 fn percentage(values: &[f64], counts: impl Fn(f64) -> bool) -> f64 {

@@ -32,8 +32,3 @@ pub fn meeting_depth(camera: &Pinhole, baseline: f64, first_u: f64, second_u: f6
     let meeting = rays.lu().solve(&Vector2::new(0.0, baseline));
     meeting.map_or(f64::NAN, |x_and_z| x_and_z.y)
 }
-
-/// Derivative of a function of one variable.
-pub fn central_difference(function: impl Fn(f64) -> f64, at: f64, step: f64) -> f64 {
-    (function(at + step) - function(at - step)) / (2.0 * step)
-}

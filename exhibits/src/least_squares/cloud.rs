@@ -3,6 +3,8 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::worked::{self, Tape};
+use crate::bundle_adjustment::consistency::chi_square_quantile;
+use crate::comparison::inverse;
 use crate::random::Random;
 
 /// Estimates that lie around the one from the readings at hand, which stands for the truth.
@@ -16,8 +18,7 @@ pub struct Cloud {
 impl Cloud {
     pub fn of(tapes: &[Tape], draws: usize, seed: u64) -> Self {
         let centre = worked::estimate(tapes);
-        let hessian = worked::hessian(tapes, &centre);
-        let covariance = hessian.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+        let covariance = inverse(worked::hessian(tapes, &centre));
         let mut random = Random::new(seed);
         let estimates = (0..draws).map(|_| {
             let other = tapes.iter().map(|tape| {
@@ -35,19 +36,20 @@ impl Cloud {
         (squares.sum::<f64>() / self.estimates.len() as f64).sqrt()
     }
 
-    /// How many percent lie within this many standard deviations, by the covariance.
-    pub fn inside_percent(&self, radius: f64) -> f64 {
-        let information = self.covariance.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
+    /// How many percent lie in the ellipse that should hold 95 %, by the covariance.
+    pub fn inside_percent(&self) -> f64 {
+        let (information, largest) = (inverse(self.covariance), chi_square_quantile(0.95, 2.0));
         let inside = self.estimates.iter().filter(|spot| {
             let error = *spot - self.centre;
-            error.dot(&(information * error)) <= radius * radius
+            error.dot(&(information * error)) <= largest
         });
         100.0 * inside.count() as f64 / self.estimates.len() as f64
     }
 
     /// The outline of that ellipse.
-    pub fn ellipse(&self, radius: f64) -> Vec<(f64, f64)> {
-        let root = self.covariance.cholesky().map_or(Matrix2::repeat(f64::NAN), |root| root.l());
+    pub fn ellipse(&self) -> Vec<(f64, f64)> {
+        let radius = chi_square_quantile(0.95, 2.0).sqrt();
+        let root = self.covariance.cholesky().expect("it is positive definite").l();
         let around = (0..=90).map(|step| {
             let (sine, cosine) = (f64::from(step) * 4.0).to_radians().sin_cos();
             let spot = self.centre + radius * root * Vector2::new(cosine, sine);
@@ -55,9 +57,4 @@ impl Cloud {
         });
         around.collect()
     }
-}
-
-/// The radius, in standard deviations, that holds 95 % of a normal distribution in the plane.
-pub fn radius_of_95_percent() -> f64 {
-    (-2.0 * 0.05_f64.ln()).sqrt()
 }

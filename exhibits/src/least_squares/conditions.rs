@@ -1,6 +1,6 @@
 //! What the chapter's theorems assume, and a case for each condition that drops it.
 
-use nalgebra::{DMatrix, DVector, Matrix6, RowVector6, SMatrix, Vector2, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, RowVector6, SMatrix, Vector2, Vector3, Vector6};
 use vislam::least_squares::Kernel;
 
 use super::oracle::Fit;
@@ -20,18 +20,16 @@ pub fn counterexamples(chapter: &mut Chapter) {
 /// The minimum of a linear problem, found from two places; the third column of its Jacobian may be the sum of the
 /// others.
 fn one_minimum(dependent: bool) -> Comparison {
-    let mut comparison = Comparison::relative("the minimum found from another start", 1e-9);
     let mut fit = Fit::random(&mut Random::new(31));
     if dependent {
         let sum = fit.j.column(0) + fit.j.column(1);
         fit.j.set_column(2, &sum);
     }
-    let inverse = fit.j.pseudo_inverse(1e-10).unwrap_or(SMatrix::repeat(f64::NAN));
-    let start = nalgebra::Vector3::new(1.0, -2.0, 3.0);
-    let found = -inverse * fit.r;
+    let inverse = fit.j.pseudo_inverse(1e-10).expect("the tolerance is positive");
+    let start = Vector3::new(1.0, -2.0, 3.0);
     let from_there = start - inverse * (fit.r + fit.j * start);
-    comparison.add(from_there.as_slice(), found.as_slice());
-    comparison
+    let against = Comparison::relative("the minimum found from another start", 1e-9);
+    against.once(from_there, -inverse * fit.r)
 }
 
 /// Two residuals of one unknown, each with its first two derivatives.
@@ -55,19 +53,17 @@ fn rate(chapter: &mut Chapter) {
 /// One Gauss-Newton step from beside zero, compared with the theorem's, in units of the squared distance. What the
 /// method neglects over what it keeps counts as zero where both are zero.
 fn led_astray(residuals: Bent) -> Comparison {
-    let mut comparison = Comparison::absolute("the theorem, over the squared distance", 10.0, "");
     let sums = |x: f64| {
         let add = |part: fn(&[f64; 3]) -> f64| residuals(x).iter().map(part).sum::<f64>();
         [add(|r| r[0] * r[1]), add(|r| r[1] * r[1]), add(|r| r[0] * r[2])]
     };
     let [_, kept, neglected] = sums(0.0);
     let rate = if neglected == 0.0 { 0.0 } else { neglected / kept };
-    for away in [1e-2, 1e-3, 1e-4] {
+    let against = Comparison::absolute("the theorem, over the squared distance", 10.0, "");
+    against.each([1e-2, 1e-3, 1e-4], |away| {
         let [gradient, hessian, _] = sums(away);
-        let next = away - gradient / hessian;
-        comparison.add(&[next / (away * away)], &[-rate / away]);
-    }
-    comparison
+        ((away - gradient / hessian) / (away * away), -rate / away)
+    })
 }
 
 /// Two residuals, each of an unknown of its own: x + a and b + c y + y², and the sign of their Jacobian.
@@ -92,9 +88,7 @@ fn damping(chapter: &mut Chapter) {
 
 /// The gain of a strongly damped step from zero. No step and no decrease are no gain, and an unknown that the damped
 /// equations say nothing about moves by one.
-fn strongly_damped(case: Pair) -> Comparison {
-    let Pair { a, b, c, sign } = case;
-    let mut comparison = Comparison::absolute("one", 1e-4, "");
+fn strongly_damped(Pair { a, b, c, sign }: Pair) -> Comparison {
     let damping = 1e6;
     let residuals = |step: Vector2<f64>| Vector2::new(step.x + a, b + c * step.y + step.y * step.y);
     let gradient = Vector2::new(sign * a, sign * c * b);
@@ -103,10 +97,9 @@ fn strongly_damped(case: Pair) -> Comparison {
     let step = gradient.zip_map(&diagonal, move_by);
     let predicted = 0.5 * step.dot(&(damping * diagonal.component_mul(&step) - gradient));
     let cost = |step| 0.5 * residuals(step).norm_squared();
-    let gain =
-        if predicted == 0.0 { 0.0 } else { (cost(Vector2::zeros()) - cost(step)) / predicted };
-    comparison.add(&[gain], &[1.0]);
-    comparison
+    let decrease = cost(Vector2::zeros()) - cost(step);
+    let gain = if predicted == 0.0 { 0.0 } else { decrease / predicted };
+    Comparison::absolute("one", 1e-4, "").once(gain, 1.0)
 }
 
 /// Three points in the plane.
@@ -135,43 +128,30 @@ fn gauge(chapter: &mut Chapter) {
 
     let length = distances().row(1).transpose();
     let coordinate = Vector6::ith(2, 1.0);
-    let kept = Choice { quantity: length, held: 3 };
-    for (condition, dropped) in [
-        ("unchanged", Choice { quantity: coordinate, ..kept }),
-        ("inverse", Choice { held: 4, ..kept }),
-    ] {
+    let kept = (length, 3);
+    for (condition, dropped) in [("unchanged", (coordinate, 3)), ("inverse", (length, 4))] {
         chapter.counterexample("gauge-free", condition, same_variance, [kept, dropped]);
     }
 }
 
 /// What a motion of the triangle does to its distances, to first order.
 fn null_vector(motion: Vector6<f64>) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-12, "m");
-    comparison.add((distances() * motion).as_slice(), &[0.0; 3]);
-    comparison
+    Comparison::absolute("zero", 1e-12, "m").once(distances() * motion, [0.0; 3])
 }
 
-/// A quantity's gradient, and how many of the first coordinates are held.
-#[derive(Clone, Copy)]
-struct Choice {
-    quantity: Vector6<f64>,
-    held: usize,
-}
-
-/// The variance with coordinates held, and that by the pseudo-inverse.
-fn same_variance(case: Choice) -> Comparison {
-    let mut comparison = Comparison::relative("the variance by the pseudo-inverse", 1e-9);
+/// The variance of a quantity with this gradient and so many of the first coordinates held, and that
+/// by the pseudo-inverse.
+fn same_variance((quantity, held): (Vector6<f64>, usize)) -> Comparison {
     let hessian: Matrix6<f64> = distances().transpose() * distances();
     // To hold both coordinates of the first point and one of the second is enough.
     let order = [0, 1, 3, 5, 2, 4];
-    let free = &order[case.held..];
+    let free = &order[held..];
     let block = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[(free[i], free[j])]);
-    let gradient = DVector::from_fn(free.len(), |i, _| case.quantity[free[i]]);
+    let gradient = DVector::from_fn(free.len(), |i, _| quantity[free[i]]);
     let solved = block.lu().solve(&gradient).unwrap_or_else(|| f64::NAN * &gradient);
-    let inverse = hessian.pseudo_inverse(1e-10).unwrap_or(Matrix6::repeat(f64::NAN));
-    let shortest = case.quantity.dot(&(inverse * case.quantity));
-    comparison.add(&[gradient.dot(&solved)], &[shortest]);
-    comparison
+    let inverse = hessian.pseudo_inverse(1e-10).expect("the tolerance is positive");
+    let against = Comparison::relative("the variance by the pseudo-inverse", 1e-9);
+    against.once(gradient.dot(&solved), quantity.dot(&(inverse * quantity)))
 }
 
 /// Readings of one number, what a residual costs and weighs, a start, and which part of the way to the weighted mean
@@ -195,16 +175,14 @@ fn reweighting(chapter: &mut Chapter) {
     };
     let fourth_power =
         Reweighted { cost: |s| 0.25 * s.powi(4), weight: |s| s * s, start: 0.0, ..kept };
-    for (condition, dropped) in
-        [("concave", fourth_power), ("solved", Reweighted { part: 3.0, ..kept })]
-    {
+    let beyond = Reweighted { part: 3.0, ..kept };
+    for (condition, dropped) in [("concave", fourth_power), ("solved", beyond)] {
         chapter.counterexample("reweighting", condition, raised, [kept, dropped]);
     }
 }
 
 /// By how much one round of reweighting raises the robust cost.
 fn raised(case: Reweighted) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-12, "");
     let weights = case.readings.map(|reading| (case.weight)((case.start - reading).abs()));
     let sum: f64 =
         weights.iter().zip(case.readings).map(|(weight, reading)| weight * reading).sum();
@@ -213,6 +191,5 @@ fn raised(case: Reweighted) -> Comparison {
     let cost = |at: f64| -> f64 {
         case.readings.iter().map(|reading| (case.cost)((at - reading).abs())).sum()
     };
-    comparison.add(&[(cost(end) - cost(case.start)).max(0.0)], &[0.0]);
-    comparison
+    Comparison::absolute("zero", 1e-12, "").once((cost(end) - cost(case.start)).max(0.0), 0.0)
 }

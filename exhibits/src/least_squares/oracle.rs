@@ -1,11 +1,8 @@
 //! Ways to the chapter's results that do not use its formulas, and random problems to try them on.
 
-use std::f64::consts::TAU;
+use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6};
 
-use nalgebra::{
-    Cholesky, Matrix2, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3, Vector6,
-};
-
+use crate::comparison::inverse;
 use crate::random::Random;
 
 /// Six whitened residuals, linear in three unknowns.
@@ -36,16 +33,14 @@ impl Fit {
         self.j.transpose() * self.r
     }
 
-    /// The step for a matrix that stands in the place of H.
-    pub fn solve(&self, matrix: Matrix3<f64>) -> Vector3<f64> {
-        let inverse = matrix.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN));
-        -inverse * self.gradient()
+    /// The step with a matrix added to H.
+    pub fn damped_by(&self, matrix: Matrix3<f64>) -> Vector3<f64> {
+        -inverse(self.hessian() + matrix) * self.gradient()
     }
 
     /// The step by the normal equations, with a damping.
     pub fn step(&self, damping: f64) -> Vector3<f64> {
-        let damped = self.hessian() + damping * self.diagonal();
-        let factor = Cholesky::new(damped);
+        let factor = (self.hessian() + damping * self.diagonal()).cholesky();
         factor.map_or(Vector3::repeat(f64::NAN), |factor| -factor.solve(&self.gradient()))
     }
 
@@ -57,8 +52,7 @@ impl Fit {
     }
 
     pub fn by_singular_values(&self) -> Vector3<f64> {
-        let solved = self.j.svd(true, true).solve(&-self.r, 1e-14);
-        solved.unwrap_or(Vector3::repeat(f64::NAN))
+        self.j.svd(true, true).solve(&-self.r, 1e-14).expect("both factors are there")
     }
 
     /// The residual less its parts along the columns of J.
@@ -78,20 +72,17 @@ impl Fit {
     /// The damped step as an undamped one: for every unknown, one more measurement that says it
     /// should not move.
     pub fn with_measurements_of_zero(&self, damping: f64) -> Vector3<f64> {
-        let mut j = SMatrix::<f64, 9, 3>::zeros();
-        j.fixed_rows_mut::<6>(0).copy_from(&self.j);
+        let mut j = self.j.fixed_resize::<9, 3>(0.0);
         for unknown in 0..3 {
             j[(6 + unknown, unknown)] = damping.sqrt() * self.j.column(unknown).norm();
         }
-        let mut r = SVector::<f64, 9>::zeros();
-        r.fixed_rows_mut::<6>(0).copy_from(&self.r);
-        let solved = j.svd(true, true).solve(&-r, 1e-14);
-        solved.unwrap_or(Vector3::repeat(f64::NAN))
+        let r = self.r.fixed_resize::<9, 1>(0.0);
+        j.svd(true, true).solve(&-r, 1e-14).expect("both factors are there")
     }
 
     /// The scatter of the estimates from unit noise in the residuals.
     pub fn scatter(&self, random: &mut Random, draws: usize) -> Matrix3<f64> {
-        let inverse = self.j.pseudo_inverse(1e-14).unwrap_or(SMatrix::repeat(f64::NAN));
+        let inverse = self.j.pseudo_inverse(1e-14).expect("the tolerance is positive");
         let mut scatter = Matrix3::zeros();
         for _ in 0..draws {
             let error = inverse * SVector::<f64, 6>::from_fn(|_, _| random.normal(1.0));
@@ -104,27 +95,23 @@ impl Fit {
 /// A rotation to be found from directions d known in the body and z measured in the world.
 pub struct Rotated {
     pub rotation: Rotation3<f64>,
-    directions: Vec<[Vector3<f64>; 2]>,
+    directions: [[Vector3<f64>; 2]; 4],
     whitener: Matrix3<f64>,
 }
 
 impl Rotated {
     pub fn random(random: &mut Random) -> Self {
         let (rotation, truth) = (random.rotation(3.0), random.rotation(3.0));
-        let directions = (0..4).map(|_| {
+        let directions = [(); 4].map(|()| {
             let direction = random.direction(1.0);
             [direction, truth * direction + random.direction(0.05)]
         });
-        let directions = directions.collect();
         Self { rotation, directions, whitener: Matrix3::from_fn(|_, _| random.normal(3.0)) }
     }
 
     pub fn cost(&self, rotation: &Rotation3<f64>) -> f64 {
-        let squares = self
-            .directions
-            .iter()
-            .map(|[body, world]| (self.whitener * (rotation * body - world)).norm_squared());
-        0.5 * squares.sum::<f64>()
+        let residuals = self.directions.iter().map(|[body, world]| rotation * body - world);
+        0.5 * residuals.map(|residual| (self.whitener * residual).norm_squared()).sum::<f64>()
     }
 
     /// The sum of Jᵀ r, both whitened, for a Jacobian of one direction.
@@ -149,43 +136,18 @@ pub fn twist(random: &mut Random, size: f64) -> Vector6<f64> {
     Vector6::from_fn(|_, _| random.uniform(-size..size))
 }
 
-/// The derivative of a function at zero.
-pub fn jacobian<const N: usize, const M: usize>(
-    function: impl Fn(SVector<f64, M>) -> SVector<f64, N>,
-) -> SMatrix<f64, N, M> {
-    const STEP: f64 = 1e-5;
-    let mut jacobian = SMatrix::<f64, N, M>::zeros();
-    for column in 0..M {
-        let mut step = SVector::<f64, M>::zeros();
-        step[column] = STEP;
-        jacobian.set_column(column, &((function(step) - function(-step)) / (2.0 * STEP)));
-    }
-    jacobian
-}
-
 pub fn second_differences(
     function: impl Fn(Vector2<f64>) -> f64,
     at: Vector2<f64>,
     step: f64,
 ) -> Matrix2<f64> {
     Matrix2::from_fn(|row, column| {
-        let (mut first, mut second) = (Vector2::zeros(), Vector2::zeros());
-        first[row] = step;
-        second[column] = step;
+        let [first, second] = [row, column].map(|axis| Vector2::ith(axis, step));
         let (together, apart) = (first + second, first - second);
         let around = function(at + together) - function(at + apart) - function(at - apart)
             + function(at - together);
         around / (4.0 * step * step)
     })
-}
-
-/// Logarithm of a normal density: that of the first coordinate, and that of the second when the
-/// first is known.
-pub fn log_density(difference: &Vector2<f64>, covariance: &Matrix2<f64>) -> f64 {
-    let scalar = |x: f64, variance: f64| -0.5 * (x * x / variance + (TAU * variance).ln());
-    let slope = covariance.m21 / covariance.m11;
-    let given_first = covariance.m22 - slope * covariance.m12;
-    scalar(difference.x, covariance.m11) + scalar(difference.y - slope * difference.x, given_first)
 }
 
 /// Density, up to a factor, of a normal number whose precision is itself uncertain: gamma

@@ -1,85 +1,68 @@
 //! One number, or a line, from readings of which some are wrong.
 
-use nalgebra::{Matrix1, RowVector2, Vector1, Vector2};
-use vislam::least_squares::{Factor, Kernel, Key, Manifold, Options, Problem};
+use nalgebra::{RowSVector, RowVector2, SVector, Vector1, Vector2};
+use vislam::least_squares::{Factor, Kernel, Key, Options, Problem};
 
-/// Thresholds and scales at which the kernels are nearly as good as squares on normal noise.
-pub const KERNELS: [Kernel; 3] = [Kernel::Squared, Kernel::Huber(1.345), Kernel::Cauchy(2.385)];
+/// Threshold and scale at which the kernels are nearly as good as squares on normal noise.
+pub const HUBER: f64 = 1.345;
+pub const CAUCHY: f64 = 2.385;
+pub const KERNELS: [Kernel; 3] = [Kernel::Squared, Kernel::Huber(HUBER), Kernel::Cauchy(CAUCHY)];
 
-/// One reading of a number, in standard deviations.
-struct Reading {
-    number: Key<Vector1<f64>>,
-    read: f64,
+/// A measured number that is linear in its variable, in standard deviations.
+struct Linear<const N: usize> {
+    variable: Key<SVector<f64, N>>,
+    row: RowSVector<f64, N>,
+    measured: f64,
 }
 
-impl Factor<1> for Reading {
-    type Variables = (Vector1<f64>,);
-    type Jacobians = (Matrix1<f64>,);
+impl<const N: usize> Factor<1> for Linear<N> {
+    type Variables = (SVector<f64, N>,);
+    type Jacobians = (RowSVector<f64, N>,);
 
-    fn variables(&self) -> (Key<Vector1<f64>>,) {
-        (self.number,)
+    fn variables(&self) -> (Key<SVector<f64, N>>,) {
+        (self.variable,)
     }
 
-    fn residual(&self, (number,): (&Vector1<f64>,)) -> Option<Vector1<f64>> {
-        Some(Vector1::new(number.x - self.read))
+    fn residual(&self, (value,): (&SVector<f64, N>,)) -> Option<Vector1<f64>> {
+        Some(self.row * value - Vector1::new(self.measured))
     }
 
-    fn linearize(&self, number: (&Vector1<f64>,)) -> Option<(Vector1<f64>, (Matrix1<f64>,))> {
-        Some((self.residual(number)?, (Matrix1::identity(),)))
-    }
-}
-
-/// A point to which a line y = a + b x is fitted, with unit noise in y.
-struct Dot {
-    line: Key<Vector2<f64>>,
-    at: Vector2<f64>,
-}
-
-impl Factor<1> for Dot {
-    type Variables = (Vector2<f64>,);
-    type Jacobians = (RowVector2<f64>,);
-
-    fn variables(&self) -> (Key<Vector2<f64>>,) {
-        (self.line,)
-    }
-
-    fn residual(&self, line: (&Vector2<f64>,)) -> Option<Vector1<f64>> {
-        self.linearize(line).map(|(residual, _)| residual)
-    }
-
-    fn linearize(&self, (line,): (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
-        let by_line = RowVector2::new(1.0, self.at.x);
-        Some((by_line * line - Vector1::new(self.at.y), (by_line,)))
+    fn linearize(
+        &self,
+        value: (&SVector<f64, N>,),
+    ) -> Option<(Vector1<f64>, (RowSVector<f64, N>,))> {
+        Some((self.residual(value)?, (self.row,)))
     }
 }
 
 /// The only variable of a problem, and the cost there, searched from a start.
-fn solved<V: Manifold, F: Factor<1>>(
-    start: V,
-    factors: impl Fn(Key<V>) -> Vec<F>,
+fn solved<const N: usize>(
+    start: SVector<f64, N>,
+    measured: impl Iterator<Item = (RowSVector<f64, N>, f64)>,
     kernel: Kernel,
-) -> (V, f64) {
+) -> (SVector<f64, N>, f64) {
     let mut problem = Problem::new();
     let variable = problem.add_variable(start);
-    for factor in factors(variable) {
+    for (row, measured) in measured {
+        let factor = Linear { variable, row, measured };
         problem.add_factor(factor, kernel).expect("it names the only variable");
     }
     let solved = problem.solve(&Options::default());
     let solution = solved.expect("a location or a line is determined");
-    (solution.values[variable].clone(), solution.report.cost)
+    (solution.values[variable], solution.report.cost)
 }
 
 /// A number from readings of it, and the cost there, searched from a start.
 pub fn location(readings: &[f64], start: f64, kernel: Kernel) -> (f64, f64) {
-    let factors = |number| readings.iter().map(|&read| Reading { number, read }).collect();
-    let (number, cost) = solved(Vector1::new(start), factors, kernel);
+    let measured = readings.iter().map(|read| (Vector1::new(1.0), *read));
+    let (number, cost) = solved(Vector1::new(start), measured, kernel);
     (number.x, cost)
 }
 
-/// The slope of a line through points, searched from a line through the origin.
+/// The slope of a line y = a + b x through points, searched from a line through the origin.
 pub fn slope(points: &[Vector2<f64>], start: f64, kernel: Kernel) -> f64 {
-    let factors = |line| points.iter().map(|&at| Dot { line, at }).collect();
-    solved(Vector2::new(0.0, start), factors, kernel).0.y
+    let measured = points.iter().map(|at| (RowVector2::new(1.0, at.x), at.y));
+    solved(Vector2::new(0.0, start), measured, kernel).0.y
 }
 
 /// Ten good readings, spread like a standard normal distribution around zero.

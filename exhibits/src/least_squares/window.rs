@@ -8,7 +8,7 @@ use std::time::Instant;
 use nalgebra::{DVector, Isometry3, Vector1};
 use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
 use vislam::least_squares::{
-    Dense, Fronts, LinearSystem, Manifold, Options, Problem, Search, Solution,
+    Dense, Fronts, LinearSystem, Manifold, Options, Problem, Report, Search, Solution, Values,
 };
 use vislam::manifold::so3;
 use vislam::simulation::FlightRecording;
@@ -77,8 +77,7 @@ fn numbers(chapter: &mut Chapter) {
     let (recording, mut window) = example_window();
     let Solution { values, report } =
         example::solve(&window.problem).expect("the window is determined");
-    let rows = window.problem.rows();
-    let columns = window.problem.columns().count;
+    let (rows, columns) = (window.problem.rows(), window.problem.columns().count);
     chapter.number("window_states", window.states.len() as f64, "", 0);
     chapter.number("window_landmarks", window.landmarks.len() as f64, "", 0);
     chapter.number("window_rows", rows as f64, "", 0);
@@ -95,37 +94,45 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("window_stored", 1e-3 * first.stored() as f64, "thousand", 0);
     chapter.number("window_stored_along", 1e-3 * along.stored() as f64, "thousand", 0);
 
-    let covariance = window.problem.covariance_with(first, &values).expect("nothing is free");
-    let flight = &recording.flight;
-    let last = recording.pictures[recording.pictures.len() - 1].nanoseconds;
-    let truth = flight.motion.at(1e-9 * last as f64).state;
-    let late = Vector1::new(flight.rig.time_offset);
-    let gravity = Gravity(flight.gravity);
-    let mut error = |name, (off, sigma): (f64, f64), unit, scale: f64, decimals| {
-        let [off_name, sigma_name]: [&'static str; 2] = name;
-        chapter.number(off_name, scale * off, unit, decimals);
-        chapter.number(sigma_name, scale * sigma, unit, decimals);
-    };
-    let state = window.states[window.states.len() - 1];
-    let compared = compare((state, &truth), &values, &covariance, 6..9);
-    error(["window_position_off", "window_position_sigma"], compared, "mm", 1e3, 1);
-    let compared =
-        compare((window.extrinsics, &flight.rig.body_from_camera), &values, &covariance, 0..3);
-    error(["window_lever_off", "window_lever_sigma"], compared, "mm", 1e3, 1);
-    let compared = compare((window.time_offset, &late), &values, &covariance, 0..1);
-    error(["window_clock_off", "window_clock_sigma"], compared, "ms", 1e3, 2);
-    let compared = compare((window.gravity, &gravity), &values, &covariance, 0..2);
-    error(["window_down_off", "window_down_sigma"], compared, "mrad", 1e3, 2);
-
+    errors(chapter, &recording, &window, &values);
     let named = window.take_out_oldest(&values).expect("it can go");
     chapter.number("window_named", named.len() as f64, "", 0);
 }
 
-/// What one flight gives: whether the search converged, its steps, and the normalized errors of the
-/// states in the middle and at the end.
+/// How far off the estimates are, and how far they say that they are.
+fn errors(chapter: &mut Chapter, recording: &FlightRecording, window: &Window, values: &Values) {
+    let fronts = Fronts::new(&window.problem).expect("a problem");
+    let covariance = window.problem.covariance_with(fronts, values).expect("nothing is free");
+    let flight = &recording.flight;
+    let late = Vector1::new(flight.rig.time_offset);
+    let gravity = Gravity(flight.gravity);
+    let mut error = |[off_name, sigma_name]: [_; 2], (off, sigma): (f64, f64), unit, decimals| {
+        chapter.number(off_name, 1e3 * off, unit, decimals);
+        chapter.number(sigma_name, 1e3 * sigma, unit, decimals);
+    };
+    let last = window.states.len() - 1;
+    let state = (window.states[last], &states(recording)[last]);
+    let position = compare(state, values, &covariance, 6..9);
+    error(["window_position_off", "window_position_sigma"], position, "mm", 1);
+    let mount = (window.extrinsics, &flight.rig.body_from_camera);
+    let lever = compare(mount, values, &covariance, 0..3);
+    error(["window_lever_off", "window_lever_sigma"], lever, "mm", 1);
+    let clock = compare((window.time_offset, &late), values, &covariance, 0..1);
+    error(["window_clock_off", "window_clock_sigma"], clock, "ms", 2);
+    let down = compare((window.gravity, &gravity), values, &covariance, 0..2);
+    error(["window_down_off", "window_down_sigma"], down, "mrad", 2);
+}
+
+/// The true states at the pictures.
+fn states(recording: &FlightRecording) -> Vec<NavState> {
+    let at = |nanoseconds| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
+    recording.pictures.iter().map(|picture| at(picture.nanoseconds)).collect()
+}
+
+/// What the search of one flight did, and the normalized errors of the states in the middle and at
+/// the end.
 struct Flown {
-    converged: bool,
-    steps: usize,
+    report: Report,
     errors: [f64; 2],
 }
 
@@ -138,9 +145,7 @@ fn minute(seed: u64) -> FlightRecording {
 fn fly(seed: u64) -> Flown {
     let recording = minute(seed);
     let (sensors, flight) = (Sensors::from(&recording), &recording.flight);
-    let states = recording.pictures.iter();
-    let states: Vec<NavState> =
-        states.map(|picture| flight.motion.at(1e-9 * picture.nanoseconds as f64).state).collect();
+    let states = states(&recording);
 
     // What is known has the errors that its standard deviations say.
     let mut random = Random::new(seed);
@@ -161,8 +166,8 @@ fn fly(seed: u64) -> Flown {
         window.problem.covariance_with(fronts.clone(), &near).expect("nothing is free");
     let parts = (0..near.len()).filter_map(|variable| covariance.of_number(variable));
     let variances = parts.flat_map(|part| part.diagonal().iter().copied().collect::<Vec<_>>());
-    let mut sign = || random.normal(1.0).signum();
-    let step: Vec<f64> = variances.map(|variance| OFF * sign() * variance.sqrt()).collect();
+    let mut off = |variance: f64| OFF * random.normal(1.0).signum() * variance.sqrt();
+    let step: Vec<f64> = variances.map(&mut off).collect();
     window.problem.set_values(near.retract(&step)).expect("of the same variables");
     let solution = window.problem.solve_with(fronts.clone(), &Options::default());
     let Solution { values, report } = solution.expect("the start has a cost");
@@ -174,7 +179,7 @@ fn fly(seed: u64) -> Flown {
         let factor = matrix.and_then(|matrix| matrix.cholesky()).expect("positive");
         error.dot(&factor.solve(&error))
     });
-    Flown { converged: report.stop.is_convergence(), steps: report.iterations.len(), errors }
+    Flown { report, errors }
 }
 
 fn consistency() -> Vec<RecordValue> {
@@ -189,8 +194,8 @@ fn consistency() -> Vec<RecordValue> {
         let inside = |flown: &&Flown| (run_low..run_high).contains(&flown.errors[at]);
         100.0 * flown.iter().filter(inside).count() as f64 / runs
     };
-    let converged = flown.iter().filter(|flown| flown.converged).count();
-    let most = flown.iter().map(|flown| flown.steps).max().unwrap_or(0);
+    let converged = flown.iter().filter(|flown| flown.report.stop.is_convergence()).count();
+    let most = flown.iter().map(|flown| flown.report.iterations.len()).max().unwrap_or(0);
     vec![
         value("seeds", runs, "", 0),
         value("converged", converged as f64, "", 0),
@@ -319,10 +324,8 @@ fn exported(window: &Window, recording: &FlightRecording) -> String {
             let dt = pair[0].seconds_to(&pair[1]);
             let turn = so3::exp(&(0.5 * dt * mean.corrected(&bias).gyro));
             let force = turn * mean.accelerometer;
-            line(
-                "reading",
-                &[&[interval as f64, dt], mean.gyro.as_slice(), force.as_slice()].concat(),
-            );
+            let [gyro, force] = [mean.gyro.as_slice(), force.as_slice()];
+            line("reading", &[&[interval as f64, dt], gyro, force].concat());
         }
     }
     lines
@@ -330,18 +333,15 @@ fn exported(window: &Window, recording: &FlightRecording) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{DEGREES, band, fly};
+    use super::{DEGREES, Flown, band, fly};
 
     #[test]
     fn a_minute_of_flight_converges_and_errs_as_much_as_it_says() {
-        let flown = fly(0);
-        assert!(flown.converged);
+        let Flown { report, errors } = fly(0);
+        assert!(report.stop.is_convergence());
         let [low, high] = band(1e-4, DEGREES);
-        assert!(
-            flown.errors.iter().all(|error| (low..high).contains(error)),
-            "{:?} after {} steps",
-            flown.errors,
-            flown.steps
-        );
+        let steps = report.iterations.len();
+        let within = errors.iter().all(|error| (low..high).contains(error));
+        assert!(within, "{errors:?} after {steps} steps");
     }
 }

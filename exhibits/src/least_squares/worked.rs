@@ -4,6 +4,8 @@
 use nalgebra::{Matrix2, RowVector2, Vector1, Vector2};
 use vislam::least_squares::{Factor, Kernel, Key, NormalEquations, Options, Problem, Report};
 
+use crate::comparison::inverse;
+
 /// A tape from a known post to an unknown spot, in metres.
 #[derive(Clone, Copy)]
 pub struct Tape {
@@ -31,10 +33,11 @@ impl Tape {
 }
 
 /// A tape to the spot that a problem looks for.
-#[derive(Clone, Copy)]
 pub struct ToSpot {
     pub spot: Key<Vector2<f64>>,
     pub tape: Tape,
+    /// Of the Jacobian; one where it is right.
+    pub sign: f64,
 }
 
 impl Factor<1> for ToSpot {
@@ -52,7 +55,7 @@ impl Factor<1> for ToSpot {
     fn linearize(&self, (spot,): (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
         let direction = (spot - self.tape.post).try_normalize(0.0)?;
         let residual = Vector1::new(self.tape.residual_at(spot));
-        Some((residual, (direction.transpose() / self.tape.sigma,)))
+        Some((residual, (self.sign * direction.transpose() / self.tape.sigma,)))
     }
 }
 
@@ -107,7 +110,7 @@ pub fn problem(
     let mut problem = Problem::new();
     let spot = problem.add_variable(start);
     for tape in tapes {
-        let factor = ToSpot { spot, tape: *tape };
+        let factor = ToSpot { spot, tape: *tape, sign: 1.0 };
         problem.add_factor(factor, kernel).expect("the spot is a variable");
     }
     (problem, spot)
@@ -119,6 +122,20 @@ pub fn solve(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> (Vector2
     let solved = problem.solve(options);
     let solution = solved.expect("three posts that are not in line determine a spot");
     (solution.values[spot], solution.report)
+}
+
+/// Where a search is and the norm of its scaled gradient, after every iteration.
+pub fn path(tapes: &[Tape], start: Vector2<f64>, options: &Options) -> Vec<(Vector2<f64>, f64)> {
+    let mut path = Vec::new();
+    for max_iterations in 0..=options.max_iterations {
+        let options = Options { max_iterations, ..*options };
+        let (spot, report) = solve(tapes, start, &options);
+        path.push((spot, report.gradient_norm));
+        if report.iterations.len() < max_iterations {
+            break;
+        }
+    }
+    path
 }
 
 /// Gauss-Newton that is stopped by nothing but its count.
@@ -137,9 +154,8 @@ pub fn estimate(tapes: &[Tape]) -> Vector2<f64> {
     let (mut spot, _) = solve(tapes, GUESS, &Options::default());
     // Newton's method brings what the stopping rule has left.
     for _ in 0..3 {
-        let inverse = (hessian(tapes, &spot) + curvature(tapes, &spot)).try_inverse();
-        let gradient: Vector2<f64> = system(tapes, &spot).gradient.fixed_rows::<2>(0).into();
-        spot -= inverse.map_or(Vector2::zeros(), |inverse| inverse * gradient);
+        let gradient = system(tapes, &spot).gradient.fixed_rows::<2>(0).into_owned();
+        spot -= inverse(hessian(tapes, &spot) + curvature(tapes, &spot)) * gradient;
     }
     spot
 }
@@ -167,39 +183,14 @@ pub fn stepped(tapes: &[Tape], spot: &Vector2<f64>) -> Vector2<f64> {
 
 /// The derivative of a Gauss-Newton step by its start, at the estimate.
 pub fn contraction(tapes: &[Tape], spot: &Vector2<f64>) -> Matrix2<f64> {
-    let inverse = hessian(tapes, spot).try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
-    -inverse * curvature(tapes, spot)
+    -inverse(hessian(tapes, spot)) * curvature(tapes, spot)
 }
 
 /// The factor by which the distance to the estimate changes in the long run.
 pub fn rate(tapes: &[Tape], spot: &Vector2<f64>) -> f64 {
-    contraction(tapes, spot)
-        .complex_eigenvalues()
-        .iter()
-        .map(|value| value.norm())
-        .fold(0.0, f64::max)
+    let eigenvalues = contraction(tapes, spot).complex_eigenvalues();
+    eigenvalues.map(|value| value.norm()).max()
 }
 
 /// A start that is far from the minimum beside the fence.
 pub const FAR_FROM_FENCE: Vector2<f64> = Vector2::new(2.0, 0.7);
-
-/// A tape whose Jacobian has the wrong sign.
-pub struct Backwards(pub ToSpot);
-
-impl Factor<1> for Backwards {
-    type Variables = (Vector2<f64>,);
-    type Jacobians = (RowVector2<f64>,);
-
-    fn variables(&self) -> (Key<Vector2<f64>>,) {
-        self.0.variables()
-    }
-
-    fn residual(&self, spot: (&Vector2<f64>,)) -> Option<Vector1<f64>> {
-        self.0.residual(spot)
-    }
-
-    fn linearize(&self, spot: (&Vector2<f64>,)) -> Option<(Vector1<f64>, (RowVector2<f64>,))> {
-        let (residual, (by_spot,)) = self.0.linearize(spot)?;
-        Some((residual, (-by_spot,)))
-    }
-}

@@ -6,7 +6,7 @@ use dashu_float::{FBig, round::mode::HalfEven};
 use nalgebra::{Matrix3, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
-use super::oracle::{cross, small_vector};
+use super::oracle::{cross, small_vector, twist_of};
 
 type Real = FBig<HalfEven, 2>;
 
@@ -18,102 +18,59 @@ pub const AXIS: Vector3<f64> = Vector3::new(0.48, 0.6, 0.64);
 /// A translation that is neither along nor across it.
 const RHO: Vector3<f64> = Vector3::new(0.7, -0.2, 0.4);
 
-/// Relative errors of exponentials.
-#[derive(Clone, Copy)]
-pub struct ExpErrors {
-    /// With the coefficients of Rodrigues' formula as they are printed.
-    pub textbook: f64,
-    pub library: f64,
-}
-
-/// Relative errors of logarithms.
-#[derive(Clone, Copy)]
-pub struct LogErrors {
-    /// Of the angle, as the arc cosine of the trace.
-    pub textbook_angle: f64,
-    /// Of the vector, with that angle over its sine in front of the skew-symmetric part.
-    pub textbook: f64,
-    pub library: f64,
-}
-
-/// Relative errors of the two blocks of the left Jacobian of a pose.
-#[derive(Clone, Copy)]
-pub struct JacobianErrors {
-    pub textbook_diagonal: f64,
-    pub textbook_corner: f64,
-    pub library: f64,
-}
-
-/// The largest errors at three angles around this one.
-pub fn exp_errors_near(angle: f64) -> ExpErrors {
-    around(angle).map(exp_errors).fold(exp_errors(angle), |a, b| ExpErrors {
-        textbook: a.textbook.max(b.textbook),
-        library: a.library.max(b.library),
+/// The largest relative errors at three angles around this one: those of the textbook's angle,
+/// Jacobian, corner Q, logarithm and exponential, and that of the library.
+pub fn errors_near(angle: f64) -> [f64; 6] {
+    largest(angle, |angle| {
+        let [of_angle, log, library_log] = log_errors(angle);
+        let [diagonal, corner, library_jacobian] = jacobian_errors(angle);
+        let [exp, library_exp] = exp_errors(angle);
+        let library = library_log.max(library_jacobian).max(library_exp);
+        [of_angle, diagonal, corner, log, exp, library]
     })
 }
 
-/// The largest errors at three angles around this one.
-pub fn log_errors_near(angle: f64) -> LogErrors {
-    around(angle).map(log_errors).fold(log_errors(angle), worse_of_logs)
-}
-
-/// The same at three angles about as far from π as `gap`.
-pub fn log_errors_near_half_turn(gap: f64) -> LogErrors {
-    around(gap).map(|gap| log_errors(PI - gap)).fold(log_errors(PI - gap), worse_of_logs)
-}
-
-/// The largest errors at three angles around this one.
-pub fn jacobian_errors_near(angle: f64) -> JacobianErrors {
-    around(angle).map(jacobian_errors).fold(jacobian_errors(angle), |a, b| JacobianErrors {
-        textbook_diagonal: a.textbook_diagonal.max(b.textbook_diagonal),
-        textbook_corner: a.textbook_corner.max(b.textbook_corner),
-        library: a.library.max(b.library),
+/// The same of the textbook's logarithm and of the library's, at angles about as far from π as `gap`.
+pub fn errors_near_half_turn(gap: f64) -> [f64; 2] {
+    largest(gap, |gap| {
+        let [_, log, library] = log_errors(PI - gap);
+        [log, library]
     })
 }
 
-fn around(angle: f64) -> impl Iterator<Item = f64> {
-    [0.9, 1.1].into_iter().map(move |factor| factor * angle)
+fn largest<const N: usize>(angle: f64, errors: fn(f64) -> [f64; N]) -> [f64; N] {
+    let three = [1.0, 0.9, 1.1].map(|factor| errors(factor * angle));
+    std::array::from_fn(|k| three.iter().map(|errors| errors[k]).fold(0.0, f64::max))
 }
 
-fn worse_of_logs(a: LogErrors, b: LogErrors) -> LogErrors {
-    LogErrors {
-        textbook_angle: a.textbook_angle.max(b.textbook_angle),
-        textbook: a.textbook.max(b.textbook),
-        library: a.library.max(b.library),
-    }
-}
-
-fn exp_errors(angle: f64) -> ExpErrors {
+/// Of Rodrigues' formula with its coefficients as they are printed, and of the library.
+fn exp_errors(angle: f64) -> [f64; 2] {
     let phi = angle * AXIS;
     let truth = series::<3>(&cross(&phi), 0);
-    ExpErrors {
-        textbook: relative(&textbook_exp(&phi), &truth),
-        library: relative(so3::exp(&phi).matrix(), &truth),
-    }
+    [relative(&textbook_exp(&phi, 1.0), &truth), relative(so3::exp(&phi).matrix(), &truth)]
 }
 
-fn log_errors(angle: f64) -> LogErrors {
+/// Of the angle as the arc cosine of the trace, of the vector with that angle over its sine in front
+/// of the skew-symmetric part, and of the library's vector.
+fn log_errors(angle: f64) -> [f64; 3] {
     let phi = angle * AXIS;
     let rotation = Rotation3::from_matrix_unchecked(series::<3>(&cross(&phi), 0));
-    LogErrors {
-        textbook_angle: (textbook_angle(&rotation) / phi.norm() - 1.0).abs(),
-        textbook: relative(&textbook_log(&rotation), &phi),
-        library: relative(&so3::log(&rotation), &phi),
-    }
+    [
+        (textbook_angle(&rotation) / phi.norm() - 1.0).abs(),
+        relative(&textbook_log(&rotation), &phi),
+        relative(&so3::log(&rotation), &phi),
+    ]
 }
 
-fn jacobian_errors(angle: f64) -> JacobianErrors {
+/// Of the two blocks of a pose's left Jacobian by the textbook, and of the library's worse one.
+fn jacobian_errors(angle: f64) -> [f64; 3] {
     let phi = angle * AXIS;
-    let xi = Vector6::new(RHO.x, RHO.y, RHO.z, phi.x, phi.y, phi.z);
+    let xi = twist_of(&RHO, &phi);
     let (truth, textbook) = (series::<6>(&bracket(&xi), 1), textbook_jacobian(&xi));
     let library = se3::left_jacobian(&xi);
     let block = |matrix: &Matrix6<f64>, column| matrix.fixed_view::<3, 3>(0, column).into_owned();
     let error = |matrix, column| relative(&block(matrix, column), &block(&truth, column));
-    JacobianErrors {
-        textbook_diagonal: error(&textbook, 0),
-        textbook_corner: error(&textbook, 3),
-        library: error(&library, 0).max(error(&library, 3)),
-    }
+    [error(&textbook, 0), error(&textbook, 3), error(&library, 0).max(error(&library, 3))]
 }
 
 /// The largest error of an entry against the largest entry; one when nothing is right.
@@ -125,9 +82,10 @@ fn relative<const R: usize, const C: usize>(
     if computed.iter().all(|entry| entry.is_finite()) { error.min(1.0) } else { 1.0 }
 }
 
-fn textbook_exp(phi: &Vector3<f64>) -> Matrix3<f64> {
+/// The exponential with its coefficients as printed, the second power times a factor.
+pub fn textbook_exp(phi: &Vector3<f64>, factor: f64) -> Matrix3<f64> {
     let (turn, t) = (cross(phi), phi.norm());
-    Matrix3::identity() + t.sin() / t * turn + (1.0 - t.cos()) / t.powi(2) * turn * turn
+    Matrix3::identity() + t.sin() / t * turn + factor * (1.0 - t.cos()) / t.powi(2) * turn * turn
 }
 
 fn textbook_angle(rotation: &Rotation3<f64>) -> f64 {
@@ -154,20 +112,20 @@ fn textbook_jacobian(xi: &Vector6<f64>) -> Matrix6<f64> {
         + second * (turn * step + step * turn + middle)
         + third * (turn * turn * step + step * turn * turn - 3.0 * middle)
         + fourth * (middle * turn + turn * middle);
-    let mut matrix = Matrix6::zeros();
-    matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&diagonal);
-    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&corner);
-    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&diagonal);
-    matrix
+    triangular(&diagonal, &corner)
 }
 
 /// The 6×6 matrix of the bracket with a twist.
 fn bracket(xi: &Vector6<f64>) -> Matrix6<f64> {
-    let (step, turn) = (cross(&xi.fixed_rows::<3>(0).into()), cross(&xi.fixed_rows::<3>(3).into()));
+    triangular(&cross(&xi.fixed_rows::<3>(3).into()), &cross(&xi.fixed_rows::<3>(0).into()))
+}
+
+/// The 6×6 matrix of a block that stands twice on the diagonal and one in the upper right corner.
+fn triangular(diagonal: &Matrix3<f64>, corner: &Matrix3<f64>) -> Matrix6<f64> {
     let mut matrix = Matrix6::zeros();
-    matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
-    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&step);
-    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+    matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(diagonal);
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(corner);
+    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(diagonal);
     matrix
 }
 

@@ -5,9 +5,11 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use vislam::manifold::{se3, so3};
 
-use super::accuracy::{jacobian_errors_near, log_errors_near, log_errors_near_half_turn};
+use super::accuracy::{errors_near, errors_near_half_turn};
 use super::uncertainty::{Drive, in_plane, plane_of};
+use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::chapter::Chapter;
+use crate::comparison::inverse;
 
 /// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
@@ -21,10 +23,15 @@ pub fn numbers(chapter: &mut Chapter) {
     copied_covariance(chapter);
 }
 
+/// The rotation vector of a turn about z.
+fn about_z(degrees: f64) -> Vector3<f64> {
+    degrees.to_radians() * Vector3::z()
+}
+
 /// The angle between the two orders of a turn about x and one about z, in degrees.
 fn between_orders(degrees: f64) -> f64 {
-    let angle = degrees.to_radians();
-    let (about_x, about_z) = (so3::exp(&(angle * Vector3::x())), so3::exp(&(angle * Vector3::z())));
+    let about_x = so3::exp(&(degrees.to_radians() * Vector3::x()));
+    let about_z = so3::exp(&about_z(degrees));
     so3::local(&(about_x * about_z), &(about_z * about_x)).norm().to_degrees()
 }
 
@@ -43,9 +50,9 @@ fn numbers_that_fail(chapter: &mut Chapter) {
     chapter.number("mean_length", mean.column(0).norm(), "", 2);
     chapter.number("mean_volume", mean.determinant(), "", 1);
 
-    let (pitch, turn): (f64, f64) = (89.0, 1.0);
+    let (pitch, turn) = (89.0_f64, 1.0);
     let before = Rotation3::from_euler_angles(0.0, pitch.to_radians(), 0.0);
-    let after = so3::retract(&before, &(turn.to_radians() * Vector3::z()));
+    let after = so3::retract(&before, &about_z(turn));
     let (roll_after, pitch_after, yaw_after) = after.euler_angles();
     chapter.number("gimbal_pitch_deg", pitch, "°", 0);
     chapter.number("gimbal_turn_deg", turn, "°", 0);
@@ -57,9 +64,9 @@ fn numbers_that_fail(chapter: &mut Chapter) {
     chapter.number("heading_first_deg", first, "°", 0);
     chapter.number("heading_second_deg", second, "°", 0);
     chapter.number("heading_mean_deg", 0.5 * (first + second), "°", 0);
-    let about_z = |degrees: f64| so3::exp(&(degrees.to_radians() * Vector3::z()));
-    let step = so3::local(&about_z(first), &about_z(second));
-    let middle = so3::retract(&about_z(first), &(0.5 * step));
+    let [first, second] = [first, second].map(|degrees| so3::exp(&about_z(degrees)));
+    let step = so3::local(&first, &second);
+    let middle = so3::retract(&first, &(0.5 * step));
     chapter.number("heading_middle_deg", so3::log(&middle).norm().to_degrees(), "°", 0);
     chapter.number("heading_step_deg", step.norm().to_degrees(), "°", 0);
 }
@@ -75,9 +82,7 @@ fn jacobian_of_a_quarter_turn(chapter: &mut Chapter) {
     chapter.number("small_turn", 0.1, "rad", 1);
     chapter.number("small_turn_left_y", left.y, "rad", 1);
 
-    let shrinks = |degrees: f64| {
-        (so3::right_jacobian(&(degrees.to_radians() * Vector3::z())) * Vector3::x()).norm()
-    };
+    let shrinks = |degrees| (so3::right_jacobian(&about_z(degrees)) * Vector3::x()).norm();
     chapter.number("half_turn_deg", 180.0, "°", 0);
     chapter.number("shrinks_half", shrinks(180.0), "", 2);
     chapter.number("grows_half", 1.0 / shrinks(180.0), "", 2);
@@ -108,22 +113,17 @@ fn coning(chapter: &mut Chapter) {
 
 fn digits(chapter: &mut Chapter) {
     let digits = |error: f64| (-error.log10()).round();
-    let (log, jacobian) = (log_errors_near(1e-3), jacobian_errors_near(1e-3));
+    let [angle, jacobian, corner, _, _, library] = errors_near(1e-3);
     chapter.number("digits_angle_mrad", 1.0, "mrad", 0);
-    chapter.number("digits_angle", digits(log.textbook_angle), "", 0);
-    chapter.number("digits_jacobian", digits(jacobian.textbook_diagonal), "", 0);
-    chapter.number("digits_corner", digits(jacobian.textbook_corner), "", 0);
-    chapter.number("digits_library", digits(log.library.max(jacobian.library)), "", 0);
+    chapter.number("digits_angle", digits(angle), "", 0);
+    chapter.number("digits_jacobian", digits(jacobian), "", 0);
+    chapter.number("digits_corner", digits(corner), "", 0);
+    chapter.number("digits_library", digits(library), "", 0);
     chapter.number("digits_of_a_double", digits(f64::EPSILON), "", 0);
-    let near_half_turn = log_errors_near_half_turn(1e-3);
-    chapter.number("digits_near_half", digits(near_half_turn.textbook), "", 0);
+    chapter.number("digits_near_half", digits(errors_near_half_turn(1e-3)[0]), "", 0);
 }
 
 const DRAWS: usize = 100_000;
-
-/// Below these, 95 % of all draws of a squared length of normal numbers, two and three of them.
-pub const CHI_SQUARED_2: f64 = 5.991_464_547;
-pub const CHI_SQUARED_3: f64 = 7.814_727_903;
 
 fn drive(chapter: &mut Chapter) {
     let drive = Drive::WORKED;
@@ -132,23 +132,18 @@ fn drive(chapter: &mut Chapter) {
     chapter.number("drive_heading_deg", drive.start[2].to_degrees(), "°", 0);
     chapter.number("drive_sideways", covariance[(1, 1)].sqrt(), "m", 1);
     chapter.number("drive_along", covariance[(0, 0)].sqrt(), "m", 2);
-    chapter.number(
-        "drive_correlation",
-        covariance[(1, 2)] / (covariance[(1, 1)] * covariance[(2, 2)]).sqrt(),
-        "",
-        2,
-    );
+    let correlation = covariance[(1, 2)] / (covariance[(1, 1)] * covariance[(2, 2)]).sqrt();
+    chapter.number("drive_correlation", correlation, "", 2);
     chapter.number("drive_draws", DRAWS as f64, "", 0);
-    let information = covariance.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN));
+    let (information, largest) = (inverse(covariance), chi_square_quantile(0.95, 3.0));
+    let inside = |error: Vector3<f64>| error.dot(&(information * error)) < largest;
     let (mut in_world, mut in_tangent) = (0, 0);
     for end in drive.ends(40).take(DRAWS) {
-        let xi = in_plane(&se3::local(&expected, &end));
         let moved = end.translation.vector - expected.translation.vector;
         let heading = so3::log_quaternion(&end.rotation).z;
         // The robot is expected to look along x, so its frame is the world's at first order.
-        let in_axes = Vector3::new(moved.x, moved.y, heading);
-        in_tangent += usize::from(xi.dot(&(information * xi)) < CHI_SQUARED_3);
-        in_world += usize::from(in_axes.dot(&(information * in_axes)) < CHI_SQUARED_3);
+        in_world += usize::from(inside(Vector3::new(moved.x, moved.y, heading)));
+        in_tangent += usize::from(inside(in_plane(&se3::local(&expected, &end))));
     }
     let percent = |count: usize| 100.0 * count as f64 / DRAWS as f64;
     chapter.number("promised_percent", 95.0, "%", 0);
@@ -161,9 +156,9 @@ fn drive(chapter: &mut Chapter) {
 }
 
 fn near_a_half_turn(chapter: &mut Chapter) {
-    let (angle, step): (f64, f64) = (179.9, 0.2);
-    let before = so3::exp(&(angle.to_radians() * Vector3::z()));
-    let after = so3::retract(&before, &(step.to_radians() * Vector3::z()));
+    let (angle, step) = (179.9, 0.2);
+    let before = so3::exp(&about_z(angle));
+    let after = so3::retract(&before, &about_z(step));
     chapter.number("near_half_deg", angle, "°", 1);
     chapter.number("near_half_step_deg", step, "°", 1);
     let (first, second) = (so3::log(&before), so3::log(&after));

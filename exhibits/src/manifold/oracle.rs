@@ -1,6 +1,6 @@
 //! Ways to the chapter's results that do not use its formulas.
 
-use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, Vector3, Vector6};
 
 /// The matrix whose product with a vector is the cross product.
 pub fn cross(vector: &Vector3<f64>) -> Matrix3<f64> {
@@ -38,13 +38,18 @@ pub fn integrated(phi: &Vector3<f64>) -> Matrix3<f64> {
     rotation
 }
 
-/// The 4×4 matrix of a twist.
-pub fn twist_matrix(xi: &Vector6<f64>) -> Matrix4<f64> {
+/// The twist of a translation and a rotation vector.
+pub fn twist_of(rho: &Vector3<f64>, phi: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z)
+}
+
+/// The pose of a twist, by the power series of the 4×4 matrix.
+pub fn exponential_of(xi: &Vector6<f64>) -> Matrix4<f64> {
     let (rho, phi) = (xi.fixed_rows::<3>(0), cross(&xi.fixed_rows::<3>(3).into()));
     let mut matrix = Matrix4::zeros();
     matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&phi);
     matrix.fixed_view_mut::<3, 1>(0, 3).copy_from(&rho);
-    matrix
+    series(&matrix)
 }
 
 /// The power series of the matrix exponential, for matrices of a moderate size.
@@ -66,18 +71,6 @@ pub fn small_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
 
 /// The twist of a pose that is hardly one.
 pub fn small_twist(pose: &Matrix4<f64>) -> Vector6<f64> {
-    let rotation: Matrix3<f64> = pose.fixed_view::<3, 3>(0, 0).into();
-    let (rho, phi) = (pose.fixed_view::<3, 1>(0, 3), small_vector(&rotation));
-    Vector6::new(rho[0], rho[1], rho[2], phi.x, phi.y, phi.z)
-}
-
-/// The derivative of a function at zero, column by column.
-pub fn differences<const M: usize, const N: usize>(
-    function: impl Fn(&SVector<f64, N>) -> SVector<f64, M>,
-) -> SMatrix<f64, M, N> {
-    let step = 1e-5;
-    SMatrix::from_fn(|row, column| {
-        let along = SVector::from_fn(|k, _| if k == column { step } else { 0.0 });
-        (function(&along)[row] - function(&-along)[row]) / (2.0 * step)
-    })
+    let rotation = pose.fixed_view::<3, 3>(0, 0).into_owned();
+    twist_of(&pose.fixed_view::<3, 1>(0, 3).into_owned(), &small_vector(&rotation))
 }

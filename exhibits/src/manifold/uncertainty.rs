@@ -12,10 +12,9 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Noise with this covariance, NaN if it is not positive definite.
+    /// Noise with this covariance.
     pub fn new(covariance: &Matrix6<f64>, seed: u64) -> Self {
-        let nan = || Matrix6::repeat(f64::NAN);
-        let root = covariance.cholesky().map_or_else(nan, |cholesky| cholesky.l());
+        let root = covariance.cholesky().expect("it is positive definite").l();
         Self { root, random: Random::new(seed) }
     }
 
@@ -36,11 +35,9 @@ impl Noise {
 
 /// A covariance whose six deviations differ and are correlated.
 pub fn covariance(random: &mut Random, metres: f64, radians: f64) -> Matrix6<f64> {
-    let deviations = Vector6::new(metres, metres, metres, radians, radians, radians);
     let mixed = Matrix6::from_fn(|row, column| {
-        let share =
-            if row == column { random.uniform(0.4..1.0) } else { random.uniform(-0.4..0.4) };
-        share * deviations[row]
+        let range = if row == column { 0.4..1.0 } else { -0.4..0.4 };
+        random.uniform(range) * if row < 3 { metres } else { radians }
     });
     mixed * mixed.transpose()
 }

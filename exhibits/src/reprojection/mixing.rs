@@ -1,13 +1,15 @@
 //! What an optimizer does whose Jacobian was derived for one convention and whose retraction
 //! belongs to the other.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
-use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, Vector2, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, Vector2, Vector3};
 use vislam::least_squares::{Factor, Kernel, Key, Options, Problem, Solution, Values};
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::{LinearizedReproj, Pinhole, ReprojFactor};
 
+use crate::least_squares::worked::unstopped;
+use crate::manifold::oracle::twist_of;
 use crate::random::Random;
 use crate::scene::Ring;
 
@@ -101,11 +103,9 @@ impl Experiment {
         let ring = turned_by(&Ring::new(noise), largest_angle.to_radians());
         let mut random = Random::new(42);
         let poses = ring.poses.iter().enumerate().map(|(index, pose)| {
-            let (step, turn) = (random.direction(off), random.direction(0.3 * off));
-            let xi = Vector6::new(step.x, step.y, step.z, turn.x, turn.y, turn.z);
+            let xi = twist_of(&random.direction(off), &random.direction(0.3 * off));
             if PINNED.contains(&index) { *pose } else { se3::retract(pose, &xi) }
         });
-        let poses: Vec<_> = poses.collect();
         let mut random = Random::new(43);
         let points = ring.points.iter().map(|point| point + random.direction(off));
         let start = values(poses, points);
@@ -117,11 +117,11 @@ impl Experiment {
         values(self.ring.poses.iter().copied(), self.ring.points.iter().copied())
     }
 
-    fn problem(&self, convention: Convention, values: &Values) -> Problem {
+    fn problem(&self, convention: Convention) -> Problem {
         let mut problem = Problem::new();
-        let poses = values.of_kind::<Isometry3<f64>>().iter();
+        let poses = self.start.of_kind::<Isometry3<f64>>().iter();
         let poses: Vec<_> = poses.map(|pose| problem.add_variable(*pose)).collect();
-        let points = values.of_kind::<Vector3<f64>>().iter();
+        let points = self.start.of_kind::<Vector3<f64>>().iter();
         let points: Vec<_> = points.map(|point| problem.add_variable(*point)).collect();
         for pinned in PINNED {
             problem.hold(poses[pinned]).expect("it was added");
@@ -137,13 +137,13 @@ impl Experiment {
 
     /// What the library's solver makes of it.
     pub fn solve(&self, convention: Convention, options: &Options) -> Solution {
-        let problem = self.problem(convention, &self.start);
-        problem.solve(options).expect("the start is sound and two cameras are pinned")
+        let solved = self.problem(convention).solve(options);
+        solved.expect("the start is sound and two cameras are pinned")
     }
 
     /// So many Gauss-Newton steps.
     pub fn run(&self, convention: Convention, steps: usize) -> Solution {
-        self.solve(convention, &to_the_last_digit(steps))
+        self.solve(convention, &unstopped(steps))
     }
 
     /// The minimum of the cost, to rounding.
@@ -154,7 +154,7 @@ impl Experiment {
     /// Distances from `reference` of the free cameras together, in metres and radians, before
     /// every one of so many Gauss-Newton steps and after the last; fewer when one has failed.
     pub fn errors(&self, convention: Convention, reference: &Values, steps: usize) -> Vec<f64> {
-        let problem = self.problem(convention, &self.start);
+        let problem = self.problem(convention);
         let columns = problem.columns();
         let mut values = self.start.clone();
         let mut step = vec![0.0; values.dimension()];
@@ -170,32 +170,15 @@ impl Experiment {
     }
 
     /// Root of the mean squared distance between a measured pixel and the predicted one.
-    pub fn rmse(&self, cost: f64) -> f64 {
-        (2.0 * cost / self.ring.factors.len() as f64).sqrt()
-    }
-
-    /// The length of the true gradient in units of its own noise, whatever convention led there.
-    pub fn gradient_norm(&self, values: &Values) -> f64 {
-        let problem = self.problem(Convention::Consistent, values);
-        problem.linearize(values).map_or(f64::NAN, |system| system.gradient_norm())
-    }
-}
-
-/// Gauss-Newton that stops for no tolerance.
-pub fn to_the_last_digit(steps: usize) -> Options {
-    Options {
-        max_iterations: steps,
-        gradient_tolerance: 0.0,
-        step_tolerance: 0.0,
-        decrease_tolerance: 0.0,
-        ..Options::gauss_newton()
+    fn rmse(&self, solution: &Solution) -> f64 {
+        (2.0 * solution.report.cost / self.ring.factors.len() as f64).sqrt()
     }
 }
 
 /// Poses, and then points.
 fn values(
-    poses: impl IntoIterator<Item = Isometry3<f64>>,
-    points: impl IntoIterator<Item = Vector3<f64>>,
+    poses: impl Iterator<Item = Isometry3<f64>>,
+    points: impl Iterator<Item = Vector3<f64>>,
 ) -> Values {
     let mut values = Values::new();
     for pose in poses {
@@ -218,16 +201,14 @@ fn pairs<'a>(
 /// Metres between the centre of a camera and its centre in `reference`, the largest.
 pub fn largest_shift(values: &Values, reference: &Values) -> f64 {
     let centre = |pose: &Isometry3<f64>| pose.inverse().translation.vector;
-    let shifts =
-        pairs(values, reference).map(|(pose, other)| (centre(pose) - centre(other)).norm());
-    shifts.fold(0.0, f64::max)
+    let shift = |(pose, other)| (centre(pose) - centre(other)).norm();
+    pairs(values, reference).map(shift).fold(0.0, f64::max)
 }
 
 /// Distance of all cameras together from those of `reference`, in metres and radians.
 fn distance(values: &Values, reference: &Values) -> f64 {
-    let squares =
-        pairs(values, reference).map(|(pose, other)| se3::local(other, pose).norm_squared());
-    squares.sum::<f64>().sqrt()
+    let squared = |(pose, other)| se3::local(other, pose).norm_squared();
+    pairs(values, reference).map(squared).sum::<f64>().sqrt()
 }
 
 /// The largest angle by which a camera that is not pinned is turned from the world.
@@ -243,11 +224,8 @@ fn turned_by(ring: &Ring, angle: f64) -> Ring {
     let (mut low, mut high) = (0.0, std::f64::consts::PI - largest_angle(ring));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if largest_angle(&turned(middle)) < angle {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        let end = if largest_angle(&turned(middle)) < angle { &mut low } else { &mut high };
+        *end = middle;
     }
     turned(high)
 }
@@ -267,7 +245,7 @@ pub fn measured_rate(largest_angle: f64) -> f64 {
 pub struct Outcome {
     pub iterations: usize,
     pub rmse: f64,
-    /// The length of the true gradient, as [`Experiment::gradient_norm`] gives it.
+    /// The length of the true gradient in units of its own noise, whatever convention led there.
     pub gradient_norm: f64,
     /// Metres between a camera's centre and its centre at the optimum, the largest.
     pub distance: f64,
@@ -278,10 +256,11 @@ pub fn outcome(noise: f64, largest_angle: f64, convention: Convention) -> Outcom
     let experiment = Experiment::new(noise, largest_angle, FAR_START);
     let options = Options { max_iterations: 600, ..Options::default() };
     let solution = experiment.solve(convention, &options);
+    let truly = experiment.problem(Convention::Consistent).linearize(&solution.values);
     Outcome {
         iterations: solution.report.iterations.len(),
-        rmse: experiment.rmse(solution.report.cost),
-        gradient_norm: experiment.gradient_norm(&solution.values),
+        rmse: experiment.rmse(&solution),
+        gradient_norm: truly.map_or(f64::NAN, |system| system.gradient_norm()),
         distance: largest_shift(&solution.values, &experiment.optimum()),
     }
 }
@@ -295,41 +274,29 @@ pub const RATE_ANGLES: [f64; 8] = [14.1, 25.0, 40.0, 50.0, 55.0, 65.0, 70.0, 80.
 /// Angles at which Levenberg-Marquardt is tried, in degrees.
 pub const OUTCOME_ANGLES: [f64; 8] = [14.1, 30.0, 50.0, 75.0, 80.0, 90.0, 100.0, 120.0];
 
-/// The measured rates, computed once.
-pub fn rates() -> &'static [f64; 8] {
-    static RATES: OnceLock<[f64; 8]> = OnceLock::new();
-    RATES.get_or_init(|| RATE_ANGLES.map(measured_rate))
-}
+/// The measured rates.
+pub static RATES: LazyLock<[f64; 8]> = LazyLock::new(|| RATE_ANGLES.map(measured_rate));
 
-/// What the mixed Levenberg-Marquardt made of a pixel of noise at each angle, computed once.
-pub fn outcomes() -> &'static [Outcome; 8] {
-    static OUTCOMES: OnceLock<[Outcome; 8]> = OnceLock::new();
-    OUTCOMES.get_or_init(|| OUTCOME_ANGLES.map(|angle| outcome(1.0, angle, Convention::Mixed)))
-}
+/// What the mixed Levenberg-Marquardt made of a pixel of noise at each angle.
+pub static OUTCOMES: LazyLock<[Outcome; 8]> =
+    LazyLock::new(|| OUTCOME_ANGLES.map(|angle| outcome(1.0, angle, Convention::Mixed)));
 
-/// What one convention makes of a pixel of noise, and mixed ones of data without noise at the angle
-/// with this index; computed once.
-pub fn consistent_and_noiseless(index: usize) -> &'static (Outcome, Outcome) {
-    static BOTH: OnceLock<(Outcome, Outcome)> = OnceLock::new();
-    BOTH.get_or_init(|| {
-        let consistent = outcome(1.0, OUTCOME_ANGLES[index], Convention::Consistent);
-        (consistent, outcome(0.0, OUTCOME_ANGLES[index], Convention::Mixed))
-    })
-}
+/// What one convention makes of a pixel of noise at the angle of the stall, and mixed ones of data
+/// without noise.
+pub static CONSISTENT: LazyLock<Outcome> =
+    LazyLock::new(|| outcome(1.0, OUTCOME_ANGLES[4], Convention::Consistent));
+pub static NOISELESS: LazyLock<Outcome> =
+    LazyLock::new(|| outcome(0.0, OUTCOME_ANGLES[4], Convention::Mixed));
 
 /// Where the wrong skew matrix leads at the first and the last of [`RATE_ANGLES`] below the stall:
-/// the largest shift of a camera from the optimum in metres, and the RMSE in pixels. Computed once.
-pub fn skewed() -> &'static [(f64, f64); 2] {
-    static SKEWED: OnceLock<[(f64, f64); 2]> = OnceLock::new();
-    SKEWED.get_or_init(|| {
-        [RATE_ANGLES[0], RATE_ANGLES[6]].map(|angle| {
-            let experiment = Experiment::new(1.0, angle, FAR_START);
-            let end = experiment.run(Convention::SkewOnly, 60);
-            let shift = largest_shift(&end.values, &experiment.optimum());
-            (shift, experiment.rmse(end.report.cost))
-        })
+/// the largest shift of a camera from the optimum in metres, and the RMSE in pixels.
+pub static SKEWED: LazyLock<[(f64, f64); 2]> = LazyLock::new(|| {
+    [RATE_ANGLES[0], RATE_ANGLES[6]].map(|angle| {
+        let experiment = Experiment::new(1.0, angle, FAR_START);
+        let end = experiment.run(Convention::SkewOnly, 60);
+        (largest_shift(&end.values, &experiment.optimum()), experiment.rmse(&end))
     })
-}
+});
 
 /// The rate that the theory predicts for an angle in degrees.
 pub fn predicted_rate(angle: f64) -> f64 {

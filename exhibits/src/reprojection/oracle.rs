@@ -1,7 +1,9 @@
 //! Ways to the chapter's results that do not use its formulas.
 
-use nalgebra::{Isometry3, Matrix4, SMatrix, Vector2, Vector3, Vector6};
+use nalgebra::{Isometry3, SMatrix, Vector2, Vector3, Vector6};
 use vislam::reprojection::{Pinhole, RadialTangential};
+
+use crate::manifold::oracle::exponential_of;
 
 /// Pixel of a point in camera coordinates, by homogeneous coordinates. NaN behind the camera.
 pub fn image_of(camera: &Pinhole, point: &Vector3<f64>) -> Vector2<f64> {
@@ -13,32 +15,13 @@ pub fn image_of(camera: &Pinhole, point: &Vector3<f64>) -> Vector2<f64> {
     if point.z > 0.0 { homogeneous.xy() / point.z } else { Vector2::repeat(f64::NAN) }
 }
 
-/// The pose of a twist, by the power series of the 4×4 matrix.
-pub fn exponential(xi: &Vector6<f64>) -> Matrix4<f64> {
-    let (rho, phi) = (xi.fixed_rows::<3>(0), xi.fixed_rows::<3>(3));
-    #[rustfmt::skip]
-    let generator = Matrix4::new(
-        0.0, -phi.z, phi.y, rho.x,
-        phi.z, 0.0, -phi.x, rho.y,
-        -phi.y, phi.x, 0.0, rho.z,
-        0.0, 0.0, 0.0, 0.0,
-    );
-    let mut term = Matrix4::identity();
-    let mut sum = term;
-    for order in 1..25 {
-        term = term * generator / f64::from(order);
-        sum += term;
-    }
-    sum
-}
-
 /// A point in camera coordinates after a twist on the right of the pose, T exp(ξ).
 pub fn moved_on_the_right(
     camera_from_world: &Isometry3<f64>,
     xi: &Vector6<f64>,
     point: &Vector3<f64>,
 ) -> Vector3<f64> {
-    (camera_from_world.to_homogeneous() * exponential(xi) * point.push(1.0)).xyz()
+    (camera_from_world.to_homogeneous() * exponential_of(xi) * point.push(1.0)).xyz()
 }
 
 /// A point in camera coordinates after a twist on the left of the pose, exp(ξ) T.
@@ -47,7 +30,7 @@ pub fn moved_on_the_left(
     xi: &Vector6<f64>,
     point: &Vector3<f64>,
 ) -> Vector3<f64> {
-    (exponential(xi) * camera_from_world.to_homogeneous() * point.push(1.0)).xyz()
+    (exponential_of(xi) * camera_from_world.to_homogeneous() * point.push(1.0)).xyz()
 }
 
 /// The Jacobian at zero by central differences of fourth order.

@@ -1,12 +1,24 @@
 //! The worked example of the chapter, and a real lens.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Isometry3, Matrix2x3, Matrix2x6, Vector3};
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
 
-pub const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0 };
+// The camera stands at the origin of the world.
+pub use crate::bearing::worked::{CAMERA, POINT};
 
-/// In the world and, as the camera stands at its origin, in the camera.
-pub const POINT: Vector3<f64> = Vector3::new(0.2, -0.1, 5.0);
+/// The 2×6 pose block and the 2×3 point block of a point that the camera sees.
+pub fn blocks(point: &Vector3<f64>) -> (Matrix2x6<f64>, Matrix2x3<f64>) {
+    CAMERA.jacobians(&Isometry3::identity(), point).expect("it is in front of the camera")
+}
+
+/// Both blocks side by side, 2×9.
+pub fn both_blocks(point: &Vector3<f64>) -> DMatrix<f64> {
+    let (by_pose, by_point) = blocks(point);
+    let mut both = DMatrix::zeros(2, 9);
+    both.columns_mut(0, 6).copy_from(&by_pose);
+    both.columns_mut(6, 3).copy_from(&by_point);
+    both
+}
 
 /// Columns and rows of an image of the EuRoC data set.
 pub const EUROC_SIZE: (f64, f64) = (752.0, 480.0);

@@ -1,12 +1,11 @@
 //! The same noisy measurements as depth and as inverse depth.
 
 use plotters::element::{Rectangle, Text};
-use plotters::series::LineSeries;
 use plotters::style::Color;
 use vislam::bearing::inverse_depth_sigma;
 
 use crate::bearing::noise::Pair;
-use crate::figure::{self, Drawing, Drawn, ESTIMATED, Figure, INK, letters_around};
+use crate::figure::{self, Draw, Drawing, Drawn, ESTIMATED, Figure, INK, decimals, letters_around};
 
 const DEPTH: f64 = 40.0;
 const DRAWS: usize = 100_000;
@@ -54,55 +53,41 @@ pub fn inverse_depth() -> Figure {
     let sigma = inverse_depth_sigma(&pair.camera, pair.baseline, pair.disparity_sigma());
     let draws = pair.inverse_depths(SEED);
     let inverse = Histogram::of(draws, (-0.005, 0.055), 1.0 / DEPTH, sigma);
-    let rows = (0..BINS).map(|bin| {
-        vec![
-            format!("{:.0}", depth.centre(bin)),
-            format!("{:.2}", depth.percent[bin]),
-            format!("{:.2}", depth.first_order(depth.centre(bin))),
-            format!("{:.3}", inverse.centre(bin)),
-            format!("{:.2}", inverse.percent[bin]),
-            format!("{:.2}", inverse.first_order(inverse.centre(bin))),
+    let columns_of = |name, histogram: &Histogram, digits| {
+        let centres = (0..BINS).map(|bin| histogram.centre(bin));
+        let first_order = centres.clone().map(|centre| histogram.first_order(centre));
+        [
+            (name, decimals(digits, centres)),
+            ("draws (%)", decimals(2, histogram.percent)),
+            ("first order (%)", decimals(2, first_order)),
         ]
-    });
-    Figure {
-        columns: vec![
-            "depth (m)",
-            "draws (%)",
-            "first order (%)",
-            "inverse depth (1/m)",
-            "draws (%)",
-            "first order (%)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(640, |drawing| {
-            let (left, right) = drawing.split_horizontally(680);
-            panel(&left, &depth, ("depth (m)", 4), ("share of draws (%)", 4))?;
-            panel(&right, &inverse, ("inverse depth (1/m)", 4), ("", 0))?;
-            drawing.draw(&Text::new("draws", (520, 110), letters_around(ESTIMATED)))?;
-            drawing.draw(&Text::new("first order", (520, 165), letters_around(INK)))?;
-            Ok(())
-        }),
-    }
+    };
+    let columns =
+        [columns_of("depth (m)", &depth, 0), columns_of("inverse depth (1/m)", &inverse, 3)];
+    Figure::new(640, columns.concat(), |drawing| {
+        let (left, right) = drawing.split_horizontally(680);
+        panel(&left, &depth, "depth (m)", ("share of draws (%)", 4))?;
+        panel(&right, &inverse, "inverse depth (1/m)", ("", 0))?;
+        drawing.draw(&Text::new("draws", (520, 110), letters_around(ESTIMATED)))?;
+        drawing.draw(&Text::new("first order", (520, 165), letters_around(INK)))?;
+        Ok(())
+    })
 }
 
 fn panel(
     drawing: &Drawing,
     histogram: &Histogram,
-    (title, ticks): (&str, usize),
+    title: &str,
     (share_title, share_ticks): (&str, usize),
 ) -> Drawn {
     let (start, end) = (histogram.first_edge, histogram.first_edge + BINS as f64 * histogram.width);
     let shares = (share_title, 0.0..20.0, share_ticks);
-    let mut chart = figure::axes(drawing, (title, start..end, ticks), shares)?;
+    let mut chart = figure::axes(drawing, (title, start..end, 4), shares)?;
     chart.draw_series((0..BINS).map(|bin| {
         let left = histogram.centre(bin) - 0.5 * histogram.width;
         let corners = [(left, 0.0), (left + histogram.width, histogram.percent[bin])];
         Rectangle::new(corners, ESTIMATED.mix(0.6).filled())
     }))?;
-    let curve = (0..=120).map(|step| {
-        let value = start + (end - start) * f64::from(step) / 120.0;
-        (value, histogram.first_order(value))
-    });
-    chart.draw_series(LineSeries::new(curve, INK.stroke_width(5)))?;
-    Ok(())
+    let values = (0..=120).map(|step| start + (end - start) * f64::from(step) / 120.0);
+    chart.line(values.map(|value| (value, histogram.first_order(value))), INK, 5)
 }

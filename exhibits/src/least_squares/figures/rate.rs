@@ -1,9 +1,6 @@
 //! How fast Gauss-Newton arrives when measurements contradict each other more and more.
 
-use plotters::element::{EmptyElement, PathElement, Text};
-use plotters::style::Color;
-
-use crate::figure::{self, Figure, SERIES, letters_right_of, marker};
+use crate::figure::{self, Draw, Figure, SERIES, letters_right_of, powers};
 use crate::least_squares::worked::{self, GUESS, contradicting};
 
 /// By which the contradictions of the garden are multiplied.
@@ -42,47 +39,37 @@ fn by_theorem(factor: f64, distances: &[f64]) -> Vec<(f64, f64)> {
 
 pub fn rate() -> Figure {
     let series = FACTORS.map(distances);
-    let rows = (0..=STEPS).map(|step| {
-        let cell = |distances: &Vec<f64>| {
-            distances
-                .get(step)
-                .map_or("below 1e-14".to_owned(), |distance| format!("{distance:.1e}"))
-        };
-        let mut row = vec![format!("{step}")];
-        row.extend(series.iter().map(cell));
-        row
-    });
-    Figure {
-        columns: vec![
-            "iteration",
-            "without contradictions (m)",
-            "as measured (m)",
-            "10 times (m)",
-            "30 times (m)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(820, |drawing| {
-            let x_axis = ("iteration", -0.3..14.2, 8);
-            let y_axis = ("log\u{2081}\u{2080} of distance (m)", -14.5..0.5, 6);
-            let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-            for (index, (factor, distances)) in FACTORS.into_iter().zip(&series).enumerate() {
-                if factor > 0.0 {
-                    let line = by_theorem(factor, distances);
-                    chart.draw_series([PathElement::new(line, SERIES[index].stroke_width(4))])?;
-                }
-                let mut places = distances.iter().enumerate();
-                let marks = places.clone().map(|(step, distance)| {
-                    EmptyElement::at((step as f64, distance.log10())) + marker(index)
-                });
-                chart.draw_series(marks)?;
-                let (last, distance) = places.next_back().unwrap_or((0, &1.0));
-                let lower = if factor == 0.0 { 1.0 } else { 0.0 };
-                let beside = (last as f64 + 0.4 - 1.9 * lower, distance.log10() - lower);
-                let name =
-                    if factor == 0.0 { "none".to_owned() } else { format!("{factor} \u{d7}") };
-                chart.draw_series([Text::new(name, beside, letters_right_of(SERIES[index]))])?;
+    let cells = |of: usize| {
+        let mut cells = powers(1, series[of].iter().copied());
+        cells.resize(STEPS + 1, "below 1e-14".to_owned());
+        cells
+    };
+    let columns = vec![
+        ("iteration", (0..=STEPS).map(|step| step.to_string()).collect()),
+        ("without contradictions (m)", cells(0)),
+        ("as measured (m)", cells(1)),
+        ("10 times (m)", cells(2)),
+        ("30 times (m)", cells(3)),
+    ];
+    Figure::new(820, columns, |drawing| {
+        let x_axis = ("iteration", -0.3..14.2, 8);
+        let y_axis = ("log\u{2081}\u{2080} of distance (m)", -14.5..0.5, 6);
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        for (index, (factor, distances)) in FACTORS.into_iter().zip(&series).enumerate() {
+            if factor > 0.0 {
+                chart.line(by_theorem(factor, distances), SERIES[index], 4)?;
             }
-            Ok(())
-        }),
-    }
+            let places = distances.iter().enumerate();
+            let mut places = places.map(|(step, distance)| (step as f64, distance.log10()));
+            chart.marks(places.clone(), index)?;
+            let (last, height) = places.next_back().unwrap_or((0.0, 0.0));
+            let (name, beside) = if factor == 0.0 {
+                ("none".to_owned(), (last - 1.5, height - 1.0))
+            } else {
+                (format!("{factor} \u{d7}"), (last + 0.4, height))
+            };
+            chart.write(&name, beside, letters_right_of(SERIES[index]))?;
+        }
+        Ok(())
+    })
 }

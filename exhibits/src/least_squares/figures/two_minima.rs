@@ -1,12 +1,12 @@
 //! Two tapes have two spots, and a search finds the one that lies downhill.
 
 use nalgebra::Vector2;
-use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
+use plotters::element::{Circle, EmptyElement, Rectangle};
 use plotters::style::Color;
 use vislam::least_squares::Options;
 
-use crate::figure::{self, ESTIMATED, Figure, INK, SERIES, letters_right_of, marker};
-use crate::least_squares::worked::{self, POSTS, SIGMA, TWO_TAPE_STARTS, Tape, two_tapes};
+use crate::figure::{self, Draw, ESTIMATED, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::least_squares::worked::{self, POSTS, TWO_TAPE_STARTS, two_tapes};
 
 /// Contours, by the length of the two residuals in metres.
 const LEVELS: [f64; 5] = [0.5, 1.0, 2.0, 3.0, 4.0];
@@ -14,81 +14,64 @@ const STEPS: usize = 12;
 const NAMES: [&str; 2] = ["Gauss-Newton", "Levenberg-Marquardt"];
 
 /// Where a search is after every accepted step.
-fn path(start: Vector2<f64>, options: &Options) -> Vec<Vector2<f64>> {
-    let mut path: Vec<Vector2<f64>> = Vec::new();
-    for steps in 0..=STEPS {
-        let options = Options { max_iterations: steps, ..*options };
-        let (spot, _) = worked::solve(&two_tapes(), start, &options);
-        if path.last() != Some(&spot) {
-            path.push(spot);
-        }
-    }
-    path
-}
-
-/// For each start the path of both methods.
-fn paths() -> Vec<[Vec<Vector2<f64>>; 2]> {
-    let paths = TWO_TAPE_STARTS
-        .map(|start| [path(start, &Options::gauss_newton()), path(start, &Options::default())]);
-    paths.to_vec()
+fn path(start: Vector2<f64>, options: Options) -> Vec<Vector2<f64>> {
+    let options = Options { max_iterations: STEPS, ..options };
+    let path = worked::path(&two_tapes(), start, &options).into_iter();
+    let mut spots: Vec<_> = path.map(|(spot, _)| spot).collect();
+    spots.dedup();
+    spots
 }
 
 pub fn two_minima() -> Figure {
-    let paths = paths();
-    let mut rows = Vec::new();
+    // For each start the path of both methods.
+    let paths = TWO_TAPE_STARTS
+        .map(|start| [path(start, Options::gauss_newton()), path(start, Options::default())]);
+    let mut listed = Vec::new();
     for (start, methods) in paths.iter().enumerate() {
-        for (name, path) in NAMES.iter().zip(methods) {
-            for (step, spot) in path.iter().take(8).enumerate() {
-                rows.push(vec![
-                    format!("{}", start + 1),
-                    name.to_string(),
-                    format!("{step}"),
-                    format!("{:.2}", spot.x),
-                    format!("{:.2}", spot.y),
-                ]);
-            }
+        for (name, path) in NAMES.into_iter().zip(methods) {
+            let places = path.iter().take(8).enumerate();
+            listed.extend(places.map(|(step, spot)| (start + 1, name, step, spot)));
         }
     }
-    Figure {
-        columns: vec!["start", "method", "accepted steps (the first 8)", "x (m)", "y (m)"],
-        rows,
-        svg: figure::draw(1180, |drawing| {
-            let (x_axis, y_axis) = (("x (m)", -3.0..9.5, 6), ("y (m)", -6.5..8.2, 6));
-            let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-            for contour in LEVELS.into_iter().flat_map(contours) {
-                chart.draw_series([PathElement::new(contour, INK.mix(0.3).stroke_width(3))])?;
-            }
-            for post in &POSTS[..2] {
-                let body = Rectangle::new([(-13, -13), (13, 13)], INK.filled());
-                chart.draw_series([EmptyElement::at((post.x, post.y)) + body])?;
-            }
-            for methods in &paths {
-                for (index, path) in methods.iter().enumerate() {
-                    for line in visible(path) {
-                        chart
-                            .draw_series([PathElement::new(line, SERIES[index].stroke_width(5))])?;
-                    }
-                    let marks = path.iter().filter(|spot| is_visible(spot));
-                    let marks =
-                        marks.map(|spot| EmptyElement::at((spot.x, spot.y)) + marker(index));
-                    chart.draw_series(marks)?;
+    let columns = vec![
+        ("start", listed.iter().map(|row| row.0.to_string()).collect()),
+        ("method", listed.iter().map(|row| row.1.to_owned()).collect()),
+        ("accepted steps (the first 8)", listed.iter().map(|row| row.2.to_string()).collect()),
+        ("x (m)", decimals(2, listed.iter().map(|row| row.3.x))),
+        ("y (m)", decimals(2, listed.iter().map(|row| row.3.y))),
+    ];
+    Figure::new(1180, columns, |drawing| {
+        let (x_axis, y_axis) = (("x (m)", -3.0..9.5, 6), ("y (m)", -6.5..8.2, 6));
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        for contour in LEVELS.into_iter().flat_map(contours) {
+            chart.line(contour, INK.mix(0.3), 3)?;
+        }
+        for post in &POSTS[..2] {
+            let body = Rectangle::new([(-13, -13), (13, 13)], INK.filled());
+            chart.draw_series([EmptyElement::at((post.x, post.y)) + body])?;
+        }
+        for methods in &paths {
+            for (index, path) in methods.iter().enumerate() {
+                for line in visible(path) {
+                    chart.line(line, SERIES[index], 5)?;
                 }
-                let start = (methods[0][0].x, methods[0][0].y);
-                chart.draw_series([Circle::new(start, 24, INK.stroke_width(3))])?;
+                let spots = path.iter().filter(|spot| is_visible(spot));
+                chart.marks(spots.map(|spot| (spot.x, spot.y)), index)?;
             }
-            let spot = worked::estimate(&two_tapes());
-            for y in [spot.y, -spot.y] {
-                chart.draw_series([Circle::new((spot.x, y), 11, ESTIMATED.filled())])?;
-            }
-            for (index, name) in NAMES.into_iter().enumerate() {
-                let place = (-2.7, 7.7 - 0.75 * index as f64);
-                chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-                let beside = (place.0 + 0.3, place.1);
-                chart.draw_series([Text::new(name, beside, letters_right_of(SERIES[index]))])?;
-            }
-            Ok(())
-        }),
-    }
+            let start = (methods[0][0].x, methods[0][0].y);
+            chart.draw_series([Circle::new(start, 24, INK.stroke_width(3))])?;
+        }
+        let spot = worked::estimate(&two_tapes());
+        for y in [spot.y, -spot.y] {
+            chart.dots([(spot.x, y)], 11, ESTIMATED)?;
+        }
+        for (index, name) in NAMES.into_iter().enumerate() {
+            let height = 7.7 - 0.75 * index as f64;
+            chart.marks([(-2.7, height)], index)?;
+            chart.write(name, (-2.4, height), letters_right_of(SERIES[index]))?;
+        }
+        Ok(())
+    })
 }
 
 fn is_visible(spot: &Vector2<f64>) -> bool {
@@ -96,25 +79,20 @@ fn is_visible(spot: &Vector2<f64>) -> bool {
 }
 
 /// The parts of a path that lie in the figure.
-fn visible(path: &[Vector2<f64>]) -> Vec<Vec<(f64, f64)>> {
-    let mut parts = Vec::new();
-    for pair in path.windows(2) {
+fn visible(path: &[Vector2<f64>]) -> Vec<[(f64, f64); 2]> {
+    let part = |pair: &[Vector2<f64>]| {
         let between = (0..=200).map(|step| pair[0].lerp(&pair[1], f64::from(step) / 200.0));
         let inside: Vec<Vector2<f64>> = between.filter(is_visible).collect();
-        if let [first, .., last] = inside[..] {
-            parts.push(vec![(first.x, first.y), (last.x, last.y)]);
-        }
-    }
-    parts
+        let [first, .., last] = inside[..] else { return None };
+        Some([(first.x, first.y), (last.x, last.y)])
+    };
+    path.windows(2).filter_map(part).collect()
 }
 
 /// Where the two residuals have this length together. In the lengths of the tapes as coordinates a
 /// contour is a circle, and two lengths give a spot on each side of the fence.
 fn contours(level: f64) -> Vec<Vec<(f64, f64)>> {
-    let [first, second] = two_tapes().map(|tape: Tape| {
-        debug_assert_eq!(tape.sigma, SIGMA);
-        tape.measured
-    });
+    let [first, second] = two_tapes().map(|tape| tape.measured);
     let width = POSTS[1].x;
     let mut above: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
     // Where the two lengths are too short to meet, the contour has reached the fence.
@@ -136,7 +114,7 @@ fn contours(level: f64) -> Vec<Vec<(f64, f64)>> {
         at_fence = (y_squared <= 0.0).then_some((x, 0.0));
     }
     above.retain(|part| part.len() > 1);
-    let below: Vec<Vec<(f64, f64)>> =
+    let below: Vec<Vec<_>> =
         above.iter().map(|part| part.iter().map(|(x, y)| (*x, -y)).collect()).collect();
     above.into_iter().chain(below).collect()
 }

@@ -1,129 +1,72 @@
 //! Digits that formulas lose at small angles and near a half turn.
 
-use plotters::element::{EmptyElement, Text};
-use plotters::series::LineSeries;
-use plotters::style::Color;
-
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
-use crate::manifold::accuracy::{
-    LogErrors, exp_errors_near, jacobian_errors_near, log_errors_near, log_errors_near_half_turn,
+use crate::figure::{
+    self, Column, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of,
 };
+use crate::manifold::accuracy::{errors_near, errors_near_half_turn};
 
 /// Decimal logarithms of the angles and of their distances from π.
-fn exponents() -> impl Iterator<Item = f64> {
+fn exponents() -> impl Iterator<Item = f64> + Clone {
     (0..=64).map(|k| -16.0 + 0.25 * f64::from(k))
 }
 
-/// The decimal logarithm of an error; no error at all is drawn below the rounding error.
-fn size(error: f64) -> f64 {
-    error.max(1e-17).log10()
-}
+/// How a curve is drawn: its name and where that stands, and its series or none for the library.
+type Curve = (&'static str, (f64, f64), Option<usize>);
 
-/// Sizes of errors over the exponents, with a name, the number of a series or none for the
-/// library, and the place of the name.
-struct Curve {
-    name: &'static str,
-    series: Option<usize>,
-    name_at: (f64, f64),
-    sizes: Vec<(f64, f64)>,
-}
+/// In the order of [`errors_near`].
+const SMALL: [Curve; 6] = [
+    ("angle", (-5.2, -3.6), Some(0)),
+    ("Jacobian", (-13.6, -10.4), Some(1)),
+    ("corner Q", (-15.2, -5.4), Some(2)),
+    ("log", (-9.6, -1.0), Some(3)),
+    ("exp", (-6.6, -17.1), Some(4)),
+    ("the library", (-7.3, -14.4), None),
+];
+
+/// In the order of [`errors_near_half_turn`].
+const HALF: [Curve; 2] = [("log", (-4.6, -5.0), Some(3)), ("the library", (-14.0, -14.3), None)];
 
 pub fn accuracy() -> Figure {
-    let (small, half) = (small_angles(), near_a_half_turn());
-    let rows = (0..65).step_by(4).map(|k| {
-        let mut row = vec![format!("{:.0}", small[0].sizes[k].0)];
-        let curves = small.iter().chain(&half);
-        row.extend(curves.map(|curve| format!("{:.1}", curve.sizes[k].1)));
-        row
-    });
-    Figure {
-        columns: vec![
-            "angle (rad) as a power of ten",
-            "error of the textbook's angle as a power of ten",
-            "of its Jacobian",
-            "of its corner Q",
-            "of its log",
-            "of its exp",
-            "of the library",
-            "of the textbook's log as far from a half turn",
-            "of the library's there",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1520, |drawing| {
-            let (above, below) = drawing.split_vertically(860);
-            panel(&above, "angle (rad), power of ten", &small)?;
-            panel(&below, "distance from a half turn (rad), power of ten", &half)
-        }),
-    }
+    let (small, half) = (sizes(errors_near), sizes(errors_near_half_turn));
+    let cells = |sizes: &[f64]| decimals(1, sizes.iter().step_by(4).copied());
+    let names = [
+        "error of the textbook's angle as a power of ten",
+        "of its Jacobian",
+        "of its corner Q",
+        "of its log",
+        "of its exp",
+        "of the library",
+        "of the textbook's log as far from a half turn",
+        "of the library's there",
+    ];
+    let angles = ("angle (rad) as a power of ten", decimals(0, exponents().step_by(4)));
+    let errors = small.iter().chain(&half).map(|sizes| cells(sizes));
+    let columns = [angles].into_iter().chain(names.into_iter().zip(errors));
+    Figure::new(1520, columns.collect::<Vec<Column>>(), |drawing| {
+        let (above, below) = drawing.split_vertically(860);
+        panel(&above, "angle (rad), power of ten", &SMALL, &small)?;
+        panel(&below, "distance from a half turn (rad), power of ten", &HALF, &half)
+    })
 }
 
-fn small_angles() -> [Curve; 6] {
-    let angles = || exponents().map(|exponent| (exponent, 10_f64.powf(exponent)));
-    let logs: Vec<_> = angles().map(|(e, angle)| (e, log_errors_near(angle))).collect();
-    let jacobians: Vec<_> = angles().map(|(e, angle)| (e, jacobian_errors_near(angle))).collect();
-    let exps: Vec<_> = angles().map(|(_, angle)| exp_errors_near(angle)).collect();
-    let of_logs = |sizes: Vec<f64>| logs.iter().map(|(e, _)| *e).zip(sizes).collect::<Vec<_>>();
-    let all = logs.iter().zip(&jacobians).zip(&exps);
-    let library =
-        all.map(|(((_, l), (_, jacobian)), exp)| l.library.max(jacobian.library).max(exp.library));
-    let curve = |name, series, name_at, errors: Vec<f64>| {
-        let sizes = of_logs(errors.into_iter().map(size).collect());
-        Curve { name, series, name_at, sizes }
-    };
-    [
-        curve("angle", Some(0), (-5.2, -3.6), logs.iter().map(|l| l.1.textbook_angle).collect()),
-        curve(
-            "Jacobian",
-            Some(1),
-            (-13.6, -10.4),
-            jacobians.iter().map(|j| j.1.textbook_diagonal).collect(),
-        ),
-        curve(
-            "corner Q",
-            Some(2),
-            (-15.2, -5.4),
-            jacobians.iter().map(|j| j.1.textbook_corner).collect(),
-        ),
-        curve("log", Some(3), (-9.6, -1.0), logs.iter().map(|l| l.1.textbook).collect()),
-        curve("exp", Some(4), (-6.6, -17.1), exps.iter().map(|e| e.textbook).collect()),
-        curve("the library", None, (-7.3, -14.4), library.collect()),
-    ]
+/// The decimal logarithms of errors over the exponents; no error at all is drawn below the rounding
+/// error.
+fn sizes<const N: usize>(errors: fn(f64) -> [f64; N]) -> [Vec<f64>; N] {
+    let errors: Vec<_> = exponents().map(|exponent| errors(10_f64.powf(exponent))).collect();
+    std::array::from_fn(|k| errors.iter().map(|errors| errors[k].max(1e-17).log10()).collect())
 }
 
-fn near_a_half_turn() -> [Curve; 2] {
-    let errors: Vec<_> = exponents()
-        .map(|exponent| (exponent, log_errors_near_half_turn(10_f64.powf(exponent))))
-        .collect();
-    let sizes = |error: fn(&LogErrors) -> f64| {
-        errors.iter().map(|(exponent, errors)| (*exponent, size(error(errors)))).collect()
-    };
-    [
-        Curve {
-            name: "log",
-            series: Some(3),
-            name_at: (-4.6, -5.0),
-            sizes: sizes(|errors| errors.textbook),
-        },
-        Curve {
-            name: "the library",
-            series: None,
-            name_at: (-14.0, -14.3),
-            sizes: sizes(|errors| errors.library),
-        },
-    ]
-}
-
-fn panel(drawing: &Drawing, title: &str, curves: &[Curve]) -> Drawn {
+fn panel(drawing: &Drawing, title: &str, curves: &[Curve], sizes: &[Vec<f64>]) -> Drawn {
     let y_axis = ("error, power of ten", -17.9..1.0, 6);
     let mut chart = figure::axes(drawing, (title, -16.4..0.9, 8), y_axis)?;
-    for Curve { name, series, name_at, sizes } in curves {
+    for ((name, name_at, series), sizes) in curves.iter().zip(sizes) {
         let colour = series.map_or(INK, |index| SERIES[index]);
-        chart.draw_series(LineSeries::new(sizes.clone(), colour.stroke_width(5)))?;
+        let places = exponents().zip(sizes.iter().copied());
+        chart.line(places.clone(), colour, 5)?;
         if let Some(index) = *series {
-            let marks = sizes.iter().skip(2 * index).step_by(8);
-            chart.draw_series(marks.map(|place| EmptyElement::at(*place) + marker(index)))?;
+            chart.marks(places.skip(2 * index).step_by(8), index)?;
         }
-        chart.draw_series([Text::new(*name, *name_at, letters_right_of(colour))])?;
+        chart.write(name, *name_at, letters_right_of(colour))?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use plotters::element::{PathElement, Polygon, Text};
 use plotters::style::Color;
 use vislam::manifold::so3;
 
-use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around};
+use crate::figure::{Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around};
 
 /// Half the width, thickness and height of the book.
 const HALF: Vector3<f64> = Vector3::new(0.62, 0.16, 0.85);
@@ -15,62 +15,57 @@ const HALF: Vector3<f64> = Vector3::new(0.62, 0.16, 0.85);
 /// Units of the drawing for a unit of the book.
 const SCALE: f64 = 125.0;
 
-struct Order {
-    turns: [(&'static str, Vector3<f64>); 2],
-}
+/// A quarter turn, with what it does to the book.
+type Turn = (&'static str, Vector3<f64>);
 
-impl Order {
-    /// Both orders of a quarter turn about the line to the right and one about the vertical.
-    fn both() -> [Self; 2] {
-        let tip = ("tipped", -FRAC_PI_2 * Vector3::x());
-        let spin = ("spun", FRAC_PI_2 * Vector3::z());
-        [Self { turns: [tip, spin] }, Self { turns: [spin, tip] }]
-    }
+const TIP: Turn = ("tipped", Vector3::new(-FRAC_PI_2, 0.0, 0.0));
+const SPIN: Turn = ("spun", Vector3::new(0.0, 0.0, FRAC_PI_2));
 
-    /// The book before, between and after the turns, about axes of the room.
-    fn stages(&self) -> [(String, Rotation3<f64>); 3] {
-        let [(first, first_turn), (second, second_turn)] = &self.turns;
-        let between = so3::exp(first_turn);
-        [
-            ("at first".to_owned(), Rotation3::identity()),
-            ((*first).to_owned(), between),
-            (format!("then {second}"), so3::exp(second_turn) * between),
-        ]
-    }
+/// The turns about the line to the right and about the vertical, in both orders.
+const ORDERS: [[Turn; 2]; 2] = [[TIP, SPIN], [SPIN, TIP]];
+
+/// The book before, between and after the turns, about axes of the room.
+fn stages(
+    [(first, first_turn), (second, second_turn)]: [Turn; 2],
+) -> [(String, Rotation3<f64>); 3] {
+    let between = so3::exp(&first_turn);
+    [
+        ("at first".to_owned(), Rotation3::identity()),
+        (first.to_owned(), between),
+        (format!("then {second}"), so3::exp(&second_turn) * between),
+    ]
 }
 
 pub fn orders() -> Figure {
-    let rows = Order::both().into_iter().flat_map(|order| {
-        let name = format!("{} then {}", order.turns[0].0, order.turns[1].0);
-        order.stages().map(|(stage, rotation)| {
-            let mut row = vec![name.clone(), stage];
-            let (cover, head) = (rotation * -Vector3::y(), rotation * Vector3::z());
-            row.extend([cover, head].map(|direction| {
-                let [x, y, z] = <[f64; 3]>::from(direction).map(|c| c.round() as i32);
-                format!("({x} {y} {z})")
-            }));
-            row
-        })
-    });
-    Figure {
-        columns: vec!["order", "stage", "cover faces", "head points"],
-        rows: rows.collect(),
-        svg: figure::draw(900, |drawing| {
-            for (index, order) in Order::both().iter().enumerate() {
-                row(drawing, order, 190 + 450 * index as i32)?;
-            }
-            drawing.draw(&PathElement::new(vec![(60, 450), (1220, 450)], GRID.stroke_width(3)))?;
-            Ok(())
-        }),
-    }
+    let all = ORDERS.map(stages).concat();
+    let names = ORDERS.map(|[(first, _), (second, _)]| vec![format!("{first} then {second}"); 3]);
+    let directions = |of: Vector3<f64>| {
+        let cell = |(_, rotation): &(String, Rotation3<f64>)| {
+            let [x, y, z] = <[f64; 3]>::from(rotation * of).map(|c| c.round() as i32);
+            format!("({x} {y} {z})")
+        };
+        all.iter().map(cell).collect()
+    };
+    let columns = vec![
+        ("order", names.concat()),
+        ("stage", all.iter().map(|(stage, _)| stage.clone()).collect()),
+        ("cover faces", directions(-Vector3::y())),
+        ("head points", directions(Vector3::z())),
+    ];
+    Figure::new(900, columns, |drawing| {
+        for (index, order) in ORDERS.into_iter().enumerate() {
+            row(drawing, stages(order), 190 + 450 * index as i32)?;
+        }
+        drawing.draw(&PathElement::new(vec![(60, 450), (1220, 450)], GRID.stroke_width(3)))?;
+        Ok(())
+    })
 }
 
-fn row(drawing: &Drawing, order: &Order, height: i32) -> Drawn {
-    for (stage, (name, rotation)) in order.stages().iter().enumerate() {
-        let middle = (220 + 420 * stage as i32, height);
-        book(drawing, rotation, middle)?;
-        let below = (middle.0, height + 200);
-        drawing.draw(&Text::new(name.clone(), below, letters_around(INK)))?;
+fn row(drawing: &Drawing, stages: [(String, Rotation3<f64>); 3], height: i32) -> Drawn {
+    for (stage, (name, rotation)) in stages.into_iter().enumerate() {
+        let x = 220 + 420 * stage as i32;
+        book(drawing, &rotation, (x, height))?;
+        drawing.draw(&Text::new(name, (x, height + 200), letters_around(INK)))?;
     }
     Ok(())
 }
@@ -91,11 +86,10 @@ fn book(drawing: &Drawing, rotation: &Rotation3<f64>, middle: (i32, i32)) -> Dra
             if (rotation * outward).dot(&towards_reader) < 1e-6 {
                 continue;
             }
-            let (across, along) =
-                (Vector3::ith((axis + 1) % 3, 1.0), Vector3::ith((axis + 2) % 3, 1.0));
+            let [across, along] = [1, 2].map(|next| Vector3::ith((axis + next) % 3, 1.0));
             let corner = |a: f64, b: f64| place(outward + a * across + b * along);
-            let outline = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-            let face: Vec<_> = outline.iter().map(|&(a, b)| corner(a, b)).collect();
+            let face =
+                vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
             let colour = match (axis, sign < 0.0) {
                 (1, true) => Some(SERIES[0].mix(0.75)),
                 (1, false) => Some(SERIES[0].mix(0.3)),
@@ -108,14 +102,10 @@ fn book(drawing: &Drawing, rotation: &Rotation3<f64>, middle: (i32, i32)) -> Dra
             if axis == 1 && sign < 0.0 {
                 cover(drawing, &place)?;
             } else if colour.is_none() {
-                for leaf in 1..4 {
-                    let b = f64::from(leaf) / 2.0 - 1.0;
-                    let edge = if axis == 0 {
-                        [corner(b, -1.0), corner(b, 1.0)]
-                    } else {
-                        [corner(-1.0, b), corner(1.0, b)]
-                    };
-                    drawing.draw(&PathElement::new(edge.to_vec(), GRID.stroke_width(3)))?;
+                for leaf in [-0.5, 0.0, 0.5] {
+                    let end = |b| if axis == 0 { corner(leaf, b) } else { corner(b, leaf) };
+                    let edge = vec![end(-1.0), end(1.0)];
+                    drawing.draw(&PathElement::new(edge, GRID.stroke_width(3)))?;
                 }
             }
             let closed = [face.as_slice(), &face[..1]].concat();

@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
 use plotters::element::{Circle, Cross, Text};
-use plotters::series::LineSeries;
 use plotters::style::Color;
 use vislam::manifold::so3;
 
-use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around};
+use crate::figure::{
+    self, Draw, Drawing, Drawn, Figure, GRID, INK, SERIES, decimals, letters_around,
+    letters_right_of,
+};
 
 /// A turn of 2.2 rad about an upright axis that leans a little.
 const PHI: Vector3<f64> = Vector3::new(0.5, 0.0, 2.142_428_528_562_855);
@@ -36,33 +38,25 @@ impl Step {
 }
 
 pub fn steps() -> Figure {
-    let steps: Vec<Step> =
-        (0..COUNT).map(|k| Step::of(TAU * f64::from(k) / f64::from(COUNT))).collect();
-    let rows = steps.iter().enumerate().map(|(k, step)| {
-        let mut row = vec![format!("{}", k + 1)];
-        let values = [step.change, step.truth, step.corrected];
-        row.extend(values.iter().flat_map(|v| [v.x, v.y]).map(|value| format!("{value:.4}")));
-        row
-    });
-    Figure {
-        columns: vec![
-            "step",
-            "change x (rad)",
-            "change y (rad)",
-            "body turns by x (rad)",
-            "body turns by y (rad)",
-            "Jacobian says x (rad)",
-            "Jacobian says y (rad)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(820, |drawing| {
-            let (panels, legend) = drawing.split_vertically(700);
-            let (left, right) = panels.split_horizontally(690);
-            panel(&left, "step δ taken as it is", &steps, |step| step.change, 3)?;
-            panel(&right, "step corrected, J δ", &steps, |step| step.corrected, 0)?;
-            key(&legend)
-        }),
-    }
+    let directions = (0..COUNT).map(|k| TAU * f64::from(k) / f64::from(COUNT));
+    let steps: Vec<Step> = directions.map(Step::of).collect();
+    let column = |of: fn(&Step) -> f64| decimals(4, steps.iter().map(of));
+    let columns = vec![
+        ("step", (1..=COUNT).map(|step| step.to_string()).collect()),
+        ("change x (rad)", column(|step| step.change.x)),
+        ("change y (rad)", column(|step| step.change.y)),
+        ("body turns by x (rad)", column(|step| step.truth.x)),
+        ("body turns by y (rad)", column(|step| step.truth.y)),
+        ("Jacobian says x (rad)", column(|step| step.corrected.x)),
+        ("Jacobian says y (rad)", column(|step| step.corrected.y)),
+    ];
+    Figure::new(820, columns, |drawing| {
+        let (panels, legend) = drawing.split_vertically(700);
+        let (left, right) = panels.split_horizontally(690);
+        panel(&left, "step δ taken as it is", &steps, |step| step.change, 3)?;
+        panel(&right, "step corrected, J δ", &steps, |step| step.corrected, 0)?;
+        key(&legend)
+    })
 }
 
 fn panel(
@@ -78,33 +72,29 @@ fn panel(
     let y_title = if ticks == 0 { "" } else { "about y (rad)" };
     let x_axis = ("about x (rad)", -0.34..0.34, 3);
     let mut chart = figure::axes(&area, x_axis, (y_title, -0.34..0.34, ticks))?;
-    let closed = |place: fn(&Step) -> Vector2<f64>| {
-        let round = (0..=72).map(|k| place(&Step::of(TAU * f64::from(k) / 72.0)));
-        round.map(|p| (p.x, p.y)).collect::<Vec<_>>()
+    let outline = |place: fn(&Step) -> Vector2<f64>| {
+        let round = (0..=72).map(|k| Step::of(TAU * f64::from(k) / 72.0));
+        round.map(move |step| (place(&step).x, place(&step).y))
     };
-    chart.draw_series(LineSeries::new(closed(|step| step.truth), GRID.stroke_width(4)))?;
-    chart.draw_series(LineSeries::new(closed(said), SERIES[1].stroke_width(3)))?;
+    chart.line(outline(|step| step.truth), GRID, 4)?;
+    chart.line(outline(said), SERIES[1], 3)?;
     for (index, step) in steps.iter().enumerate() {
         let (truth, said) = (step.truth, said(step));
-        chart.draw_series([Circle::new((truth.x, truth.y), 14, SERIES[0].filled())])?;
+        chart.dots([(truth.x, truth.y)], 14, SERIES[0])?;
         chart.draw_series([Cross::new((said.x, said.y), 16, SERIES[1].stroke_width(6))])?;
-        let mut number = |place: Vector2<f64>, colour| -> Drawn {
-            let text =
-                Text::new(format!("{}", index + 1), (place.x, place.y), letters_around(colour));
-            chart.draw_series([text])?;
-            Ok(())
-        };
-        number(said * (1.0 + 0.055 / said.norm()), SERIES[1])?;
-        number(truth * (1.0 - 0.055 / truth.norm()), SERIES[0])?;
+        let number = (index + 1).to_string();
+        let outside = said * (1.0 + 0.055 / said.norm());
+        chart.write(&number, (outside.x, outside.y), letters_around(SERIES[1]))?;
+        let inside = truth * (1.0 - 0.055 / truth.norm());
+        chart.write(&number, (inside.x, inside.y), letters_around(SERIES[0]))?;
     }
     Ok(())
 }
 
 fn key(drawing: &Drawing) -> Drawn {
     drawing.draw(&Circle::new((190, 45), 14, SERIES[0].filled()))?;
-    let text = figure::letters_right_of(INK);
-    drawing.draw(&Text::new("what the body does", (220, 45), text.clone()))?;
+    drawing.draw(&Text::new("what the body does", (220, 45), letters_right_of(INK)))?;
     drawing.draw(&Cross::new((690, 45), 16, SERIES[1].stroke_width(6)))?;
-    drawing.draw(&Text::new("what is said of it", (720, 45), text))?;
+    drawing.draw(&Text::new("what is said of it", (720, 45), letters_right_of(INK)))?;
     Ok(())
 }

@@ -1,13 +1,12 @@
 //! The six columns of the pose block, each as a field of arrows over the image.
 
-use nalgebra::{Isometry3, Vector2, Vector3, Vector6};
-use plotters::element::{Circle, PathElement, Polygon, Text};
+use nalgebra::{Vector2, Vector6};
+use plotters::element::{Circle, Text};
 use plotters::style::Color;
 use vislam::bearing::back_project;
 
-use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, SERIES, letters_around};
-use crate::reprojection::NO_POSE_BLOCK;
-use crate::reprojection::worked::CAMERA;
+use crate::figure::{Draw, Drawing, Drawn, Figure, GRID, INK, SERIES, decimals, letters_around};
+use crate::reprojection::worked::{CAMERA, blocks};
 
 /// Metres of the near points and of the far ones.
 const NEAR: f64 = 3.0;
@@ -17,16 +16,15 @@ const FAR: f64 = 12.0;
 const STEP: f64 = 0.28;
 const TURN: f64 = 0.08;
 
-const NAMES: [&str; 6] = [
-    "step along x",
-    "turn about x",
-    "step along y",
-    "turn about y",
-    "step along z",
-    "turn about z",
+/// What each panel is called, and which column it shows.
+const PANELS: [(&str, usize); 6] = [
+    ("step along x", 0),
+    ("turn about x", 3),
+    ("step along y", 1),
+    ("turn about y", 4),
+    ("step along z", 2),
+    ("turn about z", 5),
 ];
-/// Which column each panel shows.
-const COLUMNS: [usize; 6] = [0, 3, 1, 4, 2, 5];
 
 struct Seen {
     pixel: Vector2<f64>,
@@ -37,64 +35,44 @@ struct Seen {
 
 pub fn pose_columns() -> Figure {
     let points = points();
-    let rows = points.iter().map(|point| {
-        let mut row = vec![
-            format!("{:.0}", point.pixel.x),
-            format!("{:.0}", point.pixel.y),
-            format!("{:.0}", point.depth),
-        ];
-        let columns = point.columns.iter();
-        row.extend(columns.map(|column| format!("({:.1} {:.1})", column.x, column.y)));
-        row
-    });
-    Figure {
-        columns: vec![
-            "u (px)",
-            "v (px)",
-            "depth (m)",
-            "by a step along x (px/m)",
-            "along y (px/m)",
-            "along z (px/m)",
-            "by a turn about x (px/rad)",
-            "about y (px/rad)",
-            "about z (px/rad)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1660, |drawing| {
-            let (panels, legend) = drawing.split_vertically(1590);
-            for (index, panel) in panels.split_evenly((3, 2)).iter().enumerate() {
-                draw_panel(panel, NAMES[index], COLUMNS[index], &points)?;
-            }
-            for (x, depth, colour, radius) in [(380, NEAR, SERIES[1], 13), (760, FAR, SERIES[0], 7)]
-            {
-                legend.draw(&Circle::new((x, 30), radius, colour.filled()))?;
-                let name = format!("{depth} m");
-                legend.draw(&Text::new(name, (x + 80, 32), letters_around(INK)))?;
-            }
-            Ok(())
-        }),
-    }
+    let number = |of: fn(&Seen) -> f64| decimals(0, points.iter().map(of));
+    let cell = |column: Vector2<f64>| format!("({:.1} {:.1})", column.x, column.y);
+    let column = |index: usize| points.iter().map(|point| cell(point.columns[index])).collect();
+    let columns = vec![
+        ("u (px)", number(|point| point.pixel.x)),
+        ("v (px)", number(|point| point.pixel.y)),
+        ("depth (m)", number(|point| point.depth)),
+        ("by a step along x (px/m)", column(0)),
+        ("along y (px/m)", column(1)),
+        ("along z (px/m)", column(2)),
+        ("by a turn about x (px/rad)", column(3)),
+        ("about y (px/rad)", column(4)),
+        ("about z (px/rad)", column(5)),
+    ];
+    Figure::new(1660, columns, |drawing| {
+        let (panels, legend) = drawing.split_vertically(1590);
+        for (panel, (name, column)) in panels.split_evenly((3, 2)).iter().zip(PANELS) {
+            draw_panel(panel, name, column, &points)?;
+        }
+        for (x, depth, colour, radius) in [(380, NEAR, SERIES[1], 13), (760, FAR, SERIES[0], 7)] {
+            legend.draw(&Circle::new((x, 30), radius, colour.filled()))?;
+            legend.draw(&Text::new(format!("{depth} m"), (x + 80, 32), letters_around(INK)))?;
+        }
+        Ok(())
+    })
 }
 
 /// A grid of pixels; near and far points take turns.
 fn points() -> Vec<Seen> {
-    let mut points = Vec::new();
-    for row in 0..5 {
-        for column in 0..7 {
-            let pixel =
-                Vector2::new(50.0 + 90.0 * f64::from(column), 40.0 + 100.0 * f64::from(row));
-            let depth = if (row + column) % 2 == 0 { NEAR } else { FAR };
-            let point = back_project(&CAMERA, &pixel, depth);
-            points.push(Seen { pixel, depth, columns: columns(&point) });
-        }
-    }
-    points
-}
-
-fn columns(point: &Vector3<f64>) -> [Vector2<f64>; 6] {
-    let block =
-        CAMERA.jacobians(&Isometry3::identity(), point).map_or(NO_POSE_BLOCK, |both| both.0);
-    std::array::from_fn(|column| block * Vector6::ith(column, 1.0))
+    let places = (0..5).flat_map(|row| (0..7).map(move |column| (row, column)));
+    let seen = places.map(|(row, column)| {
+        let pixel = Vector2::new(50.0 + 90.0 * f64::from(column), 40.0 + 100.0 * f64::from(row));
+        let depth = if (row + column) % 2 == 0 { NEAR } else { FAR };
+        let (block, _) = blocks(&back_project(&CAMERA, &pixel, depth));
+        let columns = std::array::from_fn(|column| block * Vector6::ith(column, 1.0));
+        Seen { pixel, depth, columns }
+    });
+    seen.collect()
 }
 
 fn draw_panel(drawing: &Drawing, name: &str, column: usize, points: &[Seen]) -> Drawn {
@@ -104,27 +82,13 @@ fn draw_panel(drawing: &Drawing, name: &str, column: usize, points: &[Seen]) -> 
         .margin(14)
         .build_cartesian_2d(0.0..640.0, 480.0..0.0)?;
     let border = [(0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0), (0.0, 0.0)];
-    chart.draw_series([PathElement::new(border, GRID.stroke_width(3))])?;
+    chart.line(border, GRID, 3)?;
     let unit = if column < 3 { STEP } else { TURN };
     for point in points {
         let (colour, radius) = if point.depth == NEAR { (SERIES[1], 8) } else { (SERIES[0], 5) };
         let to = point.pixel + unit * point.columns[column];
-        let shaft = [(point.pixel.x, point.pixel.y), (to.x, to.y)];
-        chart.draw_series([PathElement::new(shaft, colour.stroke_width(5))])?;
-        chart.draw_series([Polygon::new(arrow_head(&point.pixel, &to), colour.filled())])?;
-        chart.draw_series([Circle::new(shaft[0], radius, colour.filled())])?;
+        chart.arrow(&point.pixel, &to, (0.3, 9.0), colour)?;
+        chart.dots([(point.pixel.x, point.pixel.y)], radius, colour)?;
     }
     Ok(())
-}
-
-/// A triangle around the end of an arrow, smaller for a short arrow.
-fn arrow_head(from: &Vector2<f64>, to: &Vector2<f64>) -> Vec<(f64, f64)> {
-    let length = (to - from).norm();
-    if length == 0.0 {
-        return vec![(to.x, to.y)];
-    }
-    let forward = (0.3_f64).min(9.0 / length) * (to - from);
-    let across = Vector2::new(-forward.y, forward.x);
-    let corners = [to + forward, to - forward + across, to - forward - across];
-    corners.map(|corner| (corner.x, corner.y)).to_vec()
 }
