@@ -1,6 +1,6 @@
 //! The one way in which a formula is compared with something independent of it.
 
-use nalgebra::{Dim, Isometry3, Matrix, RawStorage, Rotation3};
+use nalgebra::{Dim, Isometry3, Matrix, RawStorage, Rotation3, SMatrix, SVector};
 
 use crate::random::Random;
 
@@ -84,7 +84,8 @@ impl<A: Values, B: Values, C: Values> Values for (A, B, C) {
     }
 }
 
-fn numbers(values: &impl Values) -> Vec<f64> {
+/// All numbers of some values.
+pub fn numbers(values: &impl Values) -> Vec<f64> {
     let mut numbers = Vec::new();
     values.append_to(&mut numbers);
     numbers
@@ -196,6 +197,26 @@ impl Comparison {
 
 fn length(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// A value after a change, for mutants that spoil one part of what is right.
+pub fn altered<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
+    change(&mut value);
+    value
+}
+
+/// The derivative at zero of a function of `C` numbers, column by column, by central differences.
+pub fn differences<const R: usize, const C: usize>(
+    step: f64,
+    function: impl Fn(SVector<f64, C>) -> SVector<f64, R>,
+) -> SMatrix<f64, R, C> {
+    let columns = std::array::from_fn::<_, C, _>(|axis| {
+        let along = |change: f64| {
+            function(SVector::from_fn(|row, _| if row == axis { change } else { 0.0 }))
+        };
+        (along(step) - along(-step)) / (2.0 * step)
+    });
+    SMatrix::from_columns(&columns)
 }
 
 #[cfg(test)]
