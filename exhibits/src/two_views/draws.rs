@@ -1,9 +1,8 @@
 //! Points from noisy pixels, again and again.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use vislam::two_views::{View, triangulate, triangulate_nonlinear};
 
-use super::worked::disturbed;
 use crate::random::Random;
 
 /// What became of many noisy copies of the same views.
@@ -26,10 +25,12 @@ impl Draws {
         let mut random = Random::new(seed);
         let mut draws = Self::default();
         for _ in 0..pairs {
-            let noise: Vec<f64> = (0..2 * N).map(|_| random.normal(1.0)).collect();
+            let noise = views.map(|_| Vector2::new(random.normal(1.0), random.normal(1.0)));
             for sign in [1.0, -1.0] {
-                let mut errors = noise.iter().map(|error| sign * error);
-                let noisy = disturbed(views, || errors.next().unwrap_or(f64::NAN));
+                let mut noisy = *views;
+                for (view, noise) in noisy.iter_mut().zip(&noise) {
+                    view.pixel += sign * noise;
+                }
                 draws.add(&noisy);
             }
         }

@@ -1,7 +1,7 @@
 //! The numbers that the chapter quotes.
 
 use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
-use vislam::bearing::{bearing, depth_sigma, disparity_sigma};
+use vislam::bearing::bearing;
 use vislam::two_views::{
     LEAST_PARALLAX, StereoPinhole, View, essential_matrix, fundamental_matrix, point_condition,
     ray_sigma, relative_poses, sampson_distance, scale_direction, triangulate,
@@ -12,7 +12,9 @@ use super::NOWHERE;
 use super::draws::{Draws, mean_error, rms_error};
 use super::figures::NINETY_FIVE;
 use super::five_points::{self, JUDGES, SCENES, STARTS, Solution};
-use super::worked::{BASELINE, CAMERA, POINT, approach, second_from_first, side_by_side};
+use super::worked::{
+    BASELINE, CAMERA, POINT, approach, depth_sigma_of, point_at, second_from_first, side_by_side,
+};
 use crate::chapter::Chapter;
 use crate::random::Random;
 
@@ -178,17 +180,17 @@ fn long_range(chapter: &mut Chapter) {
         ("near_range", "near_sigma", "near_bias", "near_bias_drawn", 10.0, 3),
         ("far_range", "far_sigma", "far_bias", "far_bias_drawn", 40.0, 1),
     ] {
-        let point = depth / POINT.z * POINT;
+        let point = point_at(depth);
         let views = side_by_side(&point, BASELINE);
         let draws = Draws::of(&views, LONG_RANGE_DRAWS, 42);
         chapter.number(range, depth, "m", 0);
-        let first_order = depth_sigma(&CAMERA, BASELINE, depth, disparity_sigma(1.0, 1.0));
+        let first_order = depth_sigma_of(BASELINE, depth);
         chapter.number(sigma, first_order, "m", decimals);
         chapter.number(predicted, first_order.powi(2) / depth, "m", decimals);
         chapter.number(measured, mean_error(&draws.likely, &point, 2), "m", decimals);
     }
-    let near = depth_sigma(&CAMERA, BASELINE, 10.0, disparity_sigma(1.0, 1.0));
-    chapter.number("bias_pairs", (10.0 / near).powi(2), "", 0);
+    let pairs = (10.0 / depth_sigma_of(BASELINE, 10.0)).powi(2);
+    chapter.number("bias_pairs", pairs, "", 0);
     chapter.number("range_draws", 2.0 * LONG_RANGE_DRAWS as f64, "", 0);
 }
 

@@ -1,11 +1,11 @@
 //! What five correspondences leave open, and what a sixth one says about it.
 
 use plotters::coord::combinators::IntoLogRange;
-use plotters::element::{Circle, EmptyElement, PathElement, Text};
+use plotters::element::{Circle, EmptyElement, PathElement};
 use plotters::style::Color;
 
-use crate::figure::{self, Drawing, Drawn, Figure, INK, letters_right_of, marker};
-use crate::two_views::five_points::{Solution, all_scenes};
+use crate::figure::{self, Column, Draw, Drawing, Drawn, Figure, INK, decimals, letters_right_of};
+use crate::two_views::five_points::{SCENES, Solution, all_scenes};
 use crate::two_views::numbers::NOISE;
 
 /// Pixels at which a smaller miss is drawn.
@@ -13,38 +13,31 @@ const FLOOR: f64 = 0.01;
 
 pub fn five_solutions() -> Figure {
     let [exact, noisy] = [0.0, NOISE].map(all_scenes);
-    let rows = exact.iter().zip(&noisy).enumerate().map(|(scene, (exact, noisy))| {
-        let mut row = vec![format!("{}", scene + 1)];
-        for solutions in [exact, noisy] {
-            let in_front = solutions.iter().filter(|solution| solution.in_front).count();
-            let wrong = solutions[1..].iter().filter(|solution| solution.in_front);
-            let best_wrong = wrong.map(|solution| solution.sixth).reduce(f64::min);
-            row.push(format!("{}", solutions.len()));
-            row.push(format!("{in_front}"));
-            row.push(format!("{:.2}", solutions[0].sixth));
-            row.push(best_wrong.map_or("none".to_owned(), |miss| format!("{miss:.2}")));
-        }
-        row
-    });
-    Figure {
-        columns: vec![
-            "scene",
-            "solutions without noise",
-            "with five points in front",
-            "miss of the true one (px)",
-            "smallest miss of another in front (px)",
-            "solutions with noise",
-            "with five points in front",
-            "miss of the one nearest to the truth (px)",
-            "smallest miss of another in front (px)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1260, |drawing| {
-            let (above, below) = drawing.split_vertically(590);
-            panel(&above, &exact, ("", "without noise"))?;
-            panel(&below, &noisy, ("scene", "half a pixel of noise"))
-        }),
-    }
+    let mut columns = vec![("scene", (1..=SCENES).map(|scene| scene.to_string()).collect())];
+    let (number, miss) = ("solutions without noise", "miss of the true one (px)");
+    columns.extend(described(&exact, [number, miss]));
+    let (number, miss) = ("solutions with noise", "miss of the one nearest to the truth (px)");
+    columns.extend(described(&noisy, [number, miss]));
+    Figure::new(1260, columns, |drawing| {
+        let (above, below) = drawing.split_vertically(590);
+        panel(&above, &exact, ("", "without noise"))?;
+        panel(&below, &noisy, ("scene", "half a pixel of noise"))
+    })
+}
+
+fn described(scenes: &[Vec<Solution>], [number, miss]: [&'static str; 2]) -> [Column; 4] {
+    let in_front = |solutions: &[Solution]| solutions.iter().filter(|s| s.in_front).count();
+    let best_wrong = |solutions: &[Solution]| {
+        let wrong = solutions[1..].iter().filter(|solution| solution.in_front);
+        let miss = wrong.map(|solution| solution.sixth).reduce(f64::min);
+        miss.map_or("none".to_owned(), |miss| format!("{miss:.2}"))
+    };
+    [
+        (number, scenes.iter().map(|solutions| solutions.len().to_string()).collect()),
+        ("with five points in front", scenes.iter().map(|s| in_front(s).to_string()).collect()),
+        (miss, decimals(2, scenes.iter().map(|solutions| solutions[0].sixth))),
+        ("smallest miss of another in front (px)", scenes.iter().map(|s| best_wrong(s)).collect()),
+    ]
 }
 
 fn panel(drawing: &Drawing, scenes: &[Vec<Solution>], (title, name): (&str, &str)) -> Drawn {
@@ -55,12 +48,10 @@ fn panel(drawing: &Drawing, scenes: &[Vec<Solution>], (title, name): (&str, &str
         let place = |solution: &Solution| ((index + 1) as f64, solution.sixth.max(FLOOR));
         let (in_front, behind): (Vec<_>, Vec<_>) = solutions[1..].iter().partition(|s| s.in_front);
         chart.draw_series(behind.into_iter().map(|s| EmptyElement::at(place(s)) + star()))?;
-        chart.draw_series(in_front.into_iter().map(|s| EmptyElement::at(place(s)) + marker(1)))?;
-        let truth = place(&solutions[0]);
-        chart.draw_series([Circle::new(truth, 13, INK.filled())])?;
+        chart.marks(in_front.into_iter().map(place), 1)?;
+        chart.draw_series([Circle::new(place(&solutions[0]), 13, INK.filled())])?;
     }
-    chart.draw_series([Text::new(name.to_owned(), (0.7, 2500.0), letters_right_of(INK))])?;
-    Ok(())
+    chart.write(name, (0.7, 2500.0), letters_right_of(INK))
 }
 
 /// For a motion that has not all points in front.
