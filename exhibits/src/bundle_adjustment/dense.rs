@@ -2,10 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver};
-use vislam::least_squares::Options;
 use vislam::simulation::Scene;
 
-use super::whole::{Ba, Whole};
+use super::whole::{Ba, Whole, beside, solver};
 use crate::random::Random;
 
 const CAMERAS: usize = 4;
@@ -61,7 +60,7 @@ impl Case {
     }
 
     pub fn solver(&self) -> Solver<PosedPinhole, 6> {
-        Solver::new(&self.problem, &Options::large_problem()).expect("a problem")
+        solver(&self.problem)
     }
 
     /// The camera alone, all of them along the diagonal.
@@ -119,40 +118,17 @@ impl Case {
         DMatrix::from_columns(&columns)
     }
 
-    /// What is left of the rows of the Jacobian and of the residual when all that the points could
-    /// take from them is taken: `rows` less its part in the span of the points' columns.
-    pub fn without_points(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
-        let span = self.by_points.clone().qr().q();
-        rows - &span * span.tr_mul(rows)
-    }
-
     /// The Jacobian and the residual with one more measurement of zero for each unknown, held as
-    /// firmly as `damping` says.
-    pub fn with_measurements_of_zero(&self, damping: f64) -> (DMatrix<f64>, DVector<f64>) {
+    /// firmly as the damping says.
+    pub fn with_measurements_of_zero(&self) -> (DMatrix<f64>, DVector<f64>) {
         let jacobian = self.jacobian();
         let (rows, columns) = jacobian.shape();
-        let mut longer = DMatrix::zeros(rows + columns, columns);
-        longer.rows_mut(0, rows).copy_from(&jacobian);
+        let mut longer = jacobian.clone().resize_vertically(rows + columns, 0.0);
         for (index, column) in jacobian.column_iter().enumerate() {
-            longer[(rows + index, index)] = damping.sqrt() * column.norm();
+            longer[(rows + index, index)] = self.damping.sqrt() * column.norm();
         }
-        let mut residual = DVector::zeros(rows + columns);
-        residual.rows_mut(0, rows).copy_from(&self.residual);
-        (longer, residual)
+        (longer, self.residual.clone().resize_vertically(rows + columns, 0.0))
     }
-
-    /// The cameras' part of a vector of all unknowns.
-    pub fn cameras_of(&self, unknowns: &DVector<f64>) -> DVector<f64> {
-        unknowns.rows(0, self.by_cameras.ncols()).into_owned()
-    }
-}
-
-/// Two matrices of the same height, side by side.
-fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut both = DMatrix::zeros(left.nrows(), left.ncols() + right.ncols());
-    both.columns_mut(0, left.ncols()).copy_from(left);
-    both.columns_mut(left.ncols(), right.ncols()).copy_from(right);
-    both
 }
 
 /// The step after which a linear residual is shortest, by singular values.

@@ -105,12 +105,8 @@ fn streets(chapter: &mut Chapter) {
     let closed = progress::unsolved(&progress::closed(long));
     let more = closed.stored_blocks - report.stored_blocks;
     chapter.number("closing_blocks", more as f64, "", 0);
-    chapter.number(
-        "closing_products",
-        (closed.block_products - report.block_products) as f64,
-        "",
-        0,
-    );
+    let more = closed.block_products - report.block_products;
+    chapter.number("closing_products", more as f64, "", 0);
 }
 
 fn signs(chapter: &mut Chapter) {
@@ -121,7 +117,7 @@ fn signs(chapter: &mut Chapter) {
 }
 
 fn solves(chapter: &mut Chapter) {
-    let ring = progress::solved(progress::ring());
+    let ring = progress::solved_ring();
     chapter.number("ring_first_cost", ring.iterations[0].cost, "", 0);
     chapter.number("ring_cost", ring.cost, "", 1);
     // Scale is free, so one unknown less is used up.
@@ -129,12 +125,11 @@ fn solves(chapter: &mut Chapter) {
     chapter.number("ring_cost_expected", 0.5 * (equations - ring.full_dim as f64 + 1.0), "", 1);
     let usual = progress::ring().solve(&Options::large_problem()).expect("a problem");
     chapter.number("ring_iterations", usual.iterations.len() as f64, "", 0);
-    let street = progress::solved(progress::street());
+    let street = progress::solved_street();
     chapter.number("street_cost", street.cost, "", 0);
     chapter.number("street_iterations", street.iterations.len() as f64, "", 0);
     chapter.number("street_all_cameras", progress::street().cameras.len() as f64, "", 0);
-    let first_steps = &street.iterations[..3];
-    chapter.number("street_third_cost", first_steps[2].cost, "", 0);
+    chapter.number("street_third_cost", street.iterations[2].cost, "", 0);
     chapter.number("damping_exponent", progress::DAMPING.log10(), "", 0);
     let (light, exponent) = (1e-9, -9.0);
     let lightly = progress::solved_from(progress::street(), light);
