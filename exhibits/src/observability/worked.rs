@@ -112,9 +112,28 @@ pub fn table() -> &'static [[FreeDirections; 3]] {
     })
 }
 
+/// What a motion of the table leaves free.
+pub fn row_of(word: &str) -> &'static [FreeDirections; 3] {
+    let row = cases().iter().position(|case| case.word == word);
+    &table()[row.expect("the word of a motion")]
+}
+
 /// What a window leaves free.
 pub fn free(window: &Window) -> FreeDirections {
     window.free_directions().expect("the motions of the chapter are degenerate or are not")
+}
+
+/// What pictures alone leave free on a motion.
+pub fn free_of_pictures(motion: Trajectory) -> FreeDirections {
+    let mut window = window(motion, BiasAssumption::KNOWN);
+    window.intervals.clear();
+    free(&window)
+}
+
+/// What pictures alone leave free on the figure-eight.
+pub fn vision() -> &'static FreeDirections {
+    static VISION: OnceLock<FreeDirections> = OnceLock::new();
+    VISION.get_or_init(|| free_of_pictures(Trajectory::figure_eight()))
 }
 
 /// The spectrum of a window.
@@ -128,8 +147,7 @@ pub fn log_distance(window: &Window) -> DVector<f64> {
     let last = window.states.len() - 1;
     let way = window.states[last].position - window.states[0].position;
     let slope = way / way.norm_squared();
-    let mut gradient =
-        DVector::zeros(window.direction(vislam::observability::Direction::Yaw).len());
+    let mut gradient = DVector::zeros(window.dimension());
     gradient.rows_mut(6, 3).copy_from(&-slope);
     gradient.rows_mut(9 * last + 6, 3).copy_from(&slope);
     gradient
