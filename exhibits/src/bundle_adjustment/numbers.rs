@@ -1,6 +1,8 @@
 //! The numbers of the chapter's first half.
 
+use vislam::bundle_adjustment::PosedPinhole;
 use vislam::least_squares::Options;
+use vislam::simulation::Scene;
 
 use super::progress::{self, REACH};
 use super::rails;
@@ -136,10 +138,23 @@ fn solves(chapter: &mut Chapter) {
     chapter.number("light_exponent", exponent, "", 0);
     chapter.number("light_iterations", lightly.iterations.len() as f64, "", 0);
     chapter.number("light_cost", lightly.cost, "", 0);
-    let bend = progress::bend(light);
-    chapter.number("bend_half_m", bend.half, "m", 2);
-    chapter.number("bend_end_m", bend.end, "m", 2);
-    chapter.number("bend_plateau_m", bend.plateau_from_truth, "m", 2);
-    chapter.number("bend_from_truth_m", bend.from_truth, "m", 2);
-    chapter.number("bend_by_damping_mm", 1e3 * bend.by_damping, "mm", 0);
+    bend(chapter, light);
+}
+
+/// How cameras of the street are off, across it, when two iterations are done and when all are, and what a light
+/// damping changes.
+fn bend(chapter: &mut Chapter, light: f64) {
+    let truth = Scene::street(30, REACH, progress::NOISE, 1).true_cameras;
+    let [early, late] = [2, 60].map(|most| progress::street_cameras(most, progress::DAMPING));
+    let across = |one: &[PosedPinhole], other: &[PosedPinhole], camera: usize| {
+        (one[camera].centre() - other[camera].centre()).y.abs()
+    };
+    let last = truth.len() - 1;
+    chapter.number("bend_half_m", across(&early, &late, truth.len() / 2), "m", 2);
+    chapter.number("bend_end_m", across(&early, &late, last), "m", 2);
+    chapter.number("bend_plateau_m", across(&early, &truth, last), "m", 2);
+    chapter.number("bend_from_truth_m", across(&late, &truth, last), "m", 2);
+    let lightly = progress::street_cameras(60, light);
+    let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
+    chapter.number("bend_by_damping_mm", 1e3 * apart.fold(0.0, f64::max), "mm", 0);
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use vislam::bundle_adjustment::BaReport;
+use vislam::bundle_adjustment::{BaReport, PosedPinhole};
 use vislam::least_squares::{Method, Options, Stop};
 use vislam::reprojection::ReprojFactor;
 use vislam::simulation::Scene;
@@ -62,41 +62,12 @@ pub fn solved_from(mut problem: Ba, damping: f64) -> BaReport {
     problem.solve(&options).expect("a problem")
 }
 
-/// How the end of the street is off, across it and in metres.
-pub struct Bend {
-    /// What is left to be moved after two iterations, by the camera in the middle.
-    pub half: f64,
-    /// The same by the last camera.
-    pub end: f64,
-    /// How far the last camera is from where it really stands after two iterations, and when all
-    /// are done.
-    pub plateau_from_truth: f64,
-    pub from_truth: f64,
-    /// The largest difference between where cameras end with the usual damping and with a light
-    /// one at the start.
-    pub by_damping: f64,
-}
-
-pub fn bend(light: f64) -> Bend {
-    let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
-    let cameras = |max_iterations: usize, damping: f64| {
-        let mut problem = street();
-        let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
-        problem.solve(&options).expect("a problem");
-        problem.cameras
-    };
-    let (early, late) = (cameras(2, DAMPING), cameras(60, DAMPING));
-    let lightly = cameras(60, light);
-    let left = |k: usize| (early[k].centre().y - late[k].centre().y).abs();
-    let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
-    let last = truth.len() - 1;
-    Bend {
-        half: left(truth.len() / 2),
-        end: left(last),
-        plateau_from_truth: (early[last].centre() - truth[last].centre()).y.abs(),
-        from_truth: (late[last].centre() - truth[last].centre()).y.abs(),
-        by_damping: apart.fold(0.0, f64::max),
-    }
+/// The cameras of the street after so many iterations, from a damping at the start.
+pub fn street_cameras(max_iterations: usize, damping: f64) -> Vec<PosedPinhole> {
+    let mut problem = street();
+    let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
+    problem.solve(&options).expect("a problem");
+    problem.cameras
 }
 
 /// What a report says before anything is solved.
