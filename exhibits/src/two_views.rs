@@ -1,8 +1,8 @@
 //! What chapter `two_views` shows: what binds two pictures together, the points they fix and how
 //! sure those are.
 //!
-//! Each part registers its equations, then checks them. In formulas `k` is a camera, `m` the motion
-//! `second_from_first`, `a` a parallax.
+//! Each part registers its equations, then checks them. In formulas `k` and `l` are cameras, `m` the
+//! motion `second_from_first`, `q` and `r` directions before and after it, `a` a parallax.
 
 mod conditions;
 mod draws;
@@ -21,8 +21,8 @@ use vislam::bearing::{bearing, depth_from_disparity};
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
 use vislam::two_views::{
-    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, scale_direction,
-    triangulate, triangulate_nonlinear,
+    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, fundamental_matrix,
+    scale_direction, triangulate, triangulate_nonlinear,
 };
 
 use crate::chapter::Chapter;
@@ -37,7 +37,6 @@ const STATES: usize = 500;
 /// Stands for the pixel of a formula that gives none; no comparison accepts it.
 const NOWHERE: Vector2<f64> = Vector2::new(f64::NAN, f64::NAN);
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     directions(chapter);
     lines(chapter);
@@ -52,29 +51,25 @@ pub fn exhibits(chapter: &mut Chapter) {
 }
 
 fn directions(chapter: &mut Chapter) {
-    let formula: Coplanarity =
-        |m, first, second| theory::epipolar_residual(&essential_matrix(m), first, second);
+    let formula: Coplanarity = |m, q, r| theory::epipolar_residual(&essential_matrix(m), q, r);
     let mutants: [(_, Coplanarity); 5] = [
-        ("matrix transposed", |m, first, second| first.dot(&(essential_matrix(m) * second))),
-        ("rotation transposed", |m, first, second| {
-            second.dot(&m.translation.vector.cross(&m.rotation.inverse_transform_vector(first)))
+        ("matrix transposed", |m, q, r| q.dot(&(essential_matrix(m) * r))),
+        ("rotation transposed", |m, q, r| {
+            r.dot(&m.translation.vector.cross(&m.rotation.inverse_transform_vector(q)))
         }),
-        ("rotation on the left", |m, first, second| {
-            second.dot(&(m.rotation * m.translation.vector.cross(first)))
-        }),
-        ("sign", |m, first, second| -second.dot(&(essential_matrix(m) * first))),
-        ("centre for translation", |m, first, second| {
-            let centre = m.inverse().translation.vector;
-            second.dot(&centre.cross(&(m.rotation * first)))
+        ("rotation on the left", |m, q, r| r.dot(&(m.rotation * m.translation.vector.cross(q)))),
+        ("sign", |m, q, r| -r.dot(&(essential_matrix(m) * q))),
+        ("centre for translation", |m, q, r| {
+            r.dot(&m.inverse().translation.vector.cross(&(m.rotation * q)))
         }),
     ];
     chapter.equation("coplanarity", coplanarity, formula, &mutants);
 
-    let formula: AnyBaseline = |r, a, first, second| second.dot(&a.cross(&(r * first)));
+    let formula: AnyBaseline = |turn, any, q, r| r.dot(&any.cross(&(turn * q)));
     let mutants: [(_, AnyBaseline); 3] = [
-        ("rotation transposed", |r, a, first, second| second.dot(&a.cross(&(r.inverse() * first)))),
-        ("rotation dropped", |_, a, first, second| second.dot(&a.cross(first))),
-        ("directions exchanged", |r, a, first, second| first.dot(&a.cross(&(r * second)))),
+        ("rotation transposed", |turn, any, q, r| r.dot(&any.cross(&(turn.inverse() * q)))),
+        ("rotation dropped", |_, any, q, r| r.dot(&any.cross(q))),
+        ("directions exchanged", |turn, any, q, r| q.dot(&any.cross(&(turn * r)))),
     ];
     chapter.equation("any-baseline", any_baseline, formula, &mutants);
 }
@@ -118,49 +113,33 @@ fn any_baseline(formula: AnyBaseline) -> Comparison {
 }
 
 fn lines(chapter: &mut Chapter) {
-    let formula: Line = |first, second, m, pixel| line(first, second, &essential_matrix(m), pixel);
+    let formula: Line = |k, l, m, pixel| line(k, l, essential_matrix(m), pixel);
     let mutants: [(_, Line); 4] = [
-        ("matrix transposed", |first, second, m, pixel| {
-            line(first, second, &essential_matrix(m).transpose(), pixel)
-        }),
-        ("cameras exchanged", |first, second, m, pixel| {
-            line(second, first, &essential_matrix(m), pixel)
-        }),
-        ("motion inverted", |first, second, m, pixel| {
-            line(first, second, &essential_matrix(&m.inverse()), pixel)
-        }),
-        ("not scaled", |first, second, m, pixel| {
-            let essential = essential_matrix(m);
-            Some(theory::fundamental_matrix(first, second, &essential) * pixel.push(1.0))
+        ("matrix transposed", |k, l, m, pixel| line(k, l, essential_matrix(m).transpose(), pixel)),
+        ("cameras exchanged", |k, l, m, pixel| line(l, k, essential_matrix(m), pixel)),
+        ("motion inverted", |k, l, m, pixel| line(k, l, essential_matrix(&m.inverse()), pixel)),
+        ("not scaled", |k, l, m, pixel| {
+            Some(fundamental_matrix(k, l, &essential_matrix(m)) * pixel.push(1.0))
         }),
     ];
     chapter.equation("epipolar-line", epipolar_line, formula, &mutants);
 
-    let formula = theory::sampson_distance;
     let mutants: [(_, Sampson); 4] = [
-        ("distance in the second image only", |f, first, second| {
-            Some(theory::epipolar_line(f, first)?.dot(&second.push(1.0)))
+        ("distance in the second image only", |f, p, q| {
+            Some(theory::epipolar_line(f, p)?.dot(&q.push(1.0)))
         }),
-        ("algebraic", |f, first, second| Some(second.push(1.0).dot(&(f * first.push(1.0))))),
-        ("third component counted", |f, first, second| {
-            let lines = [f * first.push(1.0), f.transpose() * second.push(1.0)];
-            let slope = lines[0].norm().hypot(lines[1].norm());
-            Some(second.push(1.0).dot(&lines[0]) / slope)
+        ("algebraic", |f, p, q| Some(q.push(1.0).dot(&(f * p.push(1.0))))),
+        ("third component counted", |f, p, q| {
+            let lines = [f * p.push(1.0), f.transpose() * q.push(1.0)];
+            Some(q.push(1.0).dot(&lines[0]) / lines[0].norm().hypot(lines[1].norm()))
         }),
-        ("matrix transposed", |f, first, second| {
-            theory::sampson_distance(&f.transpose(), first, second)
-        }),
+        ("matrix transposed", |f, p, q| theory::sampson_distance(&f.transpose(), p, q)),
     ];
-    chapter.equation("sampson", sampson, formula, &mutants);
+    chapter.equation("sampson", sampson, theory::sampson_distance, &mutants);
 }
 
-fn line(
-    first: &Pinhole,
-    second: &Pinhole,
-    essential: &Matrix3<f64>,
-    pixel: &Vector2<f64>,
-) -> Option<Vector3<f64>> {
-    theory::epipolar_line(&theory::fundamental_matrix(first, second, essential), pixel)
+fn line(k: &Pinhole, l: &Pinhole, e: Matrix3<f64>, pixel: &Vector2<f64>) -> Option<Vector3<f64>> {
+    theory::epipolar_line(&fundamental_matrix(k, l, &e), pixel)
 }
 
 /// Takes both cameras, a motion and a pixel of the first image.
@@ -196,7 +175,7 @@ fn sampson(formula: Sampson) -> Comparison {
             let pixel = seen(&camera, &pose, &point) + noise;
             View { camera, camera_from_world: pose, pixel, sigma: 1.0 }
         });
-        let fundamental = theory::fundamental_matrix(&camera, &camera, &essential_matrix(&motion));
+        let fundamental = fundamental_matrix(&camera, &camera, &essential_matrix(&motion));
         let missed = formula(&fundamental, &views[0].pixel, &views[1].pixel);
         let moved = triangulate_nonlinear(&views, &point).map_or(f64::NAN, |p| 2.0 * p.cost);
         (missed.map(f64::abs), moved.sqrt())
@@ -451,8 +430,8 @@ fn likely(chapter: &mut Chapter) {
         ("noise dropped", |views, point| {
             information(&views.map(|v| View { sigma: 1.0, ..v }), point).try_inverse()
         }),
-        ("one view only counted once more", |views, point| {
-            information(&[views[0], views[1], views[1]], point).try_inverse()
+        ("one view only counted once more", |[first, second, _], point| {
+            information(&[*first, *second, *second], point).try_inverse()
         }),
         ("rotations dropped", |views, point| {
             let mut information = Matrix3::zeros();

@@ -28,7 +28,6 @@ const MEASURED: Line = &[[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0], [0.0, 0.0
 /// Nobody sees point 1.
 const UNSEEN: Line = &[[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 1.0, 0.0]];
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     chapter.counterexample("schur-step", "definite", one_solution, [HELD, NOTHING_HELD]);
     chapter.counterexample("covisibility", "no-common-point", no_block, [APART, SHARED]);

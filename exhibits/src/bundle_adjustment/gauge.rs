@@ -17,7 +17,7 @@ pub const CAMERAS: usize = 8;
 const POINTS: usize = 40;
 const SEED: u64 = 3;
 /// Steps of the shortest kind, from the start of the ring.
-const SHORTEST_STEPS: usize = 12;
+const SHORTEST_STEPS: usize = 8;
 
 /// The twist of a camera when the whole scene is shifted, turned and grown.
 pub fn seven(camera: &PosedPinhole) -> SMatrix<f64, 6, 7> {
@@ -171,7 +171,6 @@ fn weakest(cameras: usize) -> f64 {
     null_space.expect("a gap").least_seen.unwrap_or(f64::NAN)
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let [short, long] = [100, 200].map(weakest);
     chapter.number("weakest_100", 1e6 * short, "", 0);

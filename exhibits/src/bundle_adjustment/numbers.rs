@@ -8,7 +8,6 @@ use super::progress::{self, REACH};
 use super::rails;
 use crate::chapter::Chapter;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     counts(chapter);
     on_rails(chapter);

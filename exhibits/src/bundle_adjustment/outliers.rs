@@ -80,7 +80,6 @@ fn spread(mut values: Vec<f64>) -> [f64; 3] {
     [values[0], 0.5 * (values[last / 2] + values[middle]), values[last]]
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_seeds", SEEDS as f64, "", 0);
     chapter.number("outlier_percent", 100.0 * SHARE, "%", 0);

@@ -112,54 +112,52 @@ fn arrow(problem: &Ba, points: f64, change: fn(&mut DMatrix<f64>)) -> DMatrix<f6
 }
 
 fn elimination(chapter: &mut Chapter) {
-    let formula: Vector = |case| -inverse(case.b()) * points_gradient_after(case);
+    let formula: Vector = |case| -inverse(&case.b) * points_gradient_after(case);
     let mutants: [(_, Vector); 5] = [
-        ("sign", |case| inverse(case.b()) * points_gradient_after(case)),
+        ("sign", |case| inverse(&case.b) * points_gradient_after(case)),
         ("sign of the cameras", |case| {
-            let coupled = case.w().tr_mul(&case.cameras_step);
-            -inverse(case.b()) * (case.points_gradient() - coupled)
+            let coupled = case.w.tr_mul(&case.cameras_step);
+            -inverse(&case.b) * (&case.points_gradient - coupled)
         }),
-        ("cameras dropped", |case| -inverse(case.b()) * case.points_gradient()),
-        ("block not inverted", |case| -case.b() * points_gradient_after(case)),
+        ("cameras dropped", |case| -inverse(&case.b) * &case.points_gradient),
+        ("block not inverted", |case| -&case.b * points_gradient_after(case)),
         ("diagonal of the block only", |case| {
-            -points_gradient_after(case).component_div(&case.b().diagonal())
+            -points_gradient_after(case).component_div(&case.b.diagonal())
         }),
     ];
     chapter.equation("point-follows", point_follows, formula, &mutants);
 
     let formula: System = |case| case.solver().schur_complement(0.0).unwrap_or_default();
     let mutants: [(_, System); 6] = [
-        ("sign", |case| reduced(case, 1.0, inverse(case.b()), 1.0)),
-        ("sign of the right-hand side", |case| {
-            altered(reduced(case, -1.0, inverse(case.b()), -1.0), |(_, rhs)| rhs.neg_mut())
-        }),
-        ("points held", |case| reduced(case, 0.0, inverse(case.b()), -1.0)),
-        ("block not inverted", |case| reduced(case, -1.0, case.b(), -1.0)),
-        ("right-hand side as before", |case| reduced(case, -1.0, inverse(case.b()), 0.0)),
+        ("sign", |case| reduced(case, 1.0, inverse(&case.b), 1.0)),
+        ("sign of the right-hand side", |case| altered(eliminated(case), |(_, rhs)| rhs.neg_mut())),
+        ("points held", |case| reduced(case, 0.0, inverse(&case.b), -1.0)),
+        ("block not inverted", |case| reduced(case, -1.0, case.b.clone(), -1.0)),
+        ("right-hand side as before", |case| reduced(case, -1.0, inverse(&case.b), 0.0)),
         ("diagonal of the block only", |case| {
-            let diagonal = DMatrix::from_diagonal(&case.b().diagonal());
-            reduced(case, -1.0, inverse(diagonal), -1.0)
+            let diagonal = DMatrix::from_diagonal(&case.b.diagonal());
+            reduced(case, -1.0, inverse(&diagonal), -1.0)
         }),
     ];
     chapter.equation("reduced-camera-system", reduced_camera_system, formula, &mutants);
 
-    let formula: Scalar = |case| weighed(case, schur(case));
+    let formula: Scalar = |case| weighed(case, &schur(case));
     let mutants: [(_, Scalar); 3] = [
-        ("points held", |case| weighed(case, case.a())),
-        ("sign", |case| weighed(case, 2.0 * case.a() - schur(case))),
-        ("inverse", |case| weighed(case, inverse(schur(case)))),
+        ("points held", |case| weighed(case, &case.a)),
+        ("sign", |case| weighed(case, &(2.0 * &case.a - schur(case)))),
+        ("inverse", |case| weighed(case, &inverse(&schur(case)))),
     ];
     chapter.equation("stiffness-left", stiffness_left, formula, &mutants);
 }
 
 /// The cameras' step in the metric of a matrix.
-fn weighed(case: &Case, matrix: DMatrix<f64>) -> f64 {
+fn weighed(case: &Case, matrix: &DMatrix<f64>) -> f64 {
     case.cameras_step.dot(&(matrix * &case.cameras_step))
 }
 
 /// The gradient of the linearized cost by the points once the cameras have moved.
 fn points_gradient_after(case: &Case) -> DVector<f64> {
-    case.points_gradient() + case.w().tr_mul(&case.cameras_step)
+    &case.points_gradient + case.w.tr_mul(&case.cameras_step)
 }
 
 fn point_follows(formula: Vector) -> Comparison {
@@ -177,9 +175,13 @@ fn reduced(
     inverse: DMatrix<f64>,
     of_points: f64,
 ) -> (DMatrix<f64>, DVector<f64>) {
-    let through = case.w() * inverse;
-    let s = case.a() + sign * &through * case.w().transpose();
-    (s, -(case.cameras_gradient() + of_points * through * case.points_gradient()))
+    let through = &case.w * inverse;
+    let s = &case.a + sign * &through * case.w.transpose();
+    (s, -(&case.cameras_gradient + of_points * through * &case.points_gradient))
+}
+
+fn eliminated(case: &Case) -> (DMatrix<f64>, DVector<f64>) {
+    reduced(case, -1.0, inverse(&case.b), -1.0)
 }
 
 fn reduced_camera_system(formula: System) -> Comparison {
@@ -193,7 +195,7 @@ fn reduced_camera_system(formula: System) -> Comparison {
 }
 
 fn schur(case: &Case) -> DMatrix<f64> {
-    case.a() - case.w() * inverse(case.b()) * case.w().transpose()
+    eliminated(case).0
 }
 
 fn stiffness_left(formula: Scalar) -> Comparison {
@@ -228,7 +230,7 @@ fn pair(
     case: &Case,
     term: fn(Matrix6x3<f64>, Matrix3<f64>, Matrix6x3<f64>) -> Matrix6<f64>,
 ) -> Matrix6<f64> {
-    let (w, b) = (case.w(), case.b());
+    let (w, b) = (&case.w, &case.b);
     let sees = |camera, point| {
         case.problem.factors.iter().any(|f| (f.keyframe, f.point) == (camera, point))
     };
@@ -251,8 +253,8 @@ fn covisible_pairs(formula: OfPair) -> Comparison {
 /// The inverse of the cameras' part of the inverse of the whole matrix.
 fn cameras_information(case: &Case) -> DMatrix<f64> {
     let jacobian = case.jacobian();
-    let covariance = inverse(jacobian.tr_mul(&jacobian));
-    inverse(covariance.view((0, 0), (12, 12)).into_owned())
+    let covariance = inverse(&jacobian.tr_mul(&jacobian));
+    inverse(&covariance.view((0, 0), (12, 12)).into_owned())
 }
 
 fn projected(chapter: &mut Chapter) {
@@ -273,7 +275,7 @@ fn pairs_of_rows(
     whiten: fn(Matrix2x3<f64>, Matrix3<f64>) -> Matrix2x3<f64>,
     middle: fn(Matrix2<f64>, Matrix2<f64>) -> Matrix2<f64>,
 ) -> DMatrix<f64> {
-    let (problem, b) = (&case.problem, case.b());
+    let (problem, b) = (&case.problem, &case.b);
     let moving: Vec<usize> = (0..problem.cameras.len()).filter(|k| !problem.fixed[*k]).collect();
     let mut s = DMatrix::zeros(6 * moving.len(), 6 * moving.len());
     for (index, point) in problem.points.iter().enumerate() {
@@ -307,12 +309,12 @@ fn projected_pairs(formula: Matrix) -> Comparison {
 fn damping(chapter: &mut Chapter) {
     let formula: Vector = |case| {
         let (s, rhs) = case.solver().schur_complement(case.damping).unwrap_or_default();
-        inverse(s) * rhs
+        inverse(&s) * rhs
     };
     let mutants: [(_, Vector); 5] = [
         ("damped after eliminating", |case| {
-            let (s, rhs) = reduced(case, -1.0, inverse(case.b()), -1.0);
-            inverse(damped(s, case.damping)) * rhs
+            let (s, rhs) = eliminated(case);
+            inverse(&damped(&s, case.damping)) * rhs
         }),
         ("sign", |case| -damped_step(case, case.damping, case.damping)),
         ("points not damped", |case| damped_step(case, case.damping, 0.0)),
@@ -334,9 +336,9 @@ fn damping(chapter: &mut Chapter) {
 
 /// The cameras' step when cameras and points are damped like this.
 fn damped_step(case: &Case, cameras: f64, points: f64) -> DVector<f64> {
-    let through = case.w() * inverse(damped(case.b(), points));
-    let s = damped(case.a(), cameras) - &through * case.w().transpose();
-    -inverse(s) * (case.cameras_gradient() - through * case.points_gradient())
+    let through = &case.w * inverse(&damped(&case.b, points));
+    let s = damped(&case.a, cameras) - &through * case.w.transpose();
+    -inverse(&s) * (&case.cameras_gradient - through * &case.points_gradient)
 }
 
 fn damped_reduction(formula: Vector) -> Comparison {
@@ -349,20 +351,20 @@ fn damped_reduction(formula: Vector) -> Comparison {
 
 /// The predicted decrease with its three parts weighted.
 fn predicted(case: &Case, [cameras, points, held]: [f64; 3]) -> f64 {
-    let of_points = inverse(damped(case.b(), case.damping));
-    let through = case.w() * &of_points;
-    let s = damped(case.a(), case.damping) - &through * case.w().transpose();
-    let (by_cameras, by_points) = (case.cameras_gradient(), case.points_gradient());
-    let reduced = by_cameras - &through * &by_points;
-    let cameras_step = -inverse(s) * &reduced;
-    let points_step = -&of_points * (&by_points + case.w().tr_mul(&cameras_step));
+    let of_points = inverse(&damped(&case.b, case.damping));
+    let through = &case.w * &of_points;
+    let s = damped(&case.a, case.damping) - &through * case.w.transpose();
+    let (by_cameras, by_points) = (&case.cameras_gradient, &case.points_gradient);
+    let reduced = by_cameras - &through * by_points;
+    let cameras_step = -inverse(&s) * &reduced;
+    let points_step = -&of_points * (by_points + case.w.tr_mul(&cameras_step));
     let weighted = |step: &DVector<f64>, diagonal: DVector<f64>| {
         case.damping * step.component_mul(step).dot(&diagonal)
     };
     let held_back =
-        weighted(&cameras_step, case.a().diagonal()) + weighted(&points_step, case.b().diagonal());
+        weighted(&cameras_step, case.a.diagonal()) + weighted(&points_step, case.b.diagonal());
     let cameras_part = -reduced.dot(&cameras_step);
-    let points_part = by_points.dot(&(of_points * &by_points));
+    let points_part = by_points.dot(&(of_points * by_points));
     0.5 * (cameras * cameras_part + points * points_part + held * held_back)
 }
 

@@ -73,7 +73,6 @@ fn size_percent(baseline: f64) -> (f64, f64) {
     (100.0 * variance.sqrt() / arm.norm(), 100.0 / information.sqrt())
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let free = |baseline, pinned| {
         let free = solver(&ring(baseline, pinned)).gauge_freedom();

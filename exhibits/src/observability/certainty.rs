@@ -16,7 +16,6 @@ use crate::comparison::Comparison;
 const MATRICES: usize = 200;
 const WINDOWS: usize = 40;
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Sigma = |jacobian, gradient| {
         Spectrum::of(jacobian).ok().and_then(|s| s.sigma(gradient)).unwrap_or(f64::NAN)

@@ -12,7 +12,6 @@ use super::oracle::{in_camera, seen};
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, altered, differences};
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Landmark =
         |rig, state, landmark| turned(rig, &(in_body(state, landmark) - lever(rig)));

@@ -26,7 +26,6 @@ const TABLE: [[&str; 3]; 12] = [
     ["spot_unknown", "spot_walking", "spot_known"],
 ];
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     size(chapter);
     table(chapter);

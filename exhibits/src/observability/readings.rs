@@ -49,7 +49,6 @@ impl Reading {
     }
 }
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Moved = |of, s| of.with((s.scale - 1.0) * of.camera + of.lean(s));
     let mutants: [(_, Moved); 5] = [

@@ -14,7 +14,6 @@ use crate::random::Random;
 /// Windows are costly; states are not.
 const WINDOWS: usize = 40;
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Action = |window, angle, shift| turned(window, Vector3::z_axis(), angle, shift);
     let mutants: [(_, Action); 5] = [

@@ -13,7 +13,6 @@ const STAYING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 const ASIDE: Vector3<f64> = Vector3::new(0.3, -0.1, 0.2);
 const TURN: Vector3<f64> = Vector3::new(0.1, -0.2, 0.05);
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     chapter.counterexample("essential-five", "moved", five_degrees, [ASIDE, STAYING]);
 

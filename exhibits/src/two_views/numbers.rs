@@ -18,7 +18,6 @@ use super::worked::{
 use crate::chapter::Chapter;
 use crate::random::Random;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     worked_directions(chapter);
     worked_information(chapter);
