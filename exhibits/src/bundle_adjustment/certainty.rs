@@ -1,12 +1,14 @@
 //! What pixels leave open, and how sure the rest is.
 
+use std::sync::OnceLock;
+
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, SMatrix, SVector};
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
 use vislam::simulation::Scene;
 
 use super::gauge::{changed, projection, seven};
 use super::stereo::{right_depths, scale_information};
-use super::whole::{Ba, Blocks, Whole, at_truth, solver};
+use super::whole::{Blocks, Whole, at_truth, solver};
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, altered, differences};
 use crate::random::Random;
@@ -189,18 +191,35 @@ fn covariances(chapter: &mut Chapter) {
 type Cross = fn(&Blocks) -> DMatrix<f64>;
 
 /// A small stereo ring at its truth.
-fn small_stereo(seed: u64) -> Ba {
-    at_truth(&Scene::stereo_ring(4, 10, 0.3, 1.0, seed))
+struct SmallStereo {
+    blocks: Blocks,
+    /// Of the whole matrix.
+    inverse: DMatrix<f64>,
+    /// Of the first two points, by the library.
+    covariances: [Matrix3<f64>; 2],
+}
+
+fn small_stereo() -> &'static [SmallStereo] {
+    static RINGS: OnceLock<Vec<SmallStereo>> = OnceLock::new();
+    let ring = |seed| {
+        let problem = at_truth(&Scene::stereo_ring(4, 10, 0.3, 1.0, seed));
+        let covariance = solver(&problem).covariance().expect("nothing is free");
+        let covariances = [0, 1].map(|point| covariance.point(point).expect("the point is seen"));
+        let blocks = Whole::new(&problem).blocks();
+        SmallStereo { inverse: blocks.whole_inverse(), blocks, covariances }
+    };
+    RINGS.get_or_init(|| (0..SCENES).map(ring).collect())
 }
 
 fn ba_cross_covariance(formula: Cross) -> Comparison {
     let against = "a block of the inverse of the whole matrix";
-    Comparison::relative(against, 1e-7).each(0..SCENES, |seed| {
-        let blocks = Whole::new(&small_stereo(seed)).blocks();
-        let (cameras, points) = blocks.coupling.shape();
-        let expected = blocks.whole_inverse().view((0, cameras), (cameras, points)).into_owned();
-        (formula(&blocks), expected)
-    })
+    Comparison::relative(against, 1e-7).each(
+        small_stereo(),
+        |SmallStereo { blocks, inverse, .. }| {
+            let (cameras, points) = blocks.coupling.shape();
+            (formula(blocks), inverse.view((0, cameras), (cameras, points)).into_owned())
+        },
+    )
 }
 
 /// Takes the normal equations and a point, gives its covariance.
@@ -231,20 +250,14 @@ fn handed_on(blocks: &Blocks, point: usize, counts: fn(usize, usize) -> bool) ->
 
 fn ba_point_covariance(formula: OfPoint) -> Comparison {
     let against = "a block of the inverse of the whole matrix, and the library's";
-    let of_scene = |seed| {
-        let problem = small_stereo(seed);
-        let covariance = solver(&problem).covariance().expect("nothing is free");
-        let blocks = Whole::new(&problem).blocks();
-        let inverse = blocks.whole_inverse();
+    let states = small_stereo().iter().flat_map(|SmallStereo { blocks, inverse, covariances }| {
         [0, 1].map(|point| {
             let place = blocks.cameras.nrows() + 3 * point;
             let expected = inverse.fixed_view::<3, 3>(place, place).into_owned();
-            let library = covariance.point(point).expect("the point is seen");
-            [expected, library].map(|oracle| (formula(&blocks, point), oracle))
+            [expected, covariances[point]].map(|oracle| (formula(blocks, point), oracle))
         })
-    };
-    let states = (0..SCENES).flat_map(of_scene).flatten();
-    Comparison::relative(against, 1e-7).each(states, |both| both)
+    });
+    Comparison::relative(against, 1e-7).each(states.flatten(), |both| both)
 }
 
 /// Takes the normal equations and errors of the cameras.
@@ -284,12 +297,15 @@ type Expected = fn(f64, f64, f64) -> f64;
 
 fn ba_expected_cost(formula: Expected) -> Comparison {
     let against = "rows of the Jacobian less its rank, counted by singular values";
-    Comparison::absolute(against, 1e-9, "1").each(0..SCENES, |seed| {
-        let (cameras, points) = (3 + seed as usize % 4, 7 + seed as usize % 5);
-        let problem = at_truth(&Scene::ring(cameras, points, 1.0, seed));
-        let whole = Whole::new(&problem);
-        let observations = problem.factors.len() as f64;
-        let left = whole.cameras.nrows() - whole.rank();
-        (formula(observations, cameras as f64, points as f64), left as f64)
+    static LEFT: OnceLock<Vec<f64>> = OnceLock::new();
+    let size = |seed: u64| (3 + seed as usize % 4, 7 + seed as usize % 5);
+    let ring = |seed| Scene::ring(size(seed).0, size(seed).1, 1.0, seed);
+    let left = LEFT.get_or_init(|| {
+        let whole = (0..SCENES).map(|seed| Whole::new(&at_truth(&ring(seed))));
+        whole.map(|whole| (whole.cameras.nrows() - whole.rank()) as f64).collect()
+    });
+    Comparison::absolute(against, 1e-9, "1").each((0..SCENES).zip(left), |(seed, left)| {
+        let (observations, (cameras, points)) = (ring(seed).problem.factors.len(), size(seed));
+        (formula(observations as f64, cameras as f64, points as f64), *left)
     })
 }

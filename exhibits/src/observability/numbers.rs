@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::GRAVITY;
-use vislam::observability::{BiasAssumption, Similarity, UnknownCalibration, Window};
+use vislam::observability::{BiasAssumption, Similarity, UnknownCalibration};
 use vislam::simulation::{Flight, Trajectory};
 
 use super::near::{self, AMPLITUDES};
@@ -95,10 +95,8 @@ fn calibration(chapter: &mut Chapter) {
 
 fn pictures(chapter: &mut Chapter) {
     let count = |states, assumption| {
-        let flight = Flight {
-            seconds: 0.25 * f64::from(states - 1),
-            ..Flight::brief(Trajectory::figure_eight())
-        };
+        let flight = Flight::brief(Trajectory::figure_eight());
+        let flight = Flight { seconds: 0.25 * f64::from(states - 1), ..flight };
         free(&worked::of_flight(&flight, assumption)).count() as f64
     };
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
@@ -128,17 +126,10 @@ fn worked_turn(chapter: &mut Chapter) {
     let copy = window(BiasAssumption::CONSTANT);
     chapter.number("larger_bias", copy.biases[0].accelerometer.y, "m/s²", 2);
     let copy = window(BiasAssumption::KNOWN);
-    let gained = &inertial_residuals(&copy)[3..6];
-    chapter.number("larger_residual_mm_s", 1e3 * greatest(gained), "mm/s", 1);
-    chapter.number("larger_sigmas", whitened(&copy), "", 0);
-}
-
-fn greatest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |greatest, value| greatest.max(value.abs()))
-}
-
-fn whitened(window: &Window) -> f64 {
-    window.residual().expect("a similar window is in front of its cameras").norm()
+    let gained = inertial_residuals(&copy)[3..6].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    chapter.number("larger_residual_mm_s", 1e3 * gained, "mm/s", 1);
+    let whitened = copy.residual().expect("a similar window is in front of its cameras");
+    chapter.number("larger_sigmas", whitened.norm(), "", 0);
 }
 
 fn tilted(chapter: &mut Chapter) {

@@ -67,7 +67,7 @@ pub fn spectra() -> Figure {
     let strips = strips();
     let cells = |cell: fn(&Strip) -> String| strips.iter().map(cell).collect();
     let columns = vec![
-        ("motion", cells(|strip| strip.motion.to_owned())),
+        ("motion", cells(|strip| strip.motion.replace(',', ";"))),
         ("accelerometer bias", cells(|strip| strip.biases.to_owned())),
         ("free directions", cells(|strip| strip.free.count().to_string())),
         ("beside translation and yaw", cells(|strip| beside_four(strip.free))),
