@@ -2,7 +2,7 @@
 //! sure those are.
 //!
 //! Each part registers its equations, then checks them. In formulas `k` and `l` are cameras, `m` the
-//! motion `second_from_first`, `q` and `r` directions before and after it, `a` a parallax.
+//! motion `second_from_first`, `q` and `r` directions before and after it, `a` a parallax and `s` a stereo camera.
 
 mod conditions;
 mod draws;
@@ -26,7 +26,7 @@ use vislam::two_views::{
 };
 
 use crate::chapter::Chapter;
-use crate::comparison::{Comparison, differences};
+use crate::comparison::{Comparison, altered, differences};
 use crate::random::Random;
 use oracle::{information, meeting_in_plane, nudged, seen};
 use worked::facing;
@@ -283,21 +283,16 @@ fn rulers(chapter: &mut Chapter) {
 
     let formula: Blocks = StereoPinhole::project_with_jacobians;
     let mutants: [(_, Blocks); 4] = [
-        ("baseline dropped", |stereo, pose, point| {
-            with_baseline(stereo, 0.0).project_with_jacobians(pose, point)
+        ("baseline dropped", |s, m, p| with_baseline(s, 0.0).project_with_jacobians(m, p)),
+        ("right camera on the left", |s, m, p| with_baseline(s, -1.0).project_with_jacobians(m, p)),
+        ("pose block on the left", |s, m, p| {
+            let seen = s.project_with_jacobians(m, p)?;
+            Some(altered(seen, |seen| seen.by_pose *= se3::adjoint(&m.inverse())))
         }),
-        ("right camera on the left", |stereo, pose, point| {
-            with_baseline(stereo, -1.0).project_with_jacobians(pose, point)
-        }),
-        ("pose block on the left", |stereo, pose, point| {
-            let mut seen = stereo.project_with_jacobians(pose, point)?;
-            seen.by_pose *= se3::adjoint(&pose.inverse());
-            Some(seen)
-        }),
-        ("point block in camera coordinates", |stereo, pose, point| {
-            let mut seen = stereo.project_with_jacobians(pose, point)?;
-            seen.by_point *= pose.rotation.inverse().to_rotation_matrix();
-            Some(seen)
+        ("point block in camera coordinates", |s, m, p| {
+            let seen = s.project_with_jacobians(m, p)?;
+            let turn = m.rotation.inverse().to_rotation_matrix();
+            Some(altered(seen, |seen| seen.by_point *= turn))
         }),
     ];
     chapter.equation("stereo-blocks", stereo_blocks, formula, &mutants);
