@@ -18,7 +18,6 @@ mod whole;
 
 use crate::chapter::Chapter;
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     points_first::exhibits(chapter);
     conditions::counterexamples(chapter);

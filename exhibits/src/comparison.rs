@@ -84,7 +84,8 @@ impl<A: Values, B: Values, C: Values> Values for (A, B, C) {
     }
 }
 
-fn numbers(values: &impl Values) -> Vec<f64> {
+/// All numbers of some values.
+pub fn numbers(values: &impl Values) -> Vec<f64> {
     let mut numbers = Vec::new();
     values.append_to(&mut numbers);
     numbers
@@ -206,6 +207,12 @@ fn length(values: impl Iterator<Item = f64>) -> f64 {
 /// The inverse of a matrix, or of one that has none NaN, which no comparison accepts.
 pub fn inverse<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     matrix.try_inverse().unwrap_or(SMatrix::repeat(f64::NAN))
+}
+
+/// A value after a change, for mutants that spoil one part of what is right.
+pub fn altered<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
+    change(&mut value);
+    value
 }
 
 /// The derivative at zero of a function of `C` numbers, column by column, by central differences.

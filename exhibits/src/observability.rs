@@ -17,7 +17,6 @@ use crate::chapter::Chapter;
 /// Random states at which an equation is compared, unless it takes whole windows.
 const STATES: usize = 500;
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     chain::exhibits(chapter);
     symmetry::exhibits(chapter);

@@ -1,8 +1,8 @@
 //! What chapter `two_views` shows: what binds two pictures together, the points they fix and how
 //! sure those are.
 //!
-//! Each part registers its equations, then checks them. In formulas `k` is a camera, `m` the motion
-//! `second_from_first`, `a` a parallax.
+//! Each part registers its equations, then checks them. In formulas `k` and `l` are cameras, `m` the
+//! motion `second_from_first`, `q` and `r` directions before and after it, `a` a parallax and `s` a stereo camera.
 
 mod conditions;
 mod draws;
@@ -12,22 +12,23 @@ mod numbers;
 mod oracle;
 mod worked;
 
+use std::mem::swap;
+
 use nalgebra::{
-    Isometry3, Matrix2x3, Matrix3, Matrix3x6, Matrix4, Point3, Rotation3, SMatrix, Vector2,
-    Vector3, Vector6,
+    Isometry3, Matrix3, Matrix4, Point3, Rotation3, Vector1, Vector2, Vector3, Vector6,
 };
 use vislam::bearing::{bearing, depth_from_disparity};
 use vislam::manifold::{se3, so3};
 use vislam::reprojection::Pinhole;
 use vislam::two_views::{
-    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, scale_direction,
-    triangulate, triangulate_nonlinear,
+    self as theory, StereoPinhole, StereoProjection, View, essential_matrix, fundamental_matrix,
+    scale_direction, triangulate, triangulate_nonlinear,
 };
 
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, altered, differences};
 use crate::random::Random;
-use oracle::{curvature, information, meeting_in_plane, nudged, seen, slope};
+use oracle::{information, meeting_in_plane, nudged, seen};
 use worked::facing;
 
 /// Random states at which an equation is compared, unless its oracle is costly.
@@ -36,7 +37,6 @@ const STATES: usize = 500;
 /// Stands for the pixel of a formula that gives none; no comparison accepts it.
 const NOWHERE: Vector2<f64> = Vector2::new(f64::NAN, f64::NAN);
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     directions(chapter);
     lines(chapter);
@@ -51,29 +51,25 @@ pub fn exhibits(chapter: &mut Chapter) {
 }
 
 fn directions(chapter: &mut Chapter) {
-    let formula: Coplanarity =
-        |m, first, second| theory::epipolar_residual(&essential_matrix(m), first, second);
+    let formula: Coplanarity = |m, q, r| theory::epipolar_residual(&essential_matrix(m), q, r);
     let mutants: [(_, Coplanarity); 5] = [
-        ("matrix transposed", |m, first, second| first.dot(&(essential_matrix(m) * second))),
-        ("rotation transposed", |m, first, second| {
-            second.dot(&m.translation.vector.cross(&m.rotation.inverse_transform_vector(first)))
+        ("matrix transposed", |m, q, r| q.dot(&(essential_matrix(m) * r))),
+        ("rotation transposed", |m, q, r| {
+            r.dot(&m.translation.vector.cross(&m.rotation.inverse_transform_vector(q)))
         }),
-        ("rotation on the left", |m, first, second| {
-            second.dot(&(m.rotation * m.translation.vector.cross(first)))
-        }),
-        ("sign", |m, first, second| -second.dot(&(essential_matrix(m) * first))),
-        ("centre for translation", |m, first, second| {
-            let centre = m.inverse().translation.vector;
-            second.dot(&centre.cross(&(m.rotation * first)))
+        ("rotation on the left", |m, q, r| r.dot(&(m.rotation * m.translation.vector.cross(q)))),
+        ("sign", |m, q, r| -r.dot(&(essential_matrix(m) * q))),
+        ("centre for translation", |m, q, r| {
+            r.dot(&m.inverse().translation.vector.cross(&(m.rotation * q)))
         }),
     ];
     chapter.equation("coplanarity", coplanarity, formula, &mutants);
 
-    let formula: AnyBaseline = |r, a, first, second| second.dot(&a.cross(&(r * first)));
+    let formula: AnyBaseline = |turn, any, q, r| r.dot(&any.cross(&(turn * q)));
     let mutants: [(_, AnyBaseline); 3] = [
-        ("rotation transposed", |r, a, first, second| second.dot(&a.cross(&(r.inverse() * first)))),
-        ("rotation dropped", |_, a, first, second| second.dot(&a.cross(first))),
-        ("directions exchanged", |r, a, first, second| first.dot(&a.cross(&(r * second)))),
+        ("rotation transposed", |turn, any, q, r| r.dot(&any.cross(&(turn.inverse() * q)))),
+        ("rotation dropped", |_, any, q, r| r.dot(&any.cross(q))),
+        ("directions exchanged", |turn, any, q, r| q.dot(&any.cross(&(turn * r)))),
     ];
     chapter.equation("any-baseline", any_baseline, formula, &mutants);
 }
@@ -84,25 +80,20 @@ type Coplanarity = fn(&Isometry3<f64>, &Vector3<f64>, &Vector3<f64>) -> f64;
 fn coplanarity(formula: Coplanarity) -> Comparison {
     let against =
         "zero for directions to one point, and the determinant of three columns for others";
-    let mut comparison = Comparison::absolute(against, 1e-13, "m³");
     let mut random = Random::new(1);
-    for state in 0..STATES {
+    Comparison::absolute(against, 1e-13, "m³").each(0..STATES, |state| {
         let motion = motion(&mut random);
-        let point = random.point(2.0..50.0);
-        let second = motion.rotation * point + motion.translation.vector;
-        let other = random.direction(1.0);
-        let (first, second) = if state % 2 == 0 {
-            (point.normalize(), second.normalize())
+        let (point, other) = (random.point(2.0..50.0), random.direction(1.0));
+        let first = point.normalize();
+        let turned = motion.rotation.to_rotation_matrix() * first;
+        let (second, volume) = if state % 2 == 0 {
+            ((motion.rotation * point + motion.translation.vector).normalize(), 0.0)
         } else {
-            (point.normalize(), other)
+            let columns = [other, motion.translation.vector, turned];
+            (other, Matrix3::from_columns(&columns).determinant())
         };
-        let columns =
-            [second, motion.translation.vector, motion.rotation.to_rotation_matrix() * first];
-        let volume =
-            if state % 2 == 0 { 0.0 } else { Matrix3::from_columns(&columns).determinant() };
-        comparison.add(&[formula(&motion, &first, &second)], &[volume]);
-    }
-    comparison
+        (formula(&motion, &first, &second), volume)
+    })
 }
 
 /// Takes a rotation, any vector, and a direction before and after the rotation.
@@ -110,67 +101,45 @@ type AnyBaseline = fn(&Rotation3<f64>, &Vector3<f64>, &Vector3<f64>, &Vector3<f6
 
 fn any_baseline(formula: AnyBaseline) -> Comparison {
     let against = "zero, for the pixels of a turning camera and any vector";
-    let mut comparison = Comparison::absolute(against, 1e-12, "m³");
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
-        let camera = random.camera();
-        let turn = random.rotation(0.35);
+    Comparison::absolute(against, 1e-12, "m³").over(STATES, 2, |random| {
+        let (camera, turn) = (random.camera(), random.rotation(0.35));
         let point = random.point(1.0..50.0);
-        let pose = Isometry3::from_parts(Default::default(), turn.into());
-        let [first, second] = [Isometry3::identity(), pose].map(|pose| {
-            let pixel = seen(&camera, &pose, &point);
-            bearing(&camera, &pixel).into_inner()
+        let [first, second] = [Rotation3::identity(), turn].map(|turn| {
+            let pose = Isometry3::from_parts(Default::default(), turn.into());
+            bearing(&camera, &seen(&camera, &pose, &point)).into_inner()
         });
-        let any = random.direction(1.0);
-        comparison.add(&[formula(&turn, &any, &first, &second)], &[0.0]);
-    }
-    comparison
+        (formula(&turn, &random.direction(1.0), &first, &second), 0.0)
+    })
 }
 
 fn lines(chapter: &mut Chapter) {
-    let formula: Line = |first, second, m, pixel| line(first, second, &essential_matrix(m), pixel);
+    let formula: Line = |k, l, m, pixel| line(k, l, essential_matrix(m), pixel);
     let mutants: [(_, Line); 4] = [
-        ("matrix transposed", |first, second, m, pixel| {
-            line(first, second, &essential_matrix(m).transpose(), pixel)
-        }),
-        ("cameras exchanged", |first, second, m, pixel| {
-            line(second, first, &essential_matrix(m), pixel)
-        }),
-        ("motion inverted", |first, second, m, pixel| {
-            line(first, second, &essential_matrix(&m.inverse()), pixel)
-        }),
-        ("not scaled", |first, second, m, pixel| {
-            let essential = essential_matrix(m);
-            Some(theory::fundamental_matrix(first, second, &essential) * pixel.push(1.0))
+        ("matrix transposed", |k, l, m, pixel| line(k, l, essential_matrix(m).transpose(), pixel)),
+        ("cameras exchanged", |k, l, m, pixel| line(l, k, essential_matrix(m), pixel)),
+        ("motion inverted", |k, l, m, pixel| line(k, l, essential_matrix(&m.inverse()), pixel)),
+        ("not scaled", |k, l, m, pixel| {
+            Some(fundamental_matrix(k, l, &essential_matrix(m)) * pixel.push(1.0))
         }),
     ];
     chapter.equation("epipolar-line", epipolar_line, formula, &mutants);
 
-    let formula = theory::sampson_distance;
     let mutants: [(_, Sampson); 4] = [
-        ("distance in the second image only", |f, first, second| {
-            Some(theory::epipolar_line(f, first)?.dot(&second.push(1.0)))
+        ("distance in the second image only", |f, p, q| {
+            Some(theory::epipolar_line(f, p)?.dot(&q.push(1.0)))
         }),
-        ("algebraic", |f, first, second| Some(second.push(1.0).dot(&(f * first.push(1.0))))),
-        ("third component counted", |f, first, second| {
-            let lines = [f * first.push(1.0), f.transpose() * second.push(1.0)];
-            let slope = lines[0].norm().hypot(lines[1].norm());
-            Some(second.push(1.0).dot(&lines[0]) / slope)
+        ("algebraic", |f, p, q| Some(q.push(1.0).dot(&(f * p.push(1.0))))),
+        ("third component counted", |f, p, q| {
+            let lines = [f * p.push(1.0), f.transpose() * q.push(1.0)];
+            Some(q.push(1.0).dot(&lines[0]) / lines[0].norm().hypot(lines[1].norm()))
         }),
-        ("matrix transposed", |f, first, second| {
-            theory::sampson_distance(&f.transpose(), first, second)
-        }),
+        ("matrix transposed", |f, p, q| theory::sampson_distance(&f.transpose(), p, q)),
     ];
-    chapter.equation("sampson", sampson, formula, &mutants);
+    chapter.equation("sampson", sampson, theory::sampson_distance, &mutants);
 }
 
-fn line(
-    first: &Pinhole,
-    second: &Pinhole,
-    essential: &Matrix3<f64>,
-    pixel: &Vector2<f64>,
-) -> Option<Vector3<f64>> {
-    theory::epipolar_line(&theory::fundamental_matrix(first, second, essential), pixel)
+fn line(k: &Pinhole, l: &Pinhole, e: Matrix3<f64>, pixel: &Vector2<f64>) -> Option<Vector3<f64>> {
+    theory::epipolar_line(&fundamental_matrix(k, l, &e), pixel)
 }
 
 /// Takes both cameras, a motion and a pixel of the first image.
@@ -178,19 +147,18 @@ type Line = fn(&Pinhole, &Pinhole, &Isometry3<f64>, &Vector2<f64>) -> Option<Vec
 
 fn epipolar_line(formula: Line) -> Comparison {
     let against = "the pixels of two points of the ray in the second image, and a length of one";
-    let mut comparison = Comparison::absolute(against, 1e-9, "px");
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-9, "px").over(STATES, 3, |random| {
         let (first, second) = (random.camera(), random.camera());
-        let motion = motion(&mut random);
+        let motion = motion(random);
         let point = random.point(3.0..6.0);
         let pixel = seen(&first, &Isometry3::identity(), &point);
-        let line = formula(&first, &second, &motion, &pixel).unwrap_or(NOWHERE.push(f64::NAN));
-        let distance = |point| line.dot(&seen(&second, &motion, &point).push(1.0));
-        let values = [distance(point), distance(1.7 * point), line.xy().norm()];
-        comparison.add(&values, &[0.0, 0.0, 1.0]);
-    }
-    comparison
+        let line = formula(&first, &second, &motion, &pixel);
+        let values = line.map(|line| {
+            let distance = |point| line.dot(&seen(&second, &motion, &point).push(1.0));
+            [distance(point), distance(1.7 * point), line.xy().norm()]
+        });
+        (values, [0.0, 0.0, 1.0])
+    })
 }
 
 /// Takes a fundamental matrix and a pixel of each image.
@@ -198,24 +166,20 @@ type Sampson = fn(&Matrix3<f64>, &Vector2<f64>, &Vector2<f64>) -> Option<f64>;
 
 fn sampson(formula: Sampson) -> Comparison {
     let against = "how far both pixels move to those of the most likely point, for small noise";
-    let mut comparison = Comparison::absolute(against, 1e-6, "px");
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-6, "px").over(STATES, 4, |random| {
         let camera = random.camera();
-        let motion = motion(&mut random);
+        let motion = motion(random);
         let point = random.point(2.0..10.0);
         let views = [Isometry3::identity(), motion].map(|pose| {
             let noise = Vector2::new(random.normal(1e-3), random.normal(1e-3));
             let pixel = seen(&camera, &pose, &point) + noise;
             View { camera, camera_from_world: pose, pixel, sigma: 1.0 }
         });
-        let fundamental = theory::fundamental_matrix(&camera, &camera, &essential_matrix(&motion));
+        let fundamental = fundamental_matrix(&camera, &camera, &essential_matrix(&motion));
         let missed = formula(&fundamental, &views[0].pixel, &views[1].pixel);
-        let moved = theory::triangulate_nonlinear(&views, &point)
-            .map_or(f64::NAN, |found| 2.0 * found.cost);
-        comparison.add(&[missed.map_or(f64::NAN, f64::abs)], &[moved.sqrt()]);
-    }
-    comparison
+        let moved = triangulate_nonlinear(&views, &point).map_or(f64::NAN, |p| 2.0 * p.cost);
+        (missed.map(f64::abs), moved.sqrt())
+    })
 }
 
 fn motions(chapter: &mut Chapter) {
@@ -246,39 +210,29 @@ type Singular = fn(&Isometry3<f64>) -> Vector3<f64>;
 
 fn essential_singular(formula: Singular) -> Comparison {
     let against = "the singular values of the matrix whose columns are t × R e";
-    let mut comparison = Comparison::relative(against, 1e-13);
-    let mut random = Random::new(5);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-13).over(STATES, 5, |random| {
         let length = random.logarithmic(0.1..10.0);
         let (translation, rotation) = (random.direction(length), random.rotation(3.0));
-        let columns =
-            [0, 1, 2].map(|axis| translation.cross(&(rotation * Vector3::ith(axis, 1.0))));
-        let values = Matrix3::from_columns(&columns).singular_values();
+        let column = |axis| translation.cross(&(rotation * Vector3::ith(axis, 1.0)));
         let motion = Isometry3::from_parts(translation.into(), rotation.into());
-        comparison.add(formula(&motion).as_slice(), values.as_slice());
-    }
-    comparison
+        let matrix = Matrix3::from_columns(&[0, 1, 2].map(column));
+        (formula(&motion), matrix.singular_values())
+    })
 }
 
 type Poses = fn(&Matrix3<f64>) -> Option<[Isometry3<f64>; 4]>;
 
 fn essential_poses(formula: Poses) -> Comparison {
     let against = "the motion that the matrix was made from, with a baseline of one";
-    let mut comparison = Comparison::absolute(against, 1e-12, "entries");
-    let mut random = Random::new(6);
-    for _ in 0..STATES {
-        let truth =
-            Isometry3::from_parts(random.direction(1.0).into(), random.rotation(3.0).into());
-        let scale = random.logarithmic(0.1..10.0);
-        let found = formula(&(scale * essential_matrix(&truth)));
+    Comparison::absolute(against, 1e-12, "entries").over(STATES, 6, |random| {
+        let (translation, rotation) = (random.direction(1.0), random.rotation(3.0));
+        let truth = Isometry3::from_parts(translation.into(), rotation.into());
+        let found = formula(&(random.logarithmic(0.1..10.0) * essential_matrix(&truth)));
         let truth = truth.to_homogeneous();
-        let nearest = found.into_iter().flatten().map(|pose| pose.to_homogeneous());
-        let nearest =
-            nearest.min_by(|one, other| (one - truth).norm().total_cmp(&(other - truth).norm()));
-        let nearest = nearest.unwrap_or(Matrix4::repeat(f64::NAN));
-        comparison.add(nearest.as_slice(), truth.as_slice());
-    }
-    comparison
+        let error = |pose: &Matrix4<f64>| (pose - truth).norm();
+        let found = found.into_iter().flatten().map(|pose| pose.to_homogeneous());
+        (found.min_by(|one, other| error(one).total_cmp(&error(other))), truth)
+    })
 }
 
 /// The four motions with rotations by another formula of the scaled matrix and the translation.
@@ -304,52 +258,41 @@ fn rulers(chapter: &mut Chapter) {
     let mutants: [(_, Direction); 4] = [
         ("sign", |pose| -scale_direction(pose)),
         ("in world coordinates of the camera's translation", |pose| {
-            with_zeros(&pose.translation.vector)
+            let [x, y, z] = pose.translation.vector.into();
+            Vector6::new(x, y, z, 0.0, 0.0, 0.0)
         }),
         ("camera stays", |_| Vector6::zeros()),
         ("camera turns as well", |pose| {
-            let direction = scale_direction(pose);
-            let turn = direction.fixed_rows::<3>(0).into_owned();
-            Vector6::new(turn.x, turn.y, turn.z, turn.x, turn.y, turn.z)
+            let [x, y, z, ..]: [f64; 6] = scale_direction(pose).into();
+            Vector6::new(x, y, z, x, y, z)
         }),
     ];
     chapter.equation("scale-null-vector", scale_null_vector, scale_direction, &mutants);
 
-    let formula: Observation = |stereo, point| {
-        let seen = stereo.project_with_jacobians(&Isometry3::identity(), point)?;
-        Some(seen.observation)
-    };
     let mutants: [(_, Observation); 4] = [
         ("sign of the baseline", |stereo, point| predicted(&with_baseline(stereo, -1.0), point)),
         ("baseline dropped", |stereo, point| predicted(&with_baseline(stereo, 0.0), point)),
         ("disparity for the right column", |stereo, point| {
-            let seen = predicted(stereo, point)?;
-            Some(Vector3::new(seen.x, seen.y, seen.x - seen.z))
+            predicted(stereo, point).map(|seen| Vector3::new(seen.x, seen.y, seen.x - seen.z))
         }),
         ("right row for the right column", |stereo, point| {
-            let seen = predicted(stereo, point)?;
-            Some(Vector3::new(seen.x, seen.y, seen.y))
+            predicted(stereo, point).map(|seen| Vector3::new(seen.x, seen.y, seen.y))
         }),
     ];
-    chapter.equation("stereo-projection", stereo_projection, formula, &mutants);
+    chapter.equation("stereo-projection", stereo_projection, predicted, &mutants);
 
     let formula: Blocks = StereoPinhole::project_with_jacobians;
     let mutants: [(_, Blocks); 4] = [
-        ("baseline dropped", |stereo, pose, point| {
-            with_baseline(stereo, 0.0).project_with_jacobians(pose, point)
+        ("baseline dropped", |s, m, p| with_baseline(s, 0.0).project_with_jacobians(m, p)),
+        ("right camera on the left", |s, m, p| with_baseline(s, -1.0).project_with_jacobians(m, p)),
+        ("pose block on the left", |s, m, p| {
+            let seen = s.project_with_jacobians(m, p)?;
+            Some(altered(seen, |seen| seen.by_pose *= se3::adjoint(&m.inverse())))
         }),
-        ("right camera on the left", |stereo, pose, point| {
-            with_baseline(stereo, -1.0).project_with_jacobians(pose, point)
-        }),
-        ("pose block on the left", |stereo, pose, point| {
-            let mut seen = stereo.project_with_jacobians(pose, point)?;
-            seen.by_pose *= se3::adjoint(&pose.inverse());
-            Some(seen)
-        }),
-        ("point block in camera coordinates", |stereo, pose, point| {
-            let mut seen = stereo.project_with_jacobians(pose, point)?;
-            seen.by_point *= pose.rotation.inverse().to_rotation_matrix();
-            Some(seen)
+        ("point block in camera coordinates", |s, m, p| {
+            let seen = s.project_with_jacobians(m, p)?;
+            let turn = m.rotation.inverse().to_rotation_matrix();
+            Some(altered(seen, |seen| seen.by_point *= turn))
         }),
     ];
     chapter.equation("stereo-blocks", stereo_blocks, formula, &mutants);
@@ -359,17 +302,13 @@ type Direction = fn(&Isometry3<f64>) -> Vector6<f64>;
 
 fn scale_null_vector(formula: Direction) -> Comparison {
     let against = "what the motion of the points does to the pixel, with the sign turned";
-    let mut comparison = Comparison::relative(against, 1e-12);
-    let mut random = Random::new(21);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-12).over(STATES, 21, |random| {
         let camera = random.camera();
         let pose = Isometry3::from_parts(random.direction(3.0).into(), random.rotation(3.0).into());
-        let point = pose.inverse() * Point3::from(random.point(1.0..50.0));
-        let Some((by_pose, by_point)) = camera.jacobians(&pose, &point.coords) else { continue };
-        let by_camera = by_pose * formula(&pose);
-        comparison.add(by_camera.as_slice(), (-by_point * point.coords).as_slice());
-    }
-    comparison
+        let point = (pose.inverse() * Point3::from(random.point(1.0..50.0))).coords;
+        let (by_pose, by_point) = camera.jacobians(&pose, &point).expect("the point is in front");
+        (by_pose * formula(&pose), -by_point * point)
+    })
 }
 
 /// Takes a stereo camera and a point in coordinates of the left one.
@@ -377,49 +316,25 @@ type Observation = fn(&StereoPinhole, &Vector3<f64>) -> Option<Vector3<f64>>;
 
 fn stereo_projection(formula: Observation) -> Comparison {
     let against = "the projections into both cameras";
-    let mut comparison = Comparison::absolute(against, 1e-10, "px");
-    let mut random = Random::new(22);
-    for _ in 0..STATES {
-        let stereo = stereo(&mut random);
-        let point = random.point(0.5..50.0);
-        let seen = formula(&stereo, &point).unwrap_or(NOWHERE.push(f64::NAN));
-        let expected = observed(&stereo, &Isometry3::identity(), &point);
-        comparison.add(seen.as_slice(), expected.as_slice());
-    }
-    comparison
+    Comparison::absolute(against, 1e-10, "px").over(STATES, 22, |random| {
+        let (stereo, point) = (stereo(random), random.point(0.5..50.0));
+        (formula(&stereo, &point), observed(&stereo, &Isometry3::identity(), &point))
+    })
 }
 
 type Blocks = fn(&StereoPinhole, &Isometry3<f64>, &Vector3<f64>) -> Option<StereoProjection>;
 
 fn stereo_blocks(formula: Blocks) -> Comparison {
     let against = "central differences of the projections into both cameras";
-    let mut comparison = Comparison::relative(against, 1e-7);
-    let mut random = Random::new(23);
-    for _ in 0..STATES {
-        let stereo = stereo(&mut random);
-        let pose = motion(&mut random);
+    Comparison::relative(against, 1e-7).over(STATES, 23, |random| {
+        let (stereo, pose) = (stereo(random), motion(random));
         let point = random.point(2.0..20.0);
-        let mut by_pose = Matrix3x6::zeros();
-        for axis in 0..6 {
-            let along = |change: f64| {
-                let moved = se3::retract(&pose, &(change * Vector6::ith(axis, 1.0)));
-                observed(&stereo, &moved, &point)
-            };
-            by_pose.set_column(axis, &slope(along, 1e-5));
-        }
-        let mut by_point = Matrix3::zeros();
-        for axis in 0..3 {
-            let along =
-                |change: f64| observed(&stereo, &pose, &(point + change * Vector3::ith(axis, 1.0)));
-            by_point.set_column(axis, &slope(along, 1e-5));
-        }
+        let by_pose =
+            differences(1e-5, |twist| observed(&stereo, &se3::retract(&pose, &twist), &point));
+        let by_point = differences(1e-5, |step| observed(&stereo, &pose, &(point + step)));
         let blocks = formula(&stereo, &pose, &point);
-        let blocks =
-            blocks.map(|seen| [seen.by_pose.as_slice(), seen.by_point.as_slice()].concat());
-        let expected = [by_pose.as_slice(), by_point.as_slice()].concat();
-        comparison.add(&blocks.unwrap_or(vec![f64::NAN; 27]), &expected);
-    }
-    comparison
+        (blocks.map(|seen| (seen.by_pose, seen.by_point)), (by_pose, by_point))
+    })
 }
 
 fn stereo(random: &mut Random) -> StereoPinhole {
@@ -447,43 +362,21 @@ fn observed(
     left.push(seen(&stereo.camera, &right_from_world, point).x)
 }
 
-fn with_zeros(translation: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(translation.x, translation.y, translation.z, 0.0, 0.0, 0.0)
-}
-
 fn linear(chapter: &mut Chapter) {
     let formula: Linear = |views| triangulate(views, 0.0).ok();
     let mutants: [(_, Linear); 5] = [
-        ("poses inverted", |views| {
-            triangulated(views, |view| View {
-                camera_from_world: view.camera_from_world.inverse(),
-                ..*view
-            })
-        }),
+        ("poses inverted", |views| changed(views, |view| view.camera_from_world.inverse_mut())),
         ("translations negated", |views| {
-            triangulated(views, |view| {
-                let mut pose = view.camera_from_world;
-                pose.translation.vector.neg_mut();
-                View { camera_from_world: pose, ..*view }
-            })
+            changed(views, |view| view.camera_from_world.translation.vector.neg_mut())
         }),
         ("rotations dropped", |views| {
-            triangulated(views, |view| View {
-                camera_from_world: Isometry3::from(view.camera_from_world.translation),
-                ..*view
-            })
+            changed(views, |view| view.camera_from_world.rotation = Default::default())
         }),
         ("focal lengths exchanged", |views| {
-            triangulated(views, |view| View {
-                camera: Pinhole { fx: view.camera.fy, fy: view.camera.fx, ..view.camera },
-                ..*view
-            })
+            changed(views, |View { camera, .. }| swap(&mut camera.fx, &mut camera.fy))
         }),
         ("principal point dropped", |views| {
-            triangulated(views, |view| View {
-                camera: Pinhole { cx: 0.0, cy: 0.0, ..view.camera },
-                ..*view
-            })
+            changed(views, |View { camera, .. }| (camera.cx, camera.cy) = (0.0, 0.0))
         }),
     ];
     chapter.equation("dlt-rows", dlt_rows, formula, &mutants);
@@ -493,20 +386,18 @@ type Linear = fn(&[View; 3]) -> Option<Vector3<f64>>;
 
 fn dlt_rows(formula: Linear) -> Comparison {
     let against = "the point whose pixels the views hold, without noise";
-    let mut comparison = Comparison::relative(against, 1e-10);
-    let mut random = Random::new(31);
-    for _ in 0..STATES {
-        let (point, views) = three_views(&mut random);
+    Comparison::relative(against, 1e-10).over(STATES, 31, |random| {
+        let (point, views) = three_views(random);
         // A mutant's point may lie behind its cameras; then it is no point at all.
-        let found = formula(&views).unwrap_or(Vector3::repeat(1e9));
-        comparison.add(found.as_slice(), point.as_slice());
-    }
-    comparison
+        (formula(&views).unwrap_or(Vector3::repeat(1e9)), point)
+    })
 }
 
 /// The linear point of views that were changed.
-fn triangulated(views: &[View; 3], change: fn(&View) -> View) -> Option<Vector3<f64>> {
-    triangulate(&views.each_ref().map(change), 0.0).ok()
+fn changed(views: &[View; 3], change: fn(&mut View)) -> Option<Vector3<f64>> {
+    let mut views = *views;
+    views.iter_mut().for_each(change);
+    triangulate(&views, 0.0).ok()
 }
 
 /// Three views of a point by one camera, with noise of different sizes claimed and none there.
@@ -524,94 +415,80 @@ fn three_views(random: &mut Random) -> (Vector3<f64>, [View; 3]) {
 }
 
 fn likely(chapter: &mut Chapter) {
-    let formula: Covariance = |views, point| {
-        triangulate_nonlinear(views, point).map_or(Matrix3::repeat(f64::NAN), |p| p.covariance)
-    };
+    let formula: Covariance =
+        |views, point| Some(triangulate_nonlinear(views, point).ok()?.covariance);
     let mutants: [(_, Covariance); 5] = [
-        ("not inverted", |views, point| information(views, point)),
+        ("not inverted", |views, point| Some(information(views, point))),
         ("sigma not squared", |views, point| {
-            inverse(information(&views.map(|v| View { sigma: v.sigma.sqrt(), ..v }), point))
+            information(&views.map(|v| View { sigma: v.sigma.sqrt(), ..v }), point).try_inverse()
         }),
         ("noise dropped", |views, point| {
-            inverse(information(&views.map(|v| View { sigma: 1.0, ..v }), point))
+            information(&views.map(|v| View { sigma: 1.0, ..v }), point).try_inverse()
         }),
-        ("one view only counted once more", |views, point| {
-            inverse(information(&[views[0], views[1], views[1]], point))
+        ("one view only counted once more", |[first, second, _], point| {
+            information(&[*first, *second, *second], point).try_inverse()
         }),
         ("rotations dropped", |views, point| {
-            let rows = views.map(|view| {
+            let mut information = Matrix3::zeros();
+            for view in views {
                 let in_camera = view.camera_from_world * Point3::from(*point);
-                let jacobian = view.camera.projection_jacobian(&in_camera.coords);
-                jacobian.map_or(Matrix2x3::repeat(f64::NAN), |j| j / view.sigma)
-            });
-            inverse(rows.iter().map(|row| row.tr_mul(row)).sum())
+                let row = view.camera.projection_jacobian(&in_camera.coords)? / view.sigma;
+                information += row.tr_mul(&row);
+            }
+            information.try_inverse()
         }),
     ];
     chapter.equation("point-covariance", point_covariance, formula, &mutants);
 
-    let formula: Bias = |views, point| {
-        triangulate_nonlinear(views, point).map_or(Vector3::repeat(f64::NAN), |p| p.bias)
-    };
     let mutants: [(_, Bias); 4] = [
-        ("sign", |views, point| -found_bias(views, point)),
-        ("half dropped", |views, point| 2.0 * found_bias(views, point)),
+        ("sign", |views, point| Some(-bias(views, point)?)),
+        ("half dropped", |views, point| Some(2.0 * bias(views, point)?)),
         ("curvature of the first view only", |views, point| {
-            let [first, second, third] = *views;
             let dull = |view: View| View { sigma: 1e3 * view.sigma, ..view };
-            found_bias(&[first, dull(second), dull(third)], point)
+            bias(&[views[0], dull(views[1]), dull(views[2])], point)
         }),
-        ("curvature dropped", |_, _| Vector3::zeros()),
+        ("curvature dropped", |_, _| Some(Vector3::zeros())),
     ];
-    chapter.equation("point-bias", point_bias, formula, &mutants);
+    chapter.equation("point-bias", point_bias, bias, &mutants);
 }
 
-type Covariance = fn(&[View; 3], &Vector3<f64>) -> Matrix3<f64>;
+type Covariance = fn(&[View; 3], &Vector3<f64>) -> Option<Matrix3<f64>>;
 
 fn point_covariance(formula: Covariance) -> Comparison {
     let against = "how the most likely point answers to each pixel, by central differences";
-    let mut comparison = Comparison::relative(against, 1e-5);
-    let mut random = Random::new(32);
-    for _ in 0..200 {
-        let (point, views) = three_views(&mut random);
-        let answers: [_; 6] = std::array::from_fn(|coordinate| {
-            slope(|change| most_likely(&nudged(&views, coordinate, change), &point), 1e-2)
+    Comparison::relative(against, 1e-5).over(200, 32, |random| {
+        let (point, views) = three_views(random);
+        let answers = differences::<3, 6>(1e-2, |change| {
+            most_likely(&nudged(&views, change.as_slice()), &point)
         });
-        let answers = SMatrix::<f64, 3, 6>::from_columns(&answers);
-        let expected = answers * answers.transpose();
-        comparison.add(formula(&views, &point).as_slice(), expected.as_slice());
-    }
-    comparison
+        (formula(&views, &point), answers * answers.transpose())
+    })
 }
 
-type Bias = fn(&[View; 3], &Vector3<f64>) -> Vector3<f64>;
+type Bias = fn(&[View; 3], &Vector3<f64>) -> Option<Vector3<f64>>;
 
 fn point_bias(formula: Bias) -> Comparison {
     let against = "half the second differences of the most likely point by each pixel";
-    let mut comparison = Comparison::relative(against, 5e-3);
-    let mut random = Random::new(33);
-    for _ in 0..200 {
-        let (point, views) = three_views(&mut random);
-        let expected: Vector3<f64> = (0..6)
-            .map(|coordinate| {
-                let along = |change| most_likely(&nudged(&views, coordinate, change), &point);
-                0.5 * curvature(along, 0.05)
-            })
-            .sum();
-        comparison.add(formula(&views, &point).as_slice(), expected.as_slice());
-    }
-    comparison
+    Comparison::relative(against, 5e-3).over(200, 33, |random| {
+        let (point, views) = three_views(random);
+        let (step, here) = (0.05, most_likely(&views, &point));
+        let curvature = |coordinate: usize| {
+            let along = |change| {
+                let nudge = Vector6::ith(coordinate, change);
+                most_likely(&nudged(&views, nudge.as_slice()), &point)
+            };
+            (along(step) - 2.0 * here + along(-step)) / (step * step)
+        };
+        (formula(&views, &point), (0..6).map(|pixel| 0.5 * curvature(pixel)).sum::<Vector3<f64>>())
+    })
 }
 
 fn most_likely(views: &[View; 3], start: &Vector3<f64>) -> Vector3<f64> {
     triangulate_nonlinear(views, start).map_or(Vector3::repeat(f64::NAN), |found| found.point)
 }
 
-fn found_bias(views: &[View; 3], point: &Vector3<f64>) -> Vector3<f64> {
-    triangulate_nonlinear(views, point).map_or(Vector3::repeat(f64::NAN), |found| found.bias)
-}
-
-fn inverse(matrix: Matrix3<f64>) -> Matrix3<f64> {
-    matrix.try_inverse().unwrap_or(Matrix3::repeat(f64::NAN))
+fn bias(views: &[View; 3], point: &Vector3<f64>) -> Option<Vector3<f64>> {
+    Some(triangulate_nonlinear(views, point).ok()?.bias)
 }
 
 fn two_rays(chapter: &mut Chapter) {
@@ -645,40 +522,30 @@ type RaySigma = fn(f64, f64, f64, f64) -> f64;
 
 fn ray_sigma(formula: RaySigma) -> Comparison {
     let against = "central differences of where two rays of a plane meet, by both of their angles";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(34);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-6).over(STATES, 34, |random| {
         let (first, second) = (random.logarithmic(1.0..20.0), random.logarithmic(1.0..20.0));
         let parallax = random.uniform(0.02..2.0);
         let sigma = random.logarithmic(1e-4..1e-2);
         // The first ray runs along z, the second one meets it at the point.
-        let backwards = Vector2::new(parallax.sin(), parallax.cos());
-        let start = Vector2::new(0.0, first) - second * backwards;
-        let step = 1e-4 * parallax;
-        let along = |first_turn: f64, second_turn: f64| {
-            meeting_in_plane(first_turn, parallax + second_turn, start).y
-        };
-        let by_first = (along(step, 0.0) - along(-step, 0.0)) / (2.0 * step);
-        let by_second = (along(0.0, step) - along(0.0, -step)) / (2.0 * step);
-        let expected = sigma * by_first.hypot(by_second);
-        comparison.add(&[formula(first, second, parallax, sigma)], &[expected]);
-    }
-    comparison
+        let start =
+            Vector2::new(0.0, first) - second * Vector2::new(parallax.sin(), parallax.cos());
+        let by_turns = differences(1e-4 * parallax, |turns: Vector2<f64>| {
+            Vector1::new(meeting_in_plane(turns.x, parallax + turns.y, start).y)
+        });
+        (formula(first, second, parallax, sigma), sigma * by_turns.x.hypot(by_turns.y))
+    })
 }
 
 type Condition = fn(f64) -> f64;
 
 fn point_condition(formula: Condition) -> Comparison {
     let against = "eigenvalues of the information, from central differences of both projections";
-    let mut comparison = Comparison::relative(against, 1e-5);
-    let mut random = Random::new(35);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-5).over(STATES, 35, |random| {
         let parallax = random.logarithmic(0.02..1.5);
         let (point, views) = facing(random.logarithmic(1.0..20.0), parallax);
         let eigenvalues = information(&views, &point).symmetric_eigenvalues();
-        comparison.add(&[formula(parallax)], &[eigenvalues.max() / eigenvalues.min()]);
-    }
-    comparison
+        (formula(parallax), eigenvalues.max() / eigenvalues.min())
+    })
 }
 
 /// Takes a depth and its standard deviation.
@@ -686,23 +553,19 @@ type DepthBias = fn(f64, f64) -> f64;
 
 fn depth_bias(formula: DepthBias) -> Comparison {
     let against = "the average depth over a normally distributed disparity, by Gauss-Hermite nodes";
-    let mut comparison = Comparison::relative(against, 1e-4);
-    let mut random = Random::new(36);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-4).over(STATES, 36, |random| {
         let camera = random.camera();
         let baseline = random.logarithmic(0.05..2.0);
         let depth = random.logarithmic(1.0..100.0);
         let disparity = camera.fx * baseline / depth;
         let noise = 1e-3 * disparity;
-        let at = |error: f64| {
-            depth_from_disparity(&camera, baseline, disparity + error).unwrap_or(f64::NAN)
-        };
+        let at =
+            |error| depth_from_disparity(&camera, baseline, disparity + error).unwrap_or(f64::NAN);
         let end = 3.0_f64.sqrt() * noise;
         let mean = (at(-end) + 4.0 * at(0.0) + at(end)) / 6.0;
         let sigma = ((at(-noise) - at(noise)) / 2.0).abs();
-        comparison.add(&[formula(depth, sigma)], &[mean - depth]);
-    }
-    comparison
+        (formula(depth, sigma), mean - depth)
+    })
 }
 
 /// A motion after which points a few metres ahead are still in front of the camera.

@@ -1,14 +1,16 @@
 //! What pixels leave open, and how sure the rest is.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, SMatrix, Vector2, Vector3};
+use std::sync::OnceLock;
+
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, SMatrix, SVector};
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
 use vislam::simulation::Scene;
 
-use super::gauge::{changed, seven};
+use super::gauge::{changed, projection, seven};
 use super::stereo::{right_depths, scale_information};
 use super::whole::{Blocks, Whole, at_truth, solver};
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, altered, differences};
 use crate::random::Random;
 
 /// Random states at which an equation is compared, unless its oracle is costly.
@@ -25,28 +27,20 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 fn free_directions(chapter: &mut Chapter) {
     let mutants: [(_, Seven); 4] = [
-        ("sign of scale", |camera| {
-            let mut directions = seven(camera);
-            directions.column_mut(6).neg_mut();
-            directions
-        }),
+        ("sign of scale", |camera| altered(seven(camera), |ways| ways.column_mut(6).neg_mut())),
         ("sign of the turn", |camera| {
-            let mut directions = seven(camera);
-            directions.fixed_columns_mut::<3>(3).neg_mut();
-            directions
+            altered(seven(camera), |ways| ways.fixed_columns_mut::<3>(3).neg_mut())
         }),
         ("translation for the centre", |camera| {
-            let mut directions = seven(camera);
             let translation = camera.camera_from_world.translation.vector;
-            directions.fixed_view_mut::<3, 1>(0, 6).copy_from(&translation);
-            directions
+            altered(seven(camera), |ways| ways.fixed_view_mut::<3, 1>(0, 6).copy_from(&translation))
         }),
         ("in the camera's axes", |camera| {
             let rotation = camera.camera_from_world.rotation.to_rotation_matrix();
-            let mut directions = seven(camera);
-            directions.fixed_view_mut::<3, 3>(0, 0).copy_from(&-rotation.matrix());
-            directions.fixed_view_mut::<3, 3>(3, 3).copy_from(&-rotation.matrix());
-            directions
+            altered(seven(camera), |ways| {
+                ways.fixed_view_mut::<3, 3>(0, 0).copy_from(&-rotation.matrix());
+                ways.fixed_view_mut::<3, 3>(3, 3).copy_from(&-rotation.matrix());
+            })
         }),
     ];
     chapter.equation("ba-seven", ba_seven, seven, &mutants);
@@ -79,42 +73,24 @@ fn free_directions(chapter: &mut Chapter) {
     chapter.equation("ba-scale-information", ba_scale_information, scale_information, &mutants);
 }
 
-fn projection(free: &DMatrix<f64>, held: &DMatrix<f64>) -> DMatrix<f64> {
-    let size = free.nrows();
-    let along = held.tr_mul(free).try_inverse().expect("what is held is enough");
-    DMatrix::identity(size, size) - free * along * held.transpose()
-}
-
 /// Takes a camera, gives its twist in each of the seven motions of the whole scene.
 type Seven = fn(&PosedPinhole) -> SMatrix<f64, 6, 7>;
 
 fn ba_seven(formula: Seven) -> Comparison {
     let against = "what the moving points do to the pixel, by differences, with the sign turned";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(1);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-6).over(STATES, 1, |random| {
         let pose = Isometry3::from_parts(random.direction(3.0).into(), random.rotation(3.0).into());
         let camera = PosedPinhole { intrinsics: random.camera(), camera_from_world: pose };
         let point =
             pose.inverse_transform_vector(&(random.point(1.0..50.0) - pose.translation.vector));
-        let Some(view) = camera.differentiate(&point) else { continue };
-        let by_camera = view.by_camera * formula(&camera);
-        let step = 1e-5;
-        let by_points =
-            SMatrix::<f64, 2, 7>::from_columns(&std::array::from_fn::<_, 7, _>(|way| {
-                let seen = |change: f64| {
-                    let moved = match way {
-                        0..3 => point + change * Vector3::ith(way, 1.0),
-                        3..6 => Rotation3::new(change * Vector3::ith(way - 3, 1.0)) * point,
-                        _ => (1.0 + change) * point,
-                    };
-                    camera.project(&moved).unwrap_or(Vector2::repeat(f64::NAN))
-                };
-                (seen(-step) - seen(step)) / (2.0 * step)
-            }));
-        comparison.add(by_camera.as_slice(), by_points.as_slice());
-    }
-    comparison
+        let view = camera.differentiate(&point).expect("the point is in front");
+        let by_points = differences(1e-5, |ways: SVector<f64, 7>| {
+            let turn = Rotation3::new(ways.fixed_rows::<3>(3).into_owned());
+            let moved = (1.0 + ways[6]) * (turn * point) + ways.fixed_rows::<3>(0);
+            camera.project(&moved).expect("the point stays in front")
+        });
+        (view.by_camera * formula(&camera), -by_points)
+    })
 }
 
 /// Takes a covariance, the free directions and what is held, as columns.
@@ -122,37 +98,22 @@ type Change = fn(&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>) -> DMatrix<f64>;
 
 fn ba_gauge_change(formula: Change) -> Comparison {
     let against = "the inverse among the directions that leave alone what is held";
-    let mut comparison = Comparison::relative(against, 1e-5);
     let mut random = Random::new(2);
-    for seed in 0..SCENES {
+    Comparison::relative(against, 1e-5).each(0..SCENES, |seed| {
         let mut problem = at_truth(&Scene::ring(4, 10, 1.0, seed));
         problem.fixed.fill(false);
         let shortest = solver(&problem).minimal_norm_covariance().expect("parallax").cameras;
-        let columns: Vec<DVector<f64>> = problem
-            .cameras
-            .iter()
-            .map(seven)
-            .fold(vec![Vec::new(); 7], |mut columns, directions| {
-                for (column, direction) in columns.iter_mut().zip(directions.column_iter()) {
-                    column.extend(direction.iter());
-                }
-                columns
-            })
-            .into_iter()
-            .map(DVector::from_vec)
-            .collect();
-        let free = DMatrix::from_columns(&columns);
+        let ways: Vec<_> = problem.cameras.iter().map(seven).collect();
+        let free = DMatrix::from_fn(24, 7, |row, way| ways[row / 6][(row % 6, way)]);
         let held = DMatrix::from_fn(24, 7, |_, _| random.normal(1.0));
         let across = (&held * held.transpose()).symmetric_eigen();
         let mut order: Vec<usize> = (0..24).collect();
         order.sort_by(|a, b| across.eigenvalues[*a].total_cmp(&across.eigenvalues[*b]));
-        let basis = DMatrix::from_fn(24, 17, |row, i| across.eigenvectors[(row, order[i])]);
+        let basis = across.eigenvectors.select_columns(&order[..17]);
         let reduced = Whole::new(&problem).blocks().reduced();
         let inner = (basis.transpose() * reduced * &basis).try_inverse().expect("nothing is free");
-        let expected = &basis * inner * basis.transpose();
-        comparison.add(formula(&shortest, &free, &held).as_slice(), expected.as_slice());
-    }
-    comparison
+        (formula(&shortest, &free, &held), &basis * inner * basis.transpose())
+    })
 }
 
 /// Takes a focal length, a baseline, the noise, and depths in the second cameras.
@@ -160,18 +121,15 @@ type ScaleInformation = fn(f64, f64, f64, &[f64]) -> f64;
 
 fn ba_scale_information(formula: ScaleInformation) -> Comparison {
     let against = "the curvature of the cost while cameras and points grow, by second differences";
-    let mut comparison = Comparison::relative(against, 1e-6);
     let mut random = Random::new(3);
-    for seed in 0..SCENES {
+    Comparison::relative(against, 1e-6).each(0..SCENES, |seed| {
         let (baseline, sigma) = (random.logarithmic(0.02..0.5), random.logarithmic(0.3..3.0));
         let mut truth = at_truth(&Scene::stereo_ring(4, 12, baseline, 0.0, seed));
         truth.factors.iter_mut().for_each(|factor| factor.inverse_sigma = 1.0 / sigma);
         let right_from_left = Isometry3::translation(-baseline, 0.0, 0.0);
         let cost = |change: f64| {
             let mut grown = truth.clone();
-            for point in &mut grown.points {
-                *point *= 1.0 + change;
-            }
+            grown.points.iter_mut().for_each(|point| *point *= 1.0 + change);
             for pair in grown.cameras.chunks_mut(2) {
                 pair[0].camera_from_world.translation.vector *= 1.0 + change;
                 pair[1].camera_from_world = right_from_left * pair[0].camera_from_world;
@@ -180,10 +138,8 @@ fn ba_scale_information(formula: ScaleInformation) -> Comparison {
         };
         let curvature = (cost(1e-4) + cost(-1e-4)) / 1e-8;
         let focal_length = truth.cameras[0].intrinsics.fx;
-        let information = formula(focal_length, baseline, sigma, &right_depths(&truth));
-        comparison.add(&[information], &[curvature]);
-    }
-    comparison
+        (formula(focal_length, baseline, sigma, &right_depths(&truth)), curvature)
+    })
 }
 
 fn covariances(chapter: &mut Chapter) {
@@ -234,22 +190,36 @@ fn covariances(chapter: &mut Chapter) {
 /// Takes the normal equations, gives what cameras and points have in common.
 type Cross = fn(&Blocks) -> DMatrix<f64>;
 
-/// The normal equations of a small stereo ring, at its truth.
-fn small_stereo(seed: u64) -> Blocks {
-    Whole::new(&at_truth(&Scene::stereo_ring(4, 10, 0.3, 1.0, seed))).blocks()
+/// A small stereo ring at its truth.
+struct SmallStereo {
+    blocks: Blocks,
+    /// Of the whole matrix.
+    inverse: DMatrix<f64>,
+    /// Of the first two points, by the library.
+    covariances: [Matrix3<f64>; 2],
+}
+
+fn small_stereo() -> &'static [SmallStereo] {
+    static RINGS: OnceLock<Vec<SmallStereo>> = OnceLock::new();
+    let ring = |seed| {
+        let problem = at_truth(&Scene::stereo_ring(4, 10, 0.3, 1.0, seed));
+        let covariance = solver(&problem).covariance().expect("nothing is free");
+        let covariances = [0, 1].map(|point| covariance.point(point).expect("the point is seen"));
+        let blocks = Whole::new(&problem).blocks();
+        SmallStereo { inverse: blocks.whole_inverse(), blocks, covariances }
+    };
+    RINGS.get_or_init(|| (0..SCENES).map(ring).collect())
 }
 
 fn ba_cross_covariance(formula: Cross) -> Comparison {
     let against = "a block of the inverse of the whole matrix";
-    let mut comparison = Comparison::relative(against, 1e-7);
-    for seed in 0..SCENES {
-        let blocks = small_stereo(seed);
-        let (cameras, points) = blocks.coupling.shape();
-        let inverse = blocks.whole_inverse();
-        let expected = inverse.view((0, cameras), (cameras, points)).into_owned();
-        comparison.add(formula(&blocks).as_slice(), expected.as_slice());
-    }
-    comparison
+    Comparison::relative(against, 1e-7).each(
+        small_stereo(),
+        |SmallStereo { blocks, inverse, .. }| {
+            let (cameras, points) = blocks.coupling.shape();
+            (formula(blocks), inverse.view((0, cameras), (cameras, points)).into_owned())
+        },
+    )
 }
 
 /// Takes the normal equations and a point, gives its covariance.
@@ -280,22 +250,14 @@ fn handed_on(blocks: &Blocks, point: usize, counts: fn(usize, usize) -> bool) ->
 
 fn ba_point_covariance(formula: OfPoint) -> Comparison {
     let against = "a block of the inverse of the whole matrix, and the library's";
-    let mut comparison = Comparison::relative(against, 1e-7);
-    for seed in 0..SCENES {
-        let problem = at_truth(&Scene::stereo_ring(4, 10, 0.3, 1.0, seed));
-        let covariance = solver(&problem).covariance().expect("nothing is free");
-        let blocks = Whole::new(&problem).blocks();
-        let inverse = blocks.whole_inverse();
-        for point in 0..2 {
-            let found = formula(&blocks, point);
+    let states = small_stereo().iter().flat_map(|SmallStereo { blocks, inverse, covariances }| {
+        [0, 1].map(|point| {
             let place = blocks.cameras.nrows() + 3 * point;
             let expected = inverse.fixed_view::<3, 3>(place, place).into_owned();
-            comparison.add(found.as_slice(), expected.as_slice());
-            let library = covariance.point(point).unwrap_or(Matrix3::repeat(f64::NAN));
-            comparison.add(found.as_slice(), library.as_slice());
-        }
-    }
-    comparison
+            [expected, covariances[point]].map(|oracle| (formula(blocks, point), oracle))
+        })
+    });
+    Comparison::relative(against, 1e-7).each(states.flatten(), |both| both)
 }
 
 /// Takes the normal equations and errors of the cameras.
@@ -303,17 +265,16 @@ type Weigh = fn(&Blocks, &DVector<f64>) -> f64;
 
 fn ba_nees(formula: Weigh) -> Comparison {
     let against = "the squared pixels that no motion of the points explains";
-    let mut comparison = Comparison::relative(against, 1e-8);
     let mut random = Random::new(5);
-    for seed in 0..SCENES {
+    let states = (0..SCENES).flat_map(|seed| {
         let whole = Whole::new(&at_truth(&Scene::ring(5, 12, 1.0, seed)));
         let blocks = whole.blocks();
-        for _ in 0..4 {
+        [(); 4].map(|()| {
             let error = DVector::from_fn(whole.cameras.ncols(), |_, _| random.normal(0.02));
-            comparison.add(&[formula(&blocks, &error)], &[whole.unexplained(&error)]);
-        }
-    }
-    comparison
+            (formula(&blocks, &error), whole.unexplained(&error))
+        })
+    });
+    Comparison::relative(against, 1e-8).each(states, |both| both)
 }
 
 fn counts(chapter: &mut Chapter) {
@@ -336,14 +297,15 @@ type Expected = fn(f64, f64, f64) -> f64;
 
 fn ba_expected_cost(formula: Expected) -> Comparison {
     let against = "rows of the Jacobian less its rank, counted by singular values";
-    let mut comparison = Comparison::absolute(against, 1e-9, "1");
-    for seed in 0..SCENES {
-        let (cameras, points) = (3 + seed as usize % 4, 7 + seed as usize % 5);
-        let problem = at_truth(&Scene::ring(cameras, points, 1.0, seed));
-        let whole = Whole::new(&problem);
-        let expected = whole.cameras.nrows() as f64 - whole.rank() as f64;
-        let observations = problem.factors.len() as f64;
-        comparison.add(&[formula(observations, cameras as f64, points as f64)], &[expected]);
-    }
-    comparison
+    static LEFT: OnceLock<Vec<f64>> = OnceLock::new();
+    let size = |seed: u64| (3 + seed as usize % 4, 7 + seed as usize % 5);
+    let ring = |seed| Scene::ring(size(seed).0, size(seed).1, 1.0, seed);
+    let left = LEFT.get_or_init(|| {
+        let whole = (0..SCENES).map(|seed| Whole::new(&at_truth(&ring(seed))));
+        whole.map(|whole| (whole.cameras.nrows() - whole.rank()) as f64).collect()
+    });
+    Comparison::absolute(against, 1e-9, "1").each((0..SCENES).zip(left), |(seed, left)| {
+        let (observations, (cameras, points)) = (ring(seed).problem.factors.len(), size(seed));
+        (formula(observations as f64, cameras as f64, points as f64), *left)
+    })
 }

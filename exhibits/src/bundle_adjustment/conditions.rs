@@ -28,7 +28,6 @@ const MEASURED: Line = &[[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0], [0.0, 0.0
 /// Nobody sees point 1.
 const UNSEEN: Line = &[[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 1.0, 0.0]];
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     chapter.counterexample("schur-step", "definite", one_solution, [HELD, NOTHING_HELD]);
     chapter.counterexample("covisibility", "no-common-point", no_block, [APART, SHARED]);
@@ -62,23 +61,20 @@ fn free_directions(matrix: &DMatrix<f64>) -> f64 {
 
 fn one_solution(line: Line) -> Comparison {
     let against = "no direction of the Schur complement in which the solution is open";
-    let mut comparison = Comparison::absolute(against, 0.1, "directions");
-    comparison.add(&[free_directions(&matrices(line)[1])], &[0.0]);
-    comparison
+    let [_, reduced] = matrices(line);
+    Comparison::absolute(against, 0.1, "directions")
+        .each([reduced], |reduced| (free_directions(&reduced), 0.0))
 }
 
 fn no_block(line: Line) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-12, "entries");
-    comparison.add(&[matrices(line)[1][(0, 1)]], &[0.0]);
-    comparison
+    let [_, reduced] = matrices(line);
+    Comparison::absolute("zero", 1e-12, "entries").each([reduced], |reduced| (reduced[(0, 1)], 0.0))
 }
 
 fn equally_free(line: Line) -> Comparison {
     let against = "the null vectors of the whole matrix";
-    let mut comparison = Comparison::absolute(against, 0.1, "directions");
-    let [whole, reduced] = matrices(line);
-    comparison.add(&[free_directions(&reduced)], &[free_directions(&whole)]);
-    comparison
+    let [whole, reduced] = matrices(line).map(|matrix| free_directions(&matrix));
+    Comparison::absolute(against, 0.1, "directions").each([reduced], |free| (free, whole))
 }
 
 /// One unknown, zero in truth, and one measurement of it, or of its hyperbolic sine.
@@ -93,22 +89,19 @@ struct Noise {
 
 fn chi_squared(case: Noise) -> Comparison {
     let against = "mean and variance of χ² with one degree of freedom, over many draws";
-    let mut comparison = Comparison::absolute(against, 0.15, "squares");
     let mut random = Random::new(93);
-    let squares: Vec<f64> = (0..100_000)
-        .map(|_| {
-            let one =
-                if case.normal { random.normal(1.0) } else { random.uniform(-1.0..1.0).signum() };
-            let noise = case.sigma * one;
-            // The error of the estimate, and how the prediction changes with it there.
-            let (error, slope) =
-                if case.straight { (noise, 1.0) } else { (noise.asinh(), noise.hypot(1.0)) };
-            (slope * error).powi(2)
-        })
-        .collect();
-    let count = squares.len() as f64;
-    let mean = squares.iter().sum::<f64>() / count;
-    let variance = squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / count;
-    comparison.add(&[mean, variance], &[1.0, 2.0]);
-    comparison
+    let mut square = || {
+        let one = if case.normal { random.normal(1.0) } else { random.uniform(-1.0..1.0).signum() };
+        let noise = case.sigma * one;
+        // The error of the estimate, and how the prediction changes with it there.
+        let (error, slope) =
+            if case.straight { (noise, 1.0) } else { (noise.asinh(), noise.hypot(1.0)) };
+        (slope * error).powi(2)
+    };
+    let squares: Vec<f64> = (0..100_000).map(|_| square()).collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let middle = mean(&squares);
+    let deviations: Vec<f64> = squares.iter().map(|square| (square - middle).powi(2)).collect();
+    Comparison::absolute(against, 0.15, "squares")
+        .each([mean(&deviations)], |variance| ([middle, variance], [1.0, 2.0]))
 }

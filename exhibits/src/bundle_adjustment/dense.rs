@@ -2,10 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver};
-use vislam::least_squares::Options;
 use vislam::simulation::Scene;
 
-use super::whole::{Ba, Whole};
+use super::whole::{Ba, Blocks, Whole, beside, solver};
 use crate::random::Random;
 
 const CAMERAS: usize = 4;
@@ -21,6 +20,13 @@ pub struct Case {
     pub by_points: DMatrix<f64>,
     /// Predicted less measured, whitened.
     pub residual: DVector<f64>,
+    /// The blocks of the normal equations: of the cameras alone, of the points alone, and who saw whom.
+    pub a: DMatrix<f64>,
+    pub b: DMatrix<f64>,
+    pub w: DMatrix<f64>,
+    /// The gradients of the cost.
+    pub cameras_gradient: DVector<f64>,
+    pub points_gradient: DVector<f64>,
     pub damping: f64,
     pub cameras_step: DVector<f64>,
 }
@@ -48,45 +54,27 @@ impl Case {
         for factor in &mut problem.factors {
             factor.inverse_sigma = random.uniform(0.5..2.0);
         }
-        let Whole { cameras: by_cameras, points: by_points } = Whole::new(&problem);
-        let moving = CAMERAS - FIXED;
+        let whole = Whole::new(&problem);
+        let Blocks { cameras: a, coupling: w, points: b } = whole.blocks();
+        let Whole { cameras: by_cameras, points: by_points } = whole;
+        let residual = residuals(&problem);
         Self {
+            a,
+            b,
+            w,
+            cameras_gradient: by_cameras.tr_mul(&residual),
+            points_gradient: by_points.tr_mul(&residual),
             by_cameras,
             by_points,
-            residual: residuals(&problem),
+            residual,
             damping: random.logarithmic(0.01..1.0),
-            cameras_step: DVector::from_fn(6 * moving, |_, _| random.normal(0.1)),
+            cameras_step: DVector::from_fn(6 * (CAMERAS - FIXED), |_, _| random.normal(0.1)),
             problem,
         }
     }
 
     pub fn solver(&self) -> Solver<PosedPinhole, 6> {
-        Solver::new(&self.problem, &Options::large_problem()).expect("a problem")
-    }
-
-    /// The camera alone, all of them along the diagonal.
-    pub fn a(&self) -> DMatrix<f64> {
-        self.by_cameras.tr_mul(&self.by_cameras)
-    }
-
-    /// The point alone, all of them along the diagonal.
-    pub fn b(&self) -> DMatrix<f64> {
-        self.by_points.tr_mul(&self.by_points)
-    }
-
-    /// Who saw whom.
-    pub fn w(&self) -> DMatrix<f64> {
-        self.by_cameras.tr_mul(&self.by_points)
-    }
-
-    /// The gradient of the cost by the cameras.
-    pub fn cameras_gradient(&self) -> DVector<f64> {
-        self.by_cameras.tr_mul(&self.residual)
-    }
-
-    /// The gradient of the cost by the points.
-    pub fn points_gradient(&self) -> DVector<f64> {
-        self.by_points.tr_mul(&self.residual)
+        solver(&self.problem)
     }
 
     /// All columns of the Jacobian, those of the cameras first.
@@ -119,40 +107,17 @@ impl Case {
         DMatrix::from_columns(&columns)
     }
 
-    /// What is left of the rows of the Jacobian and of the residual when all that the points could
-    /// take from them is taken: `rows` less its part in the span of the points' columns.
-    pub fn without_points(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
-        let span = self.by_points.clone().qr().q();
-        rows - &span * span.tr_mul(rows)
-    }
-
     /// The Jacobian and the residual with one more measurement of zero for each unknown, held as
-    /// firmly as `damping` says.
-    pub fn with_measurements_of_zero(&self, damping: f64) -> (DMatrix<f64>, DVector<f64>) {
+    /// firmly as the damping says.
+    pub fn with_measurements_of_zero(&self) -> (DMatrix<f64>, DVector<f64>) {
         let jacobian = self.jacobian();
         let (rows, columns) = jacobian.shape();
-        let mut longer = DMatrix::zeros(rows + columns, columns);
-        longer.rows_mut(0, rows).copy_from(&jacobian);
+        let mut longer = jacobian.clone().resize_vertically(rows + columns, 0.0);
         for (index, column) in jacobian.column_iter().enumerate() {
-            longer[(rows + index, index)] = damping.sqrt() * column.norm();
+            longer[(rows + index, index)] = self.damping.sqrt() * column.norm();
         }
-        let mut residual = DVector::zeros(rows + columns);
-        residual.rows_mut(0, rows).copy_from(&self.residual);
-        (longer, residual)
+        (longer, self.residual.clone().resize_vertically(rows + columns, 0.0))
     }
-
-    /// The cameras' part of a vector of all unknowns.
-    pub fn cameras_of(&self, unknowns: &DVector<f64>) -> DVector<f64> {
-        unknowns.rows(0, self.by_cameras.ncols()).into_owned()
-    }
-}
-
-/// Two matrices of the same height, side by side.
-fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut both = DMatrix::zeros(left.nrows(), left.ncols() + right.ncols());
-    both.columns_mut(0, left.ncols()).copy_from(left);
-    both.columns_mut(left.ncols(), right.ncols()).copy_from(right);
-    both
 }
 
 /// The step after which a linear residual is shortest, by singular values.
@@ -162,15 +127,13 @@ pub fn best_step(jacobian: &DMatrix<f64>, residual: &DVector<f64>) -> DVector<f6
 }
 
 /// The inverse, or a matrix that no comparison accepts.
-pub fn inverse(matrix: DMatrix<f64>) -> DMatrix<f64> {
-    let (rows, columns) = matrix.shape();
-    matrix.try_inverse().unwrap_or_else(|| DMatrix::from_element(rows, columns, f64::NAN))
+pub fn inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    matrix.clone().try_inverse().unwrap_or_else(|| matrix.map(|_| f64::NAN))
 }
 
 /// The matrix with its diagonal grown by a fraction of itself.
-pub fn damped(mut matrix: DMatrix<f64>, damping: f64) -> DMatrix<f64> {
-    for index in 0..matrix.nrows() {
-        matrix[(index, index)] *= 1.0 + damping;
-    }
-    matrix
+pub fn damped(matrix: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
+    let mut damped = matrix.clone();
+    damped.set_diagonal(&(matrix.diagonal() * (1.0 + damping)));
+    damped
 }

@@ -10,7 +10,6 @@ mod stereo;
 
 use crate::chapter::Chapter;
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("sparsity", sparsity::sparsity);
     chapter.figure("convergence", convergence::convergence);

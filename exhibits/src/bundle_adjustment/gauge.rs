@@ -2,21 +2,22 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector3};
-use vislam::bundle_adjustment::{Camera, PosedPinhole};
+use nalgebra::{DMatrix, DVector, Matrix3x6, SMatrix, Vector1, Vector3};
+use vislam::bundle_adjustment::PosedPinhole;
 use vislam::least_squares::Options;
 use vislam::manifold::so3;
 use vislam::simulation::Scene;
 use vislam::two_views::scale_direction;
 
-use super::whole::{Ba, at_truth, solver};
+use super::whole::{Ba, at_truth, moved, solver};
 use crate::chapter::Chapter;
+use crate::comparison::differences;
 
 pub const CAMERAS: usize = 8;
 const POINTS: usize = 40;
 const SEED: u64 = 3;
 /// Steps of the shortest kind, from the start of the ring.
-const SHORTEST_STEPS: usize = 12;
+const SHORTEST_STEPS: usize = 8;
 
 /// The twist of a camera when the whole scene is shifted, turned and grown.
 pub fn seven(camera: &PosedPinhole) -> SMatrix<f64, 6, 7> {
@@ -26,6 +27,12 @@ pub fn seven(camera: &PosedPinhole) -> SMatrix<f64, 6, 7> {
     directions
 }
 
+/// What takes out of an error its part along the columns of N, so that the rows of Cᵀ do not change.
+pub fn projection(free: &DMatrix<f64>, held: &DMatrix<f64>) -> DMatrix<f64> {
+    let along = held.tr_mul(free).try_inverse().expect("what is held is enough");
+    DMatrix::identity(free.nrows(), free.nrows()) - free * along * held.transpose()
+}
+
 /// The covariance of the same estimate under the condition that the rows of Cᵀ do not change,
 /// where the columns of N are free.
 pub fn changed(
@@ -33,9 +40,7 @@ pub fn changed(
     free: &DMatrix<f64>,
     held: &DMatrix<f64>,
 ) -> DMatrix<f64> {
-    let size = covariance.nrows();
-    let along = held.tr_mul(free).try_inverse().expect("what is held is enough");
-    let projection = DMatrix::identity(size, size) - free * along * held.transpose();
+    let projection = projection(free, held);
     &projection * covariance * projection.transpose()
 }
 
@@ -45,14 +50,11 @@ pub struct Ended {
     pub cost: f64,
 }
 
-fn precise() -> Options {
-    Options { decrease_tolerance: 1e-13, ..Options::default() }
-}
-
 fn solved(held: Option<usize>) -> Ended {
     let mut problem = Scene::ring(CAMERAS, POINTS, 1.0, SEED).problem;
     problem.fixed = (0..CAMERAS).map(|camera| Some(camera) == held).collect();
-    let report = problem.solve(&precise()).expect("damping makes every system regular");
+    let options = Options { decrease_tolerance: 1e-13, ..Options::default() };
+    let report = problem.solve(&options).expect("damping makes every system regular");
     Ended { problem, cost: report.cost }
 }
 
@@ -62,12 +64,7 @@ fn by_shortest_steps() -> Ended {
     problem.fixed.fill(false);
     for _ in 0..SHORTEST_STEPS {
         let step = solver(&problem).minimal_norm_step().expect("every point has parallax");
-        for (camera, change) in problem.cameras.iter_mut().zip(&step.cameras) {
-            *camera = camera.retract(change);
-        }
-        for (point, change) in problem.points.iter_mut().zip(&step.points) {
-            *point += change;
-        }
+        problem = moved(&problem, &step, 1.0);
     }
     let cost = solver(&problem).cost();
     Ended { problem, cost }
@@ -124,8 +121,14 @@ pub struct Covariances {
     pub by_gauge: [DMatrix<f64>; 3],
 }
 
+/// Those of the ring of the chapter.
+pub fn covariances() -> &'static Covariances {
+    static COVARIANCES: OnceLock<Covariances> = OnceLock::new();
+    COVARIANCES.get_or_init(Covariances::of_ring)
+}
+
 impl Covariances {
-    pub fn of_ring() -> Self {
+    fn of_ring() -> Self {
         let mut problem = ways()[0].problem.clone();
         problem.fixed.fill(false);
         let solver = solver(&problem);
@@ -149,15 +152,12 @@ impl Covariances {
         let centres = cameras.map(|camera| self.cameras[camera].centre());
         let mut slope = DVector::zeros(6 * self.cameras.len());
         for (place, camera) in cameras.into_iter().enumerate() {
-            let along = Vector3::from_fn(|axis, _| {
-                let moved = |step: f64| {
-                    let mut centres = centres;
-                    centres[place][axis] += step;
-                    angle(&centres)
-                };
-                (moved(1e-6) - moved(-1e-6)) / 2e-6
+            let along = differences(1e-6, |step| {
+                let mut centres = centres;
+                centres[place] += step;
+                Vector1::new(angle(&centres))
             });
-            let along = centre_slope(&self.cameras[camera]).tr_mul(&along);
+            let along = centre_slope(&self.cameras[camera]).tr_mul(&along.transpose());
             slope.fixed_rows_mut::<6>(6 * camera).copy_from(&along);
         }
         1e3 * slope.dot(&(&self.by_gauge[gauge] * &slope)).sqrt()
@@ -171,7 +171,6 @@ fn weakest(cameras: usize) -> f64 {
     null_space.expect("a gap").least_seen.unwrap_or(f64::NAN)
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let [short, long] = [100, 200].map(weakest);
     chapter.number("weakest_100", 1e6 * short, "", 0);
@@ -216,7 +215,7 @@ pub fn numbers(chapter: &mut Chapter) {
         chapter.number(name, size(&ways[way].problem.cameras), "m", 3);
     }
 
-    let covariances = Covariances::of_ring();
+    let covariances = covariances();
     chapter.number("gauge_across_pinned_mm", covariances.position_mm(0, 4), "mm", 1);
     chapter.number("gauge_across_shortest_mm", covariances.position_mm(2, 4), "mm", 1);
     chapter.number("gauge_own_shortest_mm", covariances.position_mm(2, 0), "mm", 1);

@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use vislam::bundle_adjustment::Solver;
-use vislam::least_squares::{Options, Stop};
+use vislam::least_squares::Options;
 use vislam::simulation::Scene;
 
+use super::progress::unsolved;
 use crate::chapter::Chapter;
 use crate::record::{RecordValue, accepted};
 
@@ -68,18 +69,13 @@ const BYTES: [&str; POINTS.len()] = ["mb_0", "mb_1", "mb_2", "mb_3", "mb_4"];
 
 /// Registers the numbers and the record.
 pub fn numbers(chapter: &mut Chapter) {
-    let [n0, n1, n2, n3, n4] = observations();
-    chapter.number("growth_n_0", n0, "", 0);
-    chapter.number("growth_n_1", n1, "", 0);
-    chapter.number("growth_n_2", n2, "", 0);
-    chapter.number("growth_n_3", n3, "", 0);
-    chapter.number("growth_n_4", n4, "", 0);
+    let names = ["growth_n_0", "growth_n_1", "growth_n_2", "growth_n_3", "growth_n_4"];
+    for (name, observations) in names.into_iter().zip(observations()) {
+        chapter.number(name, observations, "", 0);
+    }
     // Checked against the covisibility by the equation of the chapter.
     let ring = Scene::ring(CAMERAS, POINTS[0], 1.0, 1).problem;
-    let report = Solver::new(&ring, &Options::large_problem())
-        .map(|solver| solver.report(Stop::IterationLimit));
-    let products = report.map_or(f64::NAN, |report| report.block_products as f64);
-    chapter.number("growth_products", products, "", 0);
+    chapter.number("growth_products", unsolved(&ring).block_products as f64, "", 0);
     chapter.number("growth_points", POINTS[0] as f64, "", 0);
     let inputs = vec![
         ("scene", "Scene::ring(8, points, 1.0, 1)".to_owned()),
@@ -93,24 +89,22 @@ pub fn numbers(chapter: &mut Chapter) {
 fn growth() -> Vec<RecordValue> {
     let measured = measured();
     let (times, bytes) = (measured.map(|of| of.0), measured.map(|of| of.1));
+    let value =
+        |name, value, unit, decimals, within| RecordValue { name, value, unit, decimals, within };
     // Times are those of a machine and an hour; memory is exact.
-    let time =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 3.0 };
-    let exact =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-9 };
+    let (of_time, exact) = (3.0, 1e-9);
     let mut values = Vec::new();
     for index in 0..POINTS.len() {
         let decimals = if times[index] < 10.0 { 2 } else { 1 };
-        values.push(time(TIMES[index], times[index], "ms", decimals));
-        values.push(exact(BYTES[index], 1e-6 * bytes[index], "MB", 1));
+        values.push(value(TIMES[index], times[index], "ms", decimals, of_time));
+        values.push(value(BYTES[index], 1e-6 * bytes[index], "MB", 1, exact));
     }
-    let (_, slope) = line(&observations(), &times);
-    values.push(time("slope_ns", 1e6 * slope, "ns", 0));
+    let slope = |values| line(&observations(), values).1;
+    values.push(value("slope_ns", 1e6 * slope(&times), "ns", 0, of_time));
     // What is left of times is noise and may be anything.
     let off = above_line(&times).iter().fold(0.0_f64, |most, off| most.max(off.abs()));
-    let within = 1e3;
-    values.push(RecordValue { name: "most_off", value: off, unit: "%", decimals: 1, within });
-    values.push(exact("slope_bytes", line(&observations(), &bytes).1, "bytes", 0));
+    values.push(value("most_off", off, "%", 1, 1e3));
+    values.push(value("slope_bytes", slope(&bytes), "bytes", 0, exact));
     values
 }
 

@@ -1,12 +1,13 @@
 //! The numbers of the chapter's first half.
 
+use vislam::bundle_adjustment::PosedPinhole;
 use vislam::least_squares::Options;
+use vislam::simulation::Scene;
 
 use super::progress::{self, REACH};
 use super::rails;
 use crate::chapter::Chapter;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     counts(chapter);
     on_rails(chapter);
@@ -105,12 +106,8 @@ fn streets(chapter: &mut Chapter) {
     let closed = progress::unsolved(&progress::closed(long));
     let more = closed.stored_blocks - report.stored_blocks;
     chapter.number("closing_blocks", more as f64, "", 0);
-    chapter.number(
-        "closing_products",
-        (closed.block_products - report.block_products) as f64,
-        "",
-        0,
-    );
+    let more = closed.block_products - report.block_products;
+    chapter.number("closing_products", more as f64, "", 0);
 }
 
 fn signs(chapter: &mut Chapter) {
@@ -121,7 +118,7 @@ fn signs(chapter: &mut Chapter) {
 }
 
 fn solves(chapter: &mut Chapter) {
-    let ring = progress::solved(progress::ring());
+    let ring = progress::solved_ring();
     chapter.number("ring_first_cost", ring.iterations[0].cost, "", 0);
     chapter.number("ring_cost", ring.cost, "", 1);
     // Scale is free, so one unknown less is used up.
@@ -129,22 +126,34 @@ fn solves(chapter: &mut Chapter) {
     chapter.number("ring_cost_expected", 0.5 * (equations - ring.full_dim as f64 + 1.0), "", 1);
     let usual = progress::ring().solve(&Options::large_problem()).expect("a problem");
     chapter.number("ring_iterations", usual.iterations.len() as f64, "", 0);
-    let street = progress::solved(progress::street());
+    let street = progress::solved_street();
     chapter.number("street_cost", street.cost, "", 0);
     chapter.number("street_iterations", street.iterations.len() as f64, "", 0);
     chapter.number("street_all_cameras", progress::street().cameras.len() as f64, "", 0);
-    let first_steps = &street.iterations[..3];
-    chapter.number("street_third_cost", first_steps[2].cost, "", 0);
+    chapter.number("street_third_cost", street.iterations[2].cost, "", 0);
     chapter.number("damping_exponent", progress::DAMPING.log10(), "", 0);
     let (light, exponent) = (1e-9, -9.0);
     let lightly = progress::solved_from(progress::street(), light);
     chapter.number("light_exponent", exponent, "", 0);
     chapter.number("light_iterations", lightly.iterations.len() as f64, "", 0);
     chapter.number("light_cost", lightly.cost, "", 0);
-    let bend = progress::bend(light);
-    chapter.number("bend_half_m", bend.half, "m", 2);
-    chapter.number("bend_end_m", bend.end, "m", 2);
-    chapter.number("bend_plateau_m", bend.plateau_from_truth, "m", 2);
-    chapter.number("bend_from_truth_m", bend.from_truth, "m", 2);
-    chapter.number("bend_by_damping_mm", 1e3 * bend.by_damping, "mm", 0);
+    bend(chapter, light);
+}
+
+/// How cameras of the street are off, across it, when two iterations are done and when all are, and what a light
+/// damping changes.
+fn bend(chapter: &mut Chapter, light: f64) {
+    let truth = Scene::street(30, REACH, progress::NOISE, 1).true_cameras;
+    let [early, late] = [2, 60].map(|most| progress::street_cameras(most, progress::DAMPING));
+    let across = |one: &[PosedPinhole], other: &[PosedPinhole], camera: usize| {
+        (one[camera].centre() - other[camera].centre()).y.abs()
+    };
+    let last = truth.len() - 1;
+    chapter.number("bend_half_m", across(&early, &late, truth.len() / 2), "m", 2);
+    chapter.number("bend_end_m", across(&early, &late, last), "m", 2);
+    chapter.number("bend_plateau_m", across(&early, &truth, last), "m", 2);
+    chapter.number("bend_from_truth_m", across(&late, &truth, last), "m", 2);
+    let lightly = progress::street_cameras(60, light);
+    let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
+    chapter.number("bend_by_damping_mm", 1e3 * apart.fold(0.0, f64::max), "mm", 0);
 }

@@ -49,9 +49,8 @@ fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
     let at_end = solver(&problem).gradient_norm();
     let gradient = at_end / report.iterations[0].gradient_norm;
     let cameras = at_true_scale(&problem.cameras, &scene.true_cameras);
-    let errors = cameras.iter().zip(&scene.true_cameras).skip(1);
-    let errors: Vec<f64> =
-        errors.map(|(one, other)| (one.centre() - other.centre()).norm_squared()).collect();
+    let pairs = cameras.iter().zip(&scene.true_cameras).skip(1);
+    let errors = pairs.map(|(one, other)| (one.centre() - other.centre()).norm_squared());
     let (mut right, mut all) = (Vec::new(), Vec::new());
     for (index, factor) in problem.factors.iter().enumerate() {
         let pixel = problem.cameras[factor.keyframe].project(&problem.points[factor.point]);
@@ -62,7 +61,7 @@ fn outcome(scene: &Scene, huber: Option<f64>) -> Outcome {
         }
     }
     Outcome {
-        cameras_cm: 100.0 * root_mean(&errors),
+        cameras_cm: 100.0 * root_mean(&errors.collect::<Vec<_>>()),
         right_px: root_mean(&right),
         all_px: root_mean(&all),
         iterations: report.iterations.len(),
@@ -77,14 +76,10 @@ fn root_mean(squares: &[f64]) -> f64 {
 /// Least, middle and greatest.
 fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
-    [
-        values[0],
-        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2]),
-        values[values.len() - 1],
-    ]
+    let (middle, last) = (values.len() / 2, values.len() - 1);
+    [values[0], 0.5 * (values[last / 2] + values[middle]), values[last]]
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_seeds", SEEDS as f64, "", 0);
     chapter.number("outlier_percent", 100.0 * SHARE, "%", 0);
@@ -94,26 +89,27 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("outlier_observations", 320.0, "", 0);
     chapter.number("outlier_left", left, "", 0);
     chapter.number("outlier_expected_px", (left / 320.0).sqrt(), "px", 2);
-    let names = [
+    let of_all = |way: usize, value: fn(&Outcome) -> f64| {
+        spread(outcomes().iter().map(|outcome| value(&outcome[way])).collect())
+    };
+    for (way, names) in [
         ["outlier_clean_least", "outlier_clean_middle", "outlier_clean_most"],
         ["outlier_huber_least", "outlier_huber_middle", "outlier_huber_most"],
         ["outlier_squares_least", "outlier_squares_middle", "outlier_squares_most"],
-    ];
-    for (way, names) in names.into_iter().enumerate() {
-        let values = outcomes().iter().map(|outcome| outcome[way].cameras_cm).collect();
-        for (name, value) in names.into_iter().zip(spread(values)) {
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        for (name, value) in names.into_iter().zip(of_all(way, |outcome| outcome.cameras_cm)) {
             chapter.number(name, value, "cm", 1);
         }
     }
-    let middle = |way: usize, value: fn(&Outcome) -> f64| {
-        spread(outcomes().iter().map(|outcome| value(&outcome[way])).collect())[1]
-    };
     let names = ["outlier_clean_right_px", "outlier_huber_right_px", "outlier_squares_right_px"];
     for (way, name) in names.into_iter().enumerate() {
-        chapter.number(name, middle(way, |outcome| outcome.right_px), "px", 2);
+        chapter.number(name, of_all(way, |outcome| outcome.right_px)[1], "px", 2);
     }
     for (way, name) in [(1, "outlier_huber_all_px"), (2, "outlier_squares_all_px")] {
-        chapter.number(name, middle(way, |outcome| outcome.all_px), "px", 2);
+        chapter.number(name, of_all(way, |outcome| outcome.all_px)[1], "px", 2);
     }
     let rises = outcomes().iter().filter(|outcome| outcome[1].all_px > outcome[2].all_px);
     chapter.number("outlier_rises", rises.count() as f64, "", 0);

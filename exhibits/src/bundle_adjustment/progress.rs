@@ -1,12 +1,14 @@
 //! Solves of the ring and of the street, and how they went.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
-use vislam::bundle_adjustment::{BaReport, Camera, Solver};
+use vislam::bundle_adjustment::{BaReport, PosedPinhole};
 use vislam::least_squares::{Method, Options, Stop};
+use vislam::reprojection::ReprojFactor;
 use vislam::simulation::Scene;
 
-use super::whole::Ba;
+use super::whole::{Ba, moved, solver};
 
 /// Standard deviation of each coordinate of a pixel.
 pub const NOISE: f64 = 1.0;
@@ -42,58 +44,35 @@ pub fn long_street() -> Ba {
     Scene::street(200, REACH, NOISE, 1).problem
 }
 
-/// A solve that goes on until no decrease is left.
-pub fn solved(problem: Ba) -> BaReport {
-    solved_from(problem, DAMPING)
+/// The ring, solved until no decrease is left.
+pub fn solved_ring() -> &'static BaReport {
+    static REPORT: OnceLock<BaReport> = OnceLock::new();
+    REPORT.get_or_init(|| solved_from(ring(), DAMPING))
 }
 
-/// The same with this damping at the start.
+/// The street, likewise.
+pub fn solved_street() -> &'static BaReport {
+    static REPORT: OnceLock<BaReport> = OnceLock::new();
+    REPORT.get_or_init(|| solved_from(street(), DAMPING))
+}
+
+/// A solve with this damping at the start that goes on until no decrease is left.
 pub fn solved_from(mut problem: Ba, damping: f64) -> BaReport {
     let options = Options { decrease_tolerance: 1e-12, ..damped_by(damping) };
     problem.solve(&options).expect("a problem")
 }
 
-/// How the end of the street is off, across it and in metres.
-pub struct Bend {
-    /// What is left to be moved after two iterations, by the camera in the middle.
-    pub half: f64,
-    /// The same by the last camera.
-    pub end: f64,
-    /// How far the last camera is from where it really stands after two iterations, and when all
-    /// are done.
-    pub plateau_from_truth: f64,
-    pub from_truth: f64,
-    /// The largest difference between where cameras end with the usual damping and with a light
-    /// one at the start.
-    pub by_damping: f64,
-}
-
-pub fn bend(light: f64) -> Bend {
-    let truth = Scene::street(30, REACH, NOISE, 1).true_cameras;
-    let cameras = |max_iterations: usize, damping: f64| {
-        let mut problem = street();
-        let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
-        problem.solve(&options).expect("a problem");
-        problem.cameras
-    };
-    let (early, late) = (cameras(2, DAMPING), cameras(60, DAMPING));
-    let lightly = cameras(60, light);
-    let left = |k: usize| (early[k].centre().y - late[k].centre().y).abs();
-    let apart = late.iter().zip(&lightly).map(|(a, b)| (a.centre() - b.centre()).norm());
-    let last = truth.len() - 1;
-    Bend {
-        half: left(truth.len() / 2),
-        end: left(last),
-        plateau_from_truth: (early[last].centre() - truth[last].centre()).y.abs(),
-        from_truth: (late[last].centre() - truth[last].centre()).y.abs(),
-        by_damping: apart.fold(0.0, f64::max),
-    }
+/// The cameras of the street after so many iterations, from a damping at the start.
+pub fn street_cameras(max_iterations: usize, damping: f64) -> Vec<PosedPinhole> {
+    let mut problem = street();
+    let options = Options { max_iterations, decrease_tolerance: 1e-14, ..damped_by(damping) };
+    problem.solve(&options).expect("a problem");
+    problem.cameras
 }
 
 /// What a report says before anything is solved.
 pub fn unsolved(problem: &Ba) -> BaReport {
-    let solver = Solver::new(problem, &Options::large_problem()).expect("a problem");
-    solver.report(Stop::IterationLimit)
+    solver(problem).report(Stop::IterationLimit)
 }
 
 /// The ring with a second camera fixed, which fixes its size; its cost, and the costs at the end of
@@ -101,31 +80,19 @@ pub fn unsolved(problem: &Ba) -> BaReport {
 pub fn step_and_its_opposite() -> [f64; 3] {
     let mut problem = ring();
     problem.fixed[1] = true;
-    let solver = Solver::new(&problem, &Options::large_problem()).expect("a problem");
+    let solver = solver(&problem);
     let step = solver.step(0.0).expect("nothing is free");
-    let mut opposite = problem.clone();
-    for (camera, change) in opposite.cameras.iter_mut().zip(&step.cameras) {
-        *camera = camera.retract(&-change);
-    }
-    for (point, change) in opposite.points.iter_mut().zip(&step.points) {
-        *point -= change;
-    }
-    [solver.cost(), step.cost, unsolved(&opposite).cost]
+    [solver.cost(), step.cost, unsolved(&moved(&problem, &step, -1.0)).cost]
 }
 
 /// The street when its last camera has come back to the first ones and sees one of their points.
 pub fn closed(mut street: Ba) -> Ba {
     let seen_by_second = street.factors.iter().filter(|factor| factor.keyframe == 1);
-    let nearest = |point: usize| street.points[point].x;
-    let point = seen_by_second
-        .map(|factor| factor.point)
-        .min_by(|a, b| nearest(*a).total_cmp(&nearest(*b)));
-    let point = point.expect("the second camera sees points");
-    let last = street.cameras.len() - 1;
+    let nearest = seen_by_second
+        .min_by(|a, b| street.points[a.point].x.total_cmp(&street.points[b.point].x))
+        .expect("the second camera sees points");
     // Where the pixel is makes no difference to the structure.
-    let mut factor = street.factors[0];
-    (factor.keyframe, factor.point) = (last, point);
-    street.factors.push(factor);
+    street.factors.push(ReprojFactor { keyframe: street.cameras.len() - 1, ..*nearest });
     street
 }
 

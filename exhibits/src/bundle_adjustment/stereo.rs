@@ -13,7 +13,7 @@ const SEED: u64 = 5;
 pub const BASELINE: f64 = 0.1;
 
 /// One camera at each place or two, at the truth.
-pub fn ring(baseline: Option<f64>, pinned: bool) -> Ba {
+fn ring(baseline: Option<f64>, pinned: bool) -> Ba {
     let scene = match baseline {
         Some(baseline) => Scene::stereo_ring(RIGS, POINTS, baseline, 1.0, SEED),
         None => Scene::ring(RIGS, POINTS, 1.0, SEED),
@@ -27,11 +27,10 @@ pub fn ring(baseline: Option<f64>, pinned: bool) -> Ba {
 
 /// Ascending eigenvalues of the Schur complement, each unknown in the unit in which its own
 /// curvature is one.
-pub fn eigenvalues(problem: &Ba) -> Vec<f64> {
-    let blocks = Whole::new(problem).blocks();
+pub fn eigenvalues(baseline: Option<f64>, pinned: bool) -> Vec<f64> {
+    let blocks = Whole::new(&ring(baseline, pinned)).blocks();
     let unit = blocks.cameras.diagonal().map(|curvature| curvature.sqrt().recip());
-    let scaled = blocks.reduced().component_mul(&(&unit * unit.transpose()));
-    sorted(scaled)
+    sorted(blocks.reduced().component_mul(&(&unit * unit.transpose())))
 }
 
 fn sorted(matrix: DMatrix<f64>) -> Vec<f64> {
@@ -74,7 +73,6 @@ fn size_percent(baseline: f64) -> (f64, f64) {
     (100.0 * variance.sqrt() / arm.norm(), 100.0 / information.sqrt())
 }
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let free = |baseline, pinned| {
         let free = solver(&ring(baseline, pinned)).gauge_freedom();
@@ -85,9 +83,9 @@ pub fn numbers(chapter: &mut Chapter) {
     let raw = sorted(Whole::new(&ring(Some(BASELINE), true)).blocks().reduced());
     chapter.number("stereo_raw", raw[0], "", 0);
     chapter.number("stereo_raw_next", raw[1], "", 0);
-    let scaled = eigenvalues(&ring(Some(BASELINE), true));
+    let scaled = eigenvalues(Some(BASELINE), true);
     chapter.number("stereo_ratio", scaled[1] / scaled[0], "", 0);
-    let mono = eigenvalues(&ring(None, true));
+    let mono = eigenvalues(None, true);
     chapter.number("stereo_mono_exponent", (mono[0].abs() / mono[1]).log10().ceil(), "", 0);
     chapter.number("stereo_baseline_cm", 100.0 * BASELINE, "cm", 0);
     let (size, least) = size_percent(BASELINE);

@@ -1,7 +1,7 @@
 //! The whole system, cameras and points, without elimination.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver, TinyBa};
+use vislam::bundle_adjustment::{Camera, PosedPinhole, Solver, TinyBa, TrialStep};
 use vislam::least_squares::{Options, Spectrum};
 use vislam::simulation::Scene;
 
@@ -21,6 +21,18 @@ pub fn at_truth(scene: &Scene) -> Ba {
     }
 }
 
+/// The problem after a multiple of a step.
+pub fn moved(problem: &Ba, step: &TrialStep<6>, times: f64) -> Ba {
+    let mut moved = problem.clone();
+    for (camera, change) in moved.cameras.iter_mut().zip(&step.cameras) {
+        *camera = camera.retract(&(times * change));
+    }
+    for (point, change) in moved.points.iter_mut().zip(&step.points) {
+        *point += times * change;
+    }
+    moved
+}
+
 /// The Jacobian of all whitened pixels: six columns for each rig that is not fixed, and three for
 /// each point.
 pub struct Whole {
@@ -30,12 +42,9 @@ pub struct Whole {
 
 impl Whole {
     pub fn new(problem: &Ba) -> Self {
-        let mut moving: Vec<usize> = Vec::new();
-        for (rig, _) in problem.rig.iter().zip(&problem.fixed).filter(|(_, fixed)| !**fixed) {
-            if !moving.contains(rig) {
-                moving.push(*rig);
-            }
-        }
+        let rigs = problem.rig.iter().zip(&problem.fixed);
+        let mut moving: Vec<usize> = rigs.filter(|(_, fixed)| !**fixed).map(|of| *of.0).collect();
+        moving.dedup();
         let rows = 2 * problem.factors.len();
         let mut cameras = DMatrix::zeros(rows, 6 * moving.len());
         let mut points = DMatrix::zeros(rows, 3 * problem.points.len());
@@ -72,16 +81,16 @@ impl Whole {
 
     /// The rank, counted by singular values.
     pub fn rank(&self) -> usize {
-        let all = DMatrix::from_fn(
-            self.cameras.nrows(),
-            self.cameras.ncols() + self.points.ncols(),
-            |row, column| match column.checked_sub(self.cameras.ncols()) {
-                None => self.cameras[(row, column)],
-                Some(column) => self.points[(row, column)],
-            },
-        );
+        let all = beside(&self.cameras, &self.points);
         all.ncols() - Spectrum::of(&all).expect("zeros are told apart from what is seen").zeros
     }
+}
+
+/// Two matrices of the same height, side by side.
+pub fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut both = left.clone().resize_horizontally(left.ncols() + right.ncols(), 0.0);
+    both.columns_mut(left.ncols(), right.ncols()).copy_from(right);
+    both
 }
 
 /// The normal equations of cameras and points.
@@ -110,11 +119,11 @@ impl Blocks {
     /// The inverse of the whole matrix, cameras first.
     pub fn whole_inverse(&self) -> DMatrix<f64> {
         let (cameras, points) = self.coupling.shape();
-        let mut whole = DMatrix::zeros(cameras + points, cameras + points);
-        whole.view_mut((0, 0), (cameras, cameras)).copy_from(&self.cameras);
-        whole.view_mut((0, cameras), (cameras, points)).copy_from(&self.coupling);
-        whole.view_mut((cameras, 0), (points, cameras)).copy_from(&self.coupling.transpose());
-        whole.view_mut((cameras, cameras), (points, points)).copy_from(&self.points);
+        let mut whole =
+            beside(&self.cameras, &self.coupling).resize_vertically(cameras + points, 0.0);
+        whole
+            .rows_mut(cameras, points)
+            .copy_from(&beside(&self.coupling.transpose(), &self.points));
         whole.try_inverse().expect("nothing is free")
     }
 }

@@ -1,22 +1,21 @@
 //! How sure the window is of a quantity, and at best.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use vislam::least_squares::Spectrum;
 use vislam::observability::{BiasAssumption, Similarity, Window};
-use vislam::preintegration::Vector9;
+use vislam::preintegration::{Matrix9, Vector9};
 use vislam::simulation::{Flight, Trajectory};
 
 use super::draws;
 use super::near::{coasting, swaying};
+use super::readings::beyond;
 use super::worked::{log_distance, of_flight};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
 const MATRICES: usize = 200;
 const WINDOWS: usize = 40;
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Sigma = |jacobian, gradient| {
         Spectrum::of(jacobian).ok().and_then(|s| s.sigma(gradient)).unwrap_or(f64::NAN)
@@ -48,8 +47,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("whitened by the parts alone", |window| {
             let mut window = window.clone();
             for interval in &mut window.intervals {
-                let diagonal = interval.covariance.diagonal();
-                interval.covariance = vislam::preintegration::Matrix9::from_diagonal(&diagonal);
+                interval.covariance = Matrix9::from_diagonal(&interval.covariance.diagonal());
             }
             scale_information(&window)
         }),
@@ -86,15 +84,13 @@ fn far_coordinate(window: &Window) -> DVector<f64> {
 
 /// How far the standard deviation lies below the bound, as a fraction of it. Biases are unknown.
 fn below_bound(case: Asked) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-9, "of the bound");
     let flight = Flight::brief(case.motion).with_lever(case.lever * Vector3::x());
     let window = of_flight(&flight, BiasAssumption::CONSTANT);
-    if let Ok((jacobian, _)) = window.linearize() {
-        let sigma = with_scaling(&jacobian, &(case.gradient)(&window), f64::recip, 2);
-        let over_bound = sigma * scale_information(&window).sqrt();
-        comparison.add(&[(1.0 - over_bound).max(0.0)], &[0.0]);
-    }
-    comparison
+    let (jacobian, _) = window.linearize().expect("every landmark is in front of its cameras");
+    let sigma = with_scaling(&jacobian, &(case.gradient)(&window), f64::recip, 2);
+    let over_bound = sigma * scale_information(&window).sqrt();
+    Comparison::absolute("zero", 1e-9, "of the bound")
+        .each([over_bound], |over_bound| ((1.0 - over_bound).max(0.0), 0.0))
 }
 
 /// The formula with the columns scaled by a function of their length, and a power of the singular
@@ -121,10 +117,8 @@ type Sigma = fn(&DMatrix<f64>, &DVector<f64>) -> f64;
 
 fn quantity_sigma(formula: Sigma) -> Comparison {
     let against = "the inverse when equations hold the free directions";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(21);
     let (rows, columns, free) = (20, 8, 2);
-    for _ in 0..MATRICES {
+    Comparison::relative(against, 1e-6).over(MATRICES, 21, |random| {
         let mut draw = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| random.normal(1.0));
         let null = draw(columns, free);
         let inverse = null.tr_mul(&null).try_inverse().expect("two random vectors differ");
@@ -132,15 +126,12 @@ fn quantity_sigma(formula: Sigma) -> Comparison {
         let jacobian = draw(rows, columns) * &seen;
         // A quantity that the free directions do not change.
         let gradient = (&seen * draw(columns, 1)).column(0).into_owned();
-        let information = jacobian.tr_mul(&jacobian);
         // Any equations that fix both free directions will do.
         let held = null.transpose() + 0.2 * draw(free, columns);
-        let covariance =
-            (information + held.tr_mul(&held)).try_inverse().expect("the free directions are held");
-        let oracle = gradient.dot(&(covariance * &gradient)).sqrt();
-        comparison.add(&[formula(&jacobian, &gradient)], &[oracle]);
-    }
-    comparison
+        let information = jacobian.tr_mul(&jacobian) + held.tr_mul(&held);
+        let covariance = information.try_inverse().expect("the free directions are held");
+        (formula(&jacobian, &gradient), gradient.dot(&(covariance * &gradient)).sqrt())
+    })
 }
 
 /// Squared length of what the whitened inertial residuals say to a growth, per growth squared.
@@ -148,40 +139,35 @@ pub fn scale_information(window: &Window) -> f64 {
     information(window, |v, p, _| (v, p))
 }
 
-type Vector3 = nalgebra::Vector3<f64>;
-
 /// From the change of velocity, the way beyond coasting and the seconds of each interval.
-fn information(window: &Window, part: impl Fn(Vector3, Vector3, f64) -> (Vector3, Vector3)) -> f64 {
-    let mut sum = 0.0;
-    for (i, interval) in window.intervals.iter().enumerate() {
-        let (first, second, t) = (&window.states[i], &window.states[i + 1], interval.duration);
-        let gained = second.velocity - first.velocity;
-        let beyond = second.position - first.position - t * first.velocity;
-        let (v, p) = part(gained, beyond, t);
-        let body_from_world = first.world_from_body.inverse();
+fn information(
+    window: &Window,
+    part: impl Fn(Vector3<f64>, Vector3<f64>, f64) -> (Vector3<f64>, Vector3<f64>),
+) -> f64 {
+    let pairs = window.states.windows(2).zip(&window.intervals);
+    let squares = pairs.map(|(states, interval)| {
+        let (gained, beyond) = beyond(&states[0], &states[1], interval.duration);
+        let (v, p) = part(gained, beyond, interval.duration);
+        let body_from_world = states[0].world_from_body.inverse();
         let mut row = Vector9::zeros();
         row.fixed_rows_mut::<3>(3).copy_from(&(body_from_world * v));
         row.fixed_rows_mut::<3>(6).copy_from(&(body_from_world * p));
         let whiten = interval.sqrt_information().expect("many readings make an interval");
-        sum += (whiten * row).norm_squared();
-    }
-    sum
+        (whiten * row).norm_squared()
+    });
+    squares.sum()
 }
 
 type Bound = fn(&Window) -> f64;
 
 fn scale_bound(formula: Bound) -> Comparison {
     let against = "the squared residual of a window that has grown, per growth squared";
-    let mut comparison = Comparison::relative(against, 1e-5);
-    let mut random = Random::new(22);
-    for _ in 0..WINDOWS {
-        let window = draws::short_window(draws::motion(&mut random), Vector3::zeros());
+    Comparison::relative(against, 1e-5).over(WINDOWS, 22, |random| {
+        let window = draws::short_window(draws::motion(random), Vector3::zeros());
         let growth = random.uniform(0.05..0.3);
-        let copy =
-            window.transformed(&Similarity { scale: 1.0 + growth, ..Similarity::identity() });
-        let residual = copy.residual().expect("a similar window is in front of its cameras");
-        let oracle = residual.norm_squared() / (growth * growth);
-        comparison.add(&[formula(&window)], &[oracle]);
-    }
-    comparison
+        let larger = Similarity { scale: 1.0 + growth, ..Similarity::identity() };
+        let residual = window.transformed(&larger).residual();
+        let residual = residual.expect("a similar window is in front of its cameras");
+        (formula(&window), residual.norm_squared() / (growth * growth))
+    })
 }

@@ -8,7 +8,6 @@ mod yaw;
 
 use crate::chapter::Chapter;
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("copies", copies::copies);
     chapter.figure("spectra", spectra::spectra);

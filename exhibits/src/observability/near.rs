@@ -34,7 +34,12 @@ pub fn swaying(amplitude: f64) -> Trajectory {
 
 /// The standard deviation, in percent, of the distance between the first and the last position.
 fn distance_percent(window: &Window) -> f64 {
-    let sigma = spectrum(window).sigma(&log_distance(window));
+    percent(&spectrum(window), window)
+}
+
+/// The same when the window's spectrum is known.
+pub fn percent(spectrum: &Spectrum, window: &Window) -> f64 {
+    let sigma = spectrum.sigma(&log_distance(window));
     100.0 * sigma.expect("the motions that are asked about have a scale")
 }
 
@@ -49,16 +54,12 @@ pub struct Swayed {
 pub fn swayed() -> &'static Swayed {
     static SWAYED: OnceLock<Swayed> = OnceLock::new();
     SWAYED.get_or_init(|| {
-        let percent = |assumption| {
-            AMPLITUDES.map(|amplitude| distance_percent(&window(swaying(amplitude), assumption)))
-        };
+        let windows = |assumption| AMPLITUDES.map(|a| window(swaying(a), assumption));
+        let known = windows(BiasAssumption::KNOWN);
         Swayed {
-            known: percent(BiasAssumption::KNOWN),
-            unknown: percent(BiasAssumption::CONSTANT),
-            least: AMPLITUDES.map(|amplitude| {
-                let window = window(swaying(amplitude), BiasAssumption::KNOWN);
-                100.0 / scale_information(&window).sqrt()
-            }),
+            known: known.each_ref().map(distance_percent),
+            unknown: windows(BiasAssumption::CONSTANT).each_ref().map(distance_percent),
+            least: known.each_ref().map(|window| 100.0 / scale_information(window).sqrt()),
         }
     })
 }
@@ -69,14 +70,10 @@ pub fn lever_percent(lever: f64, assumption: BiasAssumption) -> f64 {
     distance_percent(&of_flight(&flight, assumption))
 }
 
-/// In a motion of the chapter.
-pub fn motion_percent(motion: Trajectory, assumption: BiasAssumption) -> f64 {
-    distance_percent(&window(motion, assumption))
-}
-
-/// The slope of a straight line through the logarithms.
-pub fn exponent(points: &[(f64, f64)]) -> f64 {
-    let points: Vec<_> = points.iter().take(FITTED).map(|(x, y)| (x.ln(), y.ln())).collect();
+/// The slope of a straight line through the logarithms of the first points.
+pub fn exponent(points: impl IntoIterator<Item = (f64, f64)>) -> f64 {
+    let points = points.into_iter().take(FITTED);
+    let points: Vec<_> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
     let (x, y) = (x / count, y / count);
@@ -92,8 +89,8 @@ pub const DISAGREEMENTS: [f64; 7] = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
 pub struct Mixed {
     pub free: usize,
     pub yaw_degrees: f64,
-    /// How much of each of the four directions lies outside of the null space.
-    pub leaves: [f64; 4],
+    /// How much of each translation lies outside of the null space.
+    pub leaves: [f64; 3],
 }
 
 /// For each of the disagreements.
@@ -114,11 +111,10 @@ fn mixed(disagreement: f64) -> Mixed {
     jacobian.rows_mut(first, readings).copy_from(&other.rows(first, readings));
     let spectrum = Spectrum::of(&jacobian).expect("the disagreement is above rounding");
     let null_space = spectrum.null_space();
-    let four = [0, 1, 2].map(Direction::Translation);
-    let [x, y, z] = four.map(|direction| null_space.leaves(&truth.direction(direction)));
-    let yaw = null_space.leaves(&truth.direction(Direction::Yaw));
+    let leaves =
+        [0, 1, 2].map(|axis| null_space.leaves(&truth.direction(Direction::Translation(axis))));
     let sigma = spectrum.sigma(&first_yaw(&truth)).expect("the yaw seems to be known");
-    Mixed { free: spectrum.zeros, yaw_degrees: sigma.to_degrees(), leaves: [x, y, z, yaw] }
+    Mixed { free: spectrum.zeros, yaw_degrees: sigma.to_degrees(), leaves }
 }
 
 /// The gradient of the yaw of the first state.

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 use vislam::inertial::GRAVITY;
-use vislam::observability::{BiasAssumption, Similarity, UnknownCalibration, Window};
+use vislam::observability::{BiasAssumption, Similarity, UnknownCalibration};
 use vislam::simulation::{Flight, Trajectory};
 
 use super::near::{self, AMPLITUDES};
 use super::readings::{inertial_residuals, other_scale};
-use super::worked::{self, TURN, cases, free, window};
+use super::worked::{self, TURN, cases, free, row_of, window};
 use crate::chapter::Chapter;
 
 /// Names of the table's numbers by motion: unknown constant, walking, known.
@@ -26,7 +26,6 @@ const TABLE: [[&str; 3]; 12] = [
     ["spot_unknown", "spot_walking", "spot_known"],
 ];
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     size(chapter);
     table(chapter);
@@ -59,13 +58,9 @@ fn table(chapter: &mut Chapter) {
     let landmarks = |motion| window(motion, BiasAssumption::KNOWN).landmarks.len() as f64;
     chapter.number("hover_landmarks", landmarks(Trajectory::hover()), "", 0);
     chapter.number("spot_landmarks", landmarks(Trajectory::turn_on_the_spot(0.4)), "", 0);
-    let alone = |motion| {
-        let mut window = window(motion, BiasAssumption::KNOWN);
-        window.intervals.clear();
-        free(&window).count() as f64
-    };
-    chapter.number("vision", alone(Trajectory::figure_eight()), "", 0);
-    chapter.number("vision_hover", alone(Trajectory::hover()), "", 0);
+    chapter.number("vision", worked::vision().count() as f64, "", 0);
+    let hover = worked::free_of_pictures(Trajectory::hover());
+    chapter.number("vision_hover", hover.count() as f64, "", 0);
     let gyro = BiasAssumption { accelerometer_known: true, ..BiasAssumption::CONSTANT };
     let turn = Trajectory::level_turn(TURN.0, TURN.1);
     chapter.number("turn_gyro", free(&window(turn, gyro)).count() as f64, "", 0);
@@ -100,10 +95,8 @@ fn calibration(chapter: &mut Chapter) {
 
 fn pictures(chapter: &mut Chapter) {
     let count = |states, assumption| {
-        let flight = Flight {
-            seconds: 0.25 * f64::from(states - 1),
-            ..Flight::brief(Trajectory::figure_eight())
-        };
+        let flight = Flight::brief(Trajectory::figure_eight());
+        let flight = Flight { seconds: 0.25 * f64::from(states - 1), ..flight };
         free(&worked::of_flight(&flight, assumption)).count() as f64
     };
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
@@ -133,17 +126,10 @@ fn worked_turn(chapter: &mut Chapter) {
     let copy = window(BiasAssumption::CONSTANT);
     chapter.number("larger_bias", copy.biases[0].accelerometer.y, "m/s²", 2);
     let copy = window(BiasAssumption::KNOWN);
-    let gained = &inertial_residuals(&copy)[3..6];
-    chapter.number("larger_residual_mm_s", 1e3 * greatest(gained), "mm/s", 1);
-    chapter.number("larger_sigmas", whitened(&copy), "", 0);
-}
-
-fn greatest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |greatest, value| greatest.max(value.abs()))
-}
-
-fn whitened(window: &Window) -> f64 {
-    window.residual().expect("a similar window is in front of its cameras").norm()
+    let gained = inertial_residuals(&copy)[3..6].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    chapter.number("larger_residual_mm_s", 1e3 * gained, "mm/s", 1);
+    let whitened = copy.residual().expect("a similar window is in front of its cameras");
+    chapter.number("larger_sigmas", whitened.norm(), "", 0);
 }
 
 fn tilted(chapter: &mut Chapter) {
@@ -175,9 +161,9 @@ fn climbing(chapter: &mut Chapter) {
 fn nearly(chapter: &mut Chapter) {
     let (known, unknown) = (BiasAssumption::KNOWN, BiasAssumption::CONSTANT);
     let swayed = near::swayed();
-    let exponent = |of: &[f64; 9]| near::exponent(&pairs(of));
-    chapter.number("exponent_known", exponent(&swayed.known), "", 2);
-    chapter.number("exponent_unknown", exponent(&swayed.unknown), "", 2);
+    let exponent = |of: [f64; 9]| near::exponent(AMPLITUDES.into_iter().zip(of));
+    chapter.number("exponent_known", exponent(swayed.known), "", 2);
+    chapter.number("exponent_unknown", exponent(swayed.unknown), "", 2);
     chapter.number("sway_rate", near::SWAY_RATE, "rad/s", 0);
     chapter.number("excite_low", AMPLITUDES[2], "m/s²", 2);
     chapter.number("excite_low_known", swayed.known[2], "%", 0);
@@ -190,25 +176,22 @@ fn nearly(chapter: &mut Chapter) {
     chapter.number("lever_cm", 100.0 * lever, "cm", 0);
     chapter.number("lever_known_percent", near::lever_percent(lever, known), "%", 0);
     chapter.number("lever_unknown_percent", near::lever_percent(lever, unknown), "%", 0);
-    let eight = Trajectory::figure_eight();
-    chapter.number("eight_percent", near::motion_percent(eight, unknown), "%", 1);
-}
-
-fn pairs(of: &[f64; 9]) -> Vec<(f64, f64)> {
-    AMPLITUDES.into_iter().zip(of.iter().copied()).collect()
+    let eight = window(Trajectory::figure_eight(), unknown);
+    let eight = near::percent(&row_of("eight")[0].spectrum, &eight);
+    chapter.number("eight_percent", eight, "%", 1);
 }
 
 fn inconsistent(chapter: &mut Chapter) {
     let mixed = near::all_mixed();
     let points = near::DISAGREEMENTS.into_iter().zip(mixed.iter().map(|m| m.yaw_degrees));
-    chapter.number("yaw_exponent", near::exponent(&points.collect::<Vec<_>>()), "", 2);
+    chapter.number("yaw_exponent", near::exponent(points), "", 2);
     let typical = &mixed[4];
     chapter.number("mixed_free", typical.free as f64, "", 0);
     chapter.number("mixed_size_cm", 100.0 * near::DISAGREEMENTS[4], "cm", 0);
     chapter.number("mixed_yaw_deg", typical.yaw_degrees, "°", 2);
-    let moved = typical.leaves[..3].iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
+    let moved = typical.leaves.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
     chapter.number("mixed_shift_exponent", moved.log10().ceil(), "", 0);
     let consistent = window(Trajectory::figure_eight(), BiasAssumption::CONSTANT);
-    let bounded = worked::spectrum(&consistent).sigma(&near::first_yaw(&consistent));
+    let bounded = row_of("eight")[0].spectrum.sigma(&near::first_yaw(&consistent));
     assert_eq!(bounded, None, "a consistent window says nothing about yaw");
 }

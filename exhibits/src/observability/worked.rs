@@ -33,54 +33,32 @@ pub fn turning() -> EulerAngles {
 
 /// Swaying to and fro along all axes at different rates.
 pub fn swaying(angles: EulerAngles) -> Trajectory {
-    let position = [
-        ScalarTrajectory::wave(0.3, 2.0, 0.0),
-        ScalarTrajectory::wave(0.4, 3.0, 0.0),
-        ScalarTrajectory::wave(0.2, 2.5, 0.0),
-    ];
+    let waves = [(0.3, 2.0), (0.4, 3.0), (0.2, 2.5)];
+    let position = waves.map(|(size, rate)| ScalarTrajectory::wave(size, rate, 0.0));
     Trajectory { position, angles }
 }
 
 pub fn cases() -> [Case; 12] {
     let case = |word, name, motion| Case { word, name, motion };
+    let steady = |angles| Trajectory::constant_velocity(&VELOCITY, angles);
+    let pushed = |push, angles| Trajectory::constant_acceleration(push, angles);
+    let in_body = Trajectory::constant_body_acceleration(&ACCELERATION, TURN.1);
     let pitching =
         EulerAngles { pitch: ScalarTrajectory::wave(0.3, 1.3, 1.0), ..EulerAngles::default() };
     let straight = EulerAngles::default();
+    let (climb, level) = (pushed(&ACCELERATION, straight), pushed(&LEVEL_ACCELERATION, straight));
+    let leveled = pushed(&LEVEL_ACCELERATION, turning());
     [
         case("eight", "figure-eight", Trajectory::figure_eight()),
-        case(
-            "coast",
-            "constant velocity; turning",
-            Trajectory::constant_velocity(&VELOCITY, turning()),
-        ),
-        case(
-            "straight",
-            "constant velocity; no rotation",
-            Trajectory::constant_velocity(&VELOCITY, straight),
-        ),
+        case("coast", "constant velocity; turning", steady(turning())),
+        case("straight", "constant velocity; no rotation", steady(straight)),
         case("turn", "level turn", Trajectory::level_turn(TURN.0, TURN.1)),
-        case(
-            "body",
-            "acceleration constant in the body; turning",
-            Trajectory::constant_body_acceleration(&ACCELERATION, TURN.1),
-        ),
+        case("body", "acceleration constant in the body; turning", in_body),
         case("sway", "changing acceleration; no rotation", swaying(straight)),
         case("pitch", "changing acceleration; only pitching", swaying(pitching)),
-        case(
-            "climb",
-            "constant acceleration, climbing; no rotation",
-            Trajectory::constant_acceleration(&ACCELERATION, straight),
-        ),
-        case(
-            "level",
-            "constant level acceleration; no rotation",
-            Trajectory::constant_acceleration(&LEVEL_ACCELERATION, straight),
-        ),
-        case(
-            "leveled",
-            "constant level acceleration; turning",
-            Trajectory::constant_acceleration(&LEVEL_ACCELERATION, turning()),
-        ),
+        case("climb", "constant acceleration, climbing; no rotation", climb),
+        case("level", "constant level acceleration; no rotation", level),
+        case("leveled", "constant level acceleration; turning", leveled),
         case("hover", "hover", Trajectory::hover()),
         case("spot", "turn on the spot", Trajectory::turn_on_the_spot(0.4)),
     ]
@@ -100,21 +78,34 @@ pub fn window(motion: Trajectory, assumption: BiasAssumption) -> Window {
 /// What the motions leave free with constant, walking and known biases, in the order of the cases.
 pub fn table() -> &'static [[FreeDirections; 3]] {
     static TABLE: OnceLock<Vec<[FreeDirections; 3]>> = OnceLock::new();
-    let assumptions = [
-        BiasAssumption::CONSTANT,
-        BiasAssumption::walking(ImuNoise::euroc()),
-        BiasAssumption::KNOWN,
-    ];
-    TABLE.get_or_init(|| {
-        let row =
-            |case: &Case| assumptions.map(|assumption| free(&window(case.motion, assumption)));
-        cases().iter().map(row).collect()
-    })
+    let walking = BiasAssumption::walking(ImuNoise::euroc());
+    let assumptions = [BiasAssumption::CONSTANT, walking, BiasAssumption::KNOWN];
+    let row = |case: Case| assumptions.map(|assumption| free(&window(case.motion, assumption)));
+    TABLE.get_or_init(|| cases().map(row).to_vec())
+}
+
+/// What a motion of the table leaves free.
+pub fn row_of(word: &str) -> &'static [FreeDirections; 3] {
+    let row = cases().iter().position(|case| case.word == word);
+    &table()[row.expect("the word of a motion")]
 }
 
 /// What a window leaves free.
 pub fn free(window: &Window) -> FreeDirections {
     window.free_directions().expect("the motions of the chapter are degenerate or are not")
+}
+
+/// What pictures alone leave free on a motion.
+pub fn free_of_pictures(motion: Trajectory) -> FreeDirections {
+    let mut window = window(motion, BiasAssumption::KNOWN);
+    window.intervals.clear();
+    free(&window)
+}
+
+/// What pictures alone leave free on the figure-eight.
+pub fn vision() -> &'static FreeDirections {
+    static VISION: OnceLock<FreeDirections> = OnceLock::new();
+    VISION.get_or_init(|| free_of_pictures(Trajectory::figure_eight()))
 }
 
 /// The spectrum of a window.
@@ -128,8 +119,7 @@ pub fn log_distance(window: &Window) -> DVector<f64> {
     let last = window.states.len() - 1;
     let way = window.states[last].position - window.states[0].position;
     let slope = way / way.norm_squared();
-    let mut gradient =
-        DVector::zeros(window.direction(vislam::observability::Direction::Yaw).len());
+    let mut gradient = DVector::zeros(window.dimension());
     gradient.rows_mut(6, 3).copy_from(&-slope);
     gradient.rows_mut(9 * last + 6, 3).copy_from(&slope);
     gradient

@@ -2,18 +2,17 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Rotation3, SVector, UnitQuaternion, Vector3, Vector6};
 use vislam::two_views::{StereoPinhole, essential_matrix, scale_direction};
 
 use super::worked::{BASELINE, CAMERA, POINT};
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, differences};
 
 const STAYING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 const ASIDE: Vector3<f64> = Vector3::new(0.3, -0.1, 0.2);
 const TURN: Vector3<f64> = Vector3::new(0.1, -0.2, 0.05);
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     chapter.counterexample("essential-five", "moved", five_degrees, [ASIDE, STAYING]);
 
@@ -41,29 +40,18 @@ fn motion(translation: Vector3<f64>, turn: Vector3<f64>) -> Isometry3<f64> {
 
 fn five_degrees(translation: Vector3<f64>) -> Comparison {
     let against = "the rank of the derivative by turn and translation, less one for scale";
-    let mut comparison = Comparison::absolute(against, 0.1, "degrees of freedom");
-    let columns: [SVector<f64, 9>; 6] = std::array::from_fn(|column| {
-        let changed = |by: f64| {
-            let mut change = Vector6::zeros();
-            change[column] = by;
-            let turn = Rotation3::new(change.fixed_rows::<3>(3).into_owned());
-            let translation = translation + change.fixed_rows::<3>(0);
-            let moved =
-                Isometry3::from_parts(translation.into(), (turn * Rotation3::new(TURN)).into());
-            essential_matrix(&moved)
-        };
-        let slope = (changed(1e-4) - changed(-1e-4)) / 2e-4;
-        SVector::from_column_slice(slope.as_slice())
+    let slopes = differences::<9, 6>(1e-4, |change| {
+        let turn = Rotation3::new(change.fixed_rows::<3>(3).into_owned()) * Rotation3::new(TURN);
+        let translation = translation + change.fixed_rows::<3>(0);
+        let moved = Isometry3::from_parts(translation.into(), turn.into());
+        SVector::from_column_slice(essential_matrix(&moved).as_slice())
     });
-    let rank = SMatrix::<f64, 9, 6>::from_columns(&columns).rank(1e-6);
-    comparison.add(&[5.0], &[rank as f64 - 1.0]);
-    comparison
+    let rank = slopes.rank(1e-6) as f64;
+    Comparison::absolute(against, 0.1, "degrees of freedom").each([rank], |rank| (5.0, rank - 1.0))
 }
 
 /// Takes two motions with essential matrices that are equal, up to sign or up to another factor.
 fn one_of_four([one, other]: [Isometry3<f64>; 2]) -> Comparison {
-    let against = "the nearest of the four motions";
-    let mut comparison = Comparison::absolute(against, 1e-12, "entries");
     let axis = one.translation.vector.try_normalize(0.0).unwrap_or_default();
     let rotations = [0.0, PI].map(|angle| UnitQuaternion::new(angle * axis) * one.rotation);
     let distances = rotations.iter().flat_map(|rotation| {
@@ -72,8 +60,9 @@ fn one_of_four([one, other]: [Isometry3<f64>; 2]) -> Comparison {
             (four.to_homogeneous() - other.to_homogeneous()).norm()
         })
     });
-    comparison.add(&[distances.fold(f64::INFINITY, f64::min)], &[0.0]);
-    comparison
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    Comparison::absolute("the nearest of the four motions", 1e-12, "entries")
+        .each([nearest], |nearest| (nearest, 0.0))
 }
 
 /// Which rows of a stereo observation are looked at, and whether its camera stays where it is while
@@ -85,16 +74,12 @@ struct Growth {
 }
 
 fn no_pixel_moves(case: Growth) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-10, "px");
     let pose = motion(ASIDE, TURN);
     let stereo = StereoPinhole { camera: CAMERA, baseline: BASELINE };
     let twist = if case.held { Vector6::zeros() } else { scale_direction(&pose) };
-    let moves = stereo
-        .project_with_jacobians(&pose, &POINT)
-        .map_or(Vector3::repeat(f64::NAN), |seen| seen.by_pose * twist + seen.by_point * POINT);
-    let moves = &moves.as_slice()[..case.rows];
-    comparison.add(moves, &[0.0; 3][..case.rows]);
-    comparison
+    let seen = stereo.project_with_jacobians(&pose, &POINT).expect("the point is in front");
+    let moves = (seen.by_pose * twist + seen.by_point * POINT).rows(0, case.rows).into_owned();
+    Comparison::absolute("zero", 1e-10, "px").each([moves], |moves| (moves.clone(), 0.0 * moves))
 }
 
 /// The direction of the worked point before and after a turn with a translation.
@@ -104,19 +89,15 @@ fn directions(translation: Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 fn any_baseline_fits(translation: Vector3<f64>) -> Comparison {
-    let mut comparison = Comparison::absolute("zero, for three baselines", 1e-12, "m³");
     let [before, after] = directions(translation);
-    for axis in 0..3 {
-        let baseline: Vector3<f64> = Vector3::ith(axis, 1.0);
-        comparison.add(&[after.dot(&baseline.cross(&before))], &[0.0]);
-    }
-    comparison
+    let volume = |baseline: Vector3<f64>| after.dot(&baseline.cross(&before));
+    Comparison::absolute("zero, for three baselines", 1e-12, "m³")
+        .each(0..3, |axis| (volume(Vector3::ith(axis, 1.0)), 0.0))
 }
 
 /// The equation holds for the true translation in either case, and for all others after a turn.
 fn no_parallax(translation: Vector3<f64>) -> Comparison {
-    let mut comparison = Comparison::absolute("zero", 1e-12, "sine of the parallax");
-    let [before, after] = directions(translation);
-    comparison.add(&[before.cross(&after).norm()], &[0.0]);
-    comparison
+    let parallax = |[before, after]: [Vector3<f64>; 2]| before.cross(&after).norm();
+    Comparison::absolute("zero", 1e-12, "sine of the parallax")
+        .each([directions(translation)], |directions| (parallax(directions), 0.0))
 }

@@ -1,9 +1,9 @@
 //! Points from noisy pixels, again and again.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use vislam::two_views::{View, triangulate, triangulate_nonlinear};
 
-use super::worked::disturbed;
+use super::worked::{depth_sigma_of, point_at, side_by_side};
 use crate::random::Random;
 
 /// What became of many noisy copies of the same views.
@@ -26,10 +26,12 @@ impl Draws {
         let mut random = Random::new(seed);
         let mut draws = Self::default();
         for _ in 0..pairs {
-            let noise: Vec<f64> = (0..2 * N).map(|_| random.normal(1.0)).collect();
+            let noise = views.map(|_| Vector2::new(random.normal(1.0), random.normal(1.0)));
             for sign in [1.0, -1.0] {
-                let mut errors = noise.iter().map(|error| sign * error);
-                let noisy = disturbed(views, || errors.next().unwrap_or(f64::NAN));
+                let mut noisy = *views;
+                for (view, noise) in noisy.iter_mut().zip(&noise) {
+                    view.pixel += sign * noise;
+                }
                 draws.add(&noisy);
             }
         }
@@ -51,6 +53,34 @@ impl Draws {
     /// Share of the copies that gave no point.
     pub fn share_without_point(&self) -> f64 {
         self.without_point as f64 / (self.without_point + self.likely.len()) as f64
+    }
+}
+
+/// Draws of the worked point's ray at one depth, by two cameras side by side.
+pub struct AtDepth {
+    /// Metres.
+    pub baseline: f64,
+    pub depth: f64,
+    /// Of the depth, to first order, in metres.
+    pub sigma: f64,
+    pub point: Vector3<f64>,
+    pub draws: Draws,
+}
+
+impl AtDepth {
+    /// All of these depths from all of these baselines.
+    pub fn all<const B: usize, const D: usize>(
+        baselines: [f64; B],
+        depths: [f64; D],
+        (pairs, seed): (usize, u64),
+    ) -> [[Self; D]; B] {
+        baselines.map(|baseline| {
+            depths.map(|depth| {
+                let point = point_at(depth);
+                let draws = Draws::of(&side_by_side(&point, baseline), pairs, seed);
+                Self { baseline, depth, sigma: depth_sigma_of(baseline, depth), point, draws }
+            })
+        })
     }
 }
 

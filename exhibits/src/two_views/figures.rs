@@ -11,7 +11,6 @@ pub use clouds::NINETY_FIVE;
 
 use crate::chapter::Chapter;
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("epipolar", epipolar::epipolar);
     chapter.figure("five_solutions", five_solutions::five_solutions);

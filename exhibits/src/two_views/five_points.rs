@@ -1,8 +1,10 @@
 //! All motions that five correspondences allow, looked for by Newton's method from many starts.
 
+use std::sync::OnceLock;
+
 use nalgebra::{
     Const, Isometry3, Matrix3, Matrix5, Quaternion, SMatrix, UnitQuaternion, Vector2, Vector3,
-    Vector5,
+    Vector4, Vector5,
 };
 use vislam::bearing::bearing;
 use vislam::manifold::so3;
@@ -13,6 +15,8 @@ use crate::random::Random;
 
 /// How many scenes are looked at.
 pub const SCENES: usize = 25;
+/// Pixels of noise in the scenes that have any.
+pub const NOISE: f64 = 0.5;
 /// Starts of Newton's method in each scene.
 pub const STARTS: usize = 500;
 /// Pairs that are asked which solution is right, where not only the sixth one is.
@@ -22,9 +26,9 @@ const SAME: f64 = 1e-5;
 
 /// Points seen by two cameras: five to solve with and some to ask afterwards.
 pub struct Scene {
-    pub truth: Isometry3<f64>,
-    /// Pixels in the first and in the second image.
-    pub pixels: Vec<(Vector2<f64>, Vector2<f64>)>,
+    truth: Isometry3<f64>,
+    /// In the first and in the second image.
+    pixels: Vec<(Vector2<f64>, Vector2<f64>)>,
 }
 
 /// An essential matrix that five correspondences satisfy.
@@ -39,12 +43,28 @@ pub struct Solution {
     pub error: f64,
 }
 
-impl Scene {
-    /// A random scene with noise of `sigma` pixels in each coordinate.
-    pub fn random(seed: u64, sigma: f64) -> Self {
-        Self::of(seed, sigma, |point| point)
+/// All solutions that were found.
+pub struct Found {
+    /// The one nearest to the truth first.
+    pub solutions: Vec<Solution>,
+    /// After how many starts the last of them was found.
+    pub last_start: usize,
+}
+
+impl Found {
+    /// How many have all five points in front.
+    pub fn in_front(&self) -> usize {
+        self.solutions.iter().filter(|solution| solution.in_front).count()
     }
 
+    /// The smallest miss of the sixth pair by a wrong solution with all five points in front.
+    pub fn best_wrong(&self) -> Option<f64> {
+        let wrong = self.solutions[1..].iter().filter(|solution| solution.in_front);
+        wrong.map(|solution| solution.sixth).reduce(f64::min)
+    }
+}
+
+impl Scene {
     /// A random scene without noise, all of it on one slanted plane.
     pub fn on_plane(seed: u64) -> Self {
         Self::of(seed, 0.0, |point| point * (5.0 / Vector3::new(0.3, 0.2, 1.0).dot(&point)))
@@ -87,9 +107,8 @@ impl Scene {
         self.pixels.iter().map(|(first, second)| (direction(first), direction(second))).collect()
     }
 
-    /// The solutions, the one nearest to the truth first, and after how many starts the last of
-    /// them was found.
-    pub fn solutions(&self) -> (Vec<Solution>, usize) {
+    /// Everything that Newton's method finds.
+    pub fn solutions(&self) -> Found {
         let directions = self.directions();
         let five: [_; 5] = std::array::from_fn(|index| directions[index]);
         let mut random = Random::new(900);
@@ -101,10 +120,9 @@ impl Scene {
                 last_start = start;
             }
         }
-        let mut solutions: Vec<_> =
-            found.iter().map(|essential| self.judged(essential, &five)).collect();
+        let mut solutions: Vec<_> = found.iter().map(|e| self.judged(e, &five)).collect();
         solutions.sort_by(|one, other| one.error.total_cmp(&other.error));
-        (solutions, last_start)
+        Found { solutions, last_start }
     }
 
     fn judged(
@@ -136,7 +154,7 @@ fn distance(one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
 /// Newton's method for the five numbers of a motion without scale, from a random motion. Gives the
 /// matrix, of length one, when it comes to rest.
 fn newton(five: &[(Vector3<f64>, Vector3<f64>); 5], random: &mut Random) -> Option<Matrix3<f64>> {
-    let quaternion = Quaternion::from_vector(nalgebra::Vector4::from_fn(|_, _| random.normal(1.0)));
+    let quaternion = Quaternion::from_vector(Vector4::from_fn(|_, _| random.normal(1.0)));
     let mut rotation = UnitQuaternion::new_normalize(quaternion).to_rotation_matrix();
     let mut translation = random.direction(1.0);
     for _ in 0..60 {
@@ -165,16 +183,27 @@ fn newton(five: &[(Vector3<f64>, Vector3<f64>); 5], random: &mut Random) -> Opti
     None
 }
 
-/// The scenes with this noise: for each its solutions, the one nearest to the truth first.
-pub fn all_scenes(sigma: f64) -> Vec<Vec<Solution>> {
-    (0..SCENES as u64).map(|seed| Scene::random(seed, sigma).solutions().0).collect()
+/// What is found in the scenes without noise.
+pub fn exact() -> &'static [Found] {
+    static FOUND: OnceLock<Vec<Found>> = OnceLock::new();
+    FOUND.get_or_init(|| in_all_scenes(0.0))
+}
+
+/// The same with noise.
+pub fn noisy() -> &'static [Found] {
+    static FOUND: OnceLock<Vec<Found>> = OnceLock::new();
+    FOUND.get_or_init(|| in_all_scenes(NOISE))
+}
+
+fn in_all_scenes(sigma: f64) -> Vec<Found> {
+    (0..SCENES as u64).map(|seed| Scene::of(seed, sigma, |point| point).solutions()).collect()
 }
 
 /// In how many scenes the solution with the smallest miss, among those with all five points in
 /// front, is the one nearest to the truth.
-pub fn decided(scenes: &[Vec<Solution>], miss: fn(&Solution) -> f64) -> usize {
-    let is_right = |solutions: &&Vec<Solution>| {
-        let candidates = solutions.iter().enumerate().filter(|(_, solution)| solution.in_front);
+pub fn decided(scenes: &[Found], miss: fn(&Solution) -> f64) -> usize {
+    let is_right = |found: &&Found| {
+        let candidates = found.solutions.iter().enumerate().filter(|(_, s)| s.in_front);
         let best = candidates.min_by(|one, other| miss(one.1).total_cmp(&miss(other.1)));
         best.is_some_and(|(index, _)| index == 0)
     };

@@ -1,6 +1,7 @@
 //! The worked example, the same as in the first chapter, and pairs that look at one point.
 
-use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
+use nalgebra::{Isometry3, Rotation3, Vector3};
+use vislam::bearing::{depth_sigma, disparity_sigma};
 use vislam::reprojection::Pinhole;
 use vislam::two_views::View;
 
@@ -12,6 +13,16 @@ pub const CAMERA: Pinhole = Pinhole { fx: 400.0, fy: 400.0, cx: 320.0, cy: 240.0
 pub const BASELINE: f64 = 0.5;
 
 pub const POINT: Vector3<f64> = Vector3::new(0.2, -0.1, 5.0);
+
+/// The point on the worked point's ray at another depth, in metres.
+pub fn point_at(depth: f64) -> Vector3<f64> {
+    depth / POINT.z * POINT
+}
+
+/// Standard deviation of a depth to first order, with a pixel of noise in both images.
+pub fn depth_sigma_of(baseline: f64, depth: f64) -> f64 {
+    depth_sigma(&CAMERA, baseline, depth, disparity_sigma(1.0, 1.0))
+}
 
 /// The motion from the first camera to one that stands `baseline` metres to its right.
 pub fn second_from_first(baseline: f64) -> Isometry3<f64> {
@@ -36,11 +47,6 @@ pub fn facing(distance: f64, parallax: f64) -> (Vector3<f64>, [View; 2]) {
     let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), parallax);
     let second = Isometry3::from_parts((point - turn * point).into(), turn.into());
     (point, [Isometry3::identity(), second].map(|pose| view(pose, &point)))
-}
-
-/// The views with other pixels: each coordinate is moved by what `error` gives.
-pub fn disturbed<const N: usize>(views: &[View; N], mut error: impl FnMut() -> f64) -> [View; N] {
-    views.map(|view| View { pixel: view.pixel + Vector2::new(error(), error()), ..view })
 }
 
 /// A robot that drives towards a point a little off its way: six cameras in a row, the first far

@@ -1,26 +1,24 @@
 //! How normalized errors are distributed, and how they should be.
 
 use crate::bundle_adjustment::consistency::{
-    DEGREES, OUTSIDE_RUN, band, chi_square_below, chi_square_quantile, errors,
+    DEGREES, OUTSIDE_RUN, SHOWN_RUNS as RUNS, band, chi_square_below, chi_square_quantile, errors,
+    live_errors,
 };
+use crate::comparison::altered;
 use crate::figure::{
     self, Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of,
 };
 
-const RUNS: usize = 120;
 /// Pixels of noise where one is stated.
-const NOISES: [f64; 2] = [1.0, 1.3];
+const UNDERSTATED: f64 = 1.3;
 const SHARES: [f64; 19] = [
     0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85,
     0.9, 0.95,
 ];
 
 pub fn consistency() -> Figure {
-    let sorted = NOISES.map(|noise| {
-        let mut errors = errors(RUNS, noise);
-        errors.sort_by(f64::total_cmp);
-        errors
-    });
+    let errors = [live_errors().to_vec(), errors(RUNS, UNDERSTATED)];
+    let sorted = errors.map(|errors| altered(errors, |errors| errors.sort_by(f64::total_cmp)));
     let of_share = |run: usize| SHARES.map(|share| sorted[run][(share * RUNS as f64) as usize]);
     let expected = SHARES.map(|share| chi_square_quantile(share, DEGREES));
     let columns = vec![

@@ -1,57 +1,35 @@
 //! One estimate in three gauges.
 
-use plotters::element::{EmptyElement, Text};
-use plotters::series::LineSeries;
-use plotters::style::Color;
-
-use crate::bundle_adjustment::gauge::{CAMERAS, Covariances};
-use crate::figure::{self, Figure, SERIES, letters_right_of, marker};
+use crate::bundle_adjustment::gauge::{CAMERAS, covariances};
+use crate::figure::{self, Draw, Figure, SERIES, decimals, letters_right_of};
 
 const NAMES: [&str; 3] = ["camera 0 held", "camera 4 held", "shortest"];
 
 pub fn gauge() -> Figure {
-    let covariances = Covariances::of_ring();
-    let sigma = |gauge| (0..CAMERAS).map(move |k| (gauge, k));
-    let sigmas: Vec<Vec<f64>> = (0..3)
-        .map(|gauge| sigma(gauge).map(|(gauge, k)| covariances.position_mm(gauge, k)).collect())
-        .collect();
-    let rows = (0..CAMERAS).map(|camera| {
-        let mut row = vec![camera.to_string()];
-        row.extend(sigmas.iter().map(|of| format!("{:.2}", of[camera])));
-        row
-    });
-    Figure {
-        columns: vec![
-            "camera",
-            "with camera 0 held (mm)",
-            "with camera 4 held (mm)",
-            "with nothing held and shortest steps (mm)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(780, |drawing| {
-            let highest = sigmas.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
-            let x_axis = ("camera", -0.4..7.4, 8);
-            let y_axis = ("position, standard deviation (mm)", -0.06 * highest..1.42 * highest, 5);
-            let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-            for (index, of) in sigmas.iter().enumerate() {
-                let places: Vec<_> =
-                    of.iter().enumerate().map(|(camera, sigma)| (camera as f64, *sigma)).collect();
-                let line = LineSeries::new(places.clone(), SERIES[index].stroke_width(4));
-                chart.draw_series(line)?;
-                chart.draw_series(
-                    places.iter().map(|place| EmptyElement::at(*place) + marker(index)),
-                )?;
-                // A legend above the curves.
-                let place = (2.55 * index as f64 - 0.15, 1.32 * highest);
-                chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-                let beside = (place.0 + 0.17, place.1);
-                chart.draw_series([Text::new(
-                    NAMES[index],
-                    beside,
-                    letters_right_of(SERIES[index]),
-                )])?;
-            }
-            Ok(())
-        }),
-    }
+    let of_gauge =
+        |gauge| -> Vec<f64> { (0..CAMERAS).map(|k| covariances().position_mm(gauge, k)).collect() };
+    let sigmas = [0, 1, 2].map(of_gauge);
+    let cells = |gauge: usize| decimals(2, sigmas[gauge].iter().copied());
+    let columns = vec![
+        ("camera", (0..CAMERAS).map(|camera| camera.to_string()).collect()),
+        ("with camera 0 held (mm)", cells(0)),
+        ("with camera 4 held (mm)", cells(1)),
+        ("with nothing held and shortest steps (mm)", cells(2)),
+    ];
+    Figure::new(780, columns, |drawing| {
+        let highest = sigmas.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
+        let x_axis = ("camera", -0.4..7.4, 8);
+        let y_axis = ("position, standard deviation (mm)", -0.06 * highest..1.42 * highest, 5);
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        for (index, of) in sigmas.iter().enumerate() {
+            let places = || of.iter().enumerate().map(|(camera, sigma)| (camera as f64, *sigma));
+            chart.line(places(), SERIES[index], 4)?;
+            chart.marks(places(), index)?;
+            // A legend above the curves.
+            let (x, y) = (2.55 * index as f64 - 0.15, 1.32 * highest);
+            chart.marks([(x, y)], index)?;
+            chart.write(NAMES[index], (x + 0.17, y), letters_right_of(SERIES[index]))?;
+        }
+        Ok(())
+    })
 }

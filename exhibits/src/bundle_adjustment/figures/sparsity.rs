@@ -3,20 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, PathElement, Rectangle, Text};
-use plotters::prelude::SVGBackend;
 use plotters::style::{Color, RGBColor};
-use vislam::bundle_adjustment::Solver;
-use vislam::least_squares::Options;
 
 use crate::bundle_adjustment::progress::{shared_points, short_street};
-use crate::bundle_adjustment::whole::Ba;
-use crate::figure::{self, Drawn, Figure, GRID, INK, SERIES, letters_around};
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+use crate::bundle_adjustment::whole::{Ba, solver};
+use crate::figure::{Drawing, Drawn, Figure, GRID, INK, SERIES, decimals, letters_around};
 
 /// Side of a camera's block and of a point's, six and three unknowns.
 const CAMERA: i32 = 12;
@@ -28,31 +20,26 @@ const REDUCED: i32 = 44;
 pub fn sparsity() -> Figure {
     let street = short_street();
     let shared = shared_points(&street);
-    let reduced = Solver::new(&street, &Options::large_problem())
-        .and_then(|solver| solver.schur_complement(0.0))
-        .expect("a street");
-    let block = |first: usize, second: usize| -> DMatrix<f64> {
-        reduced.0.view((6 * (first - 1), 6 * (second - 1)), (6, 6)).into_owned()
+    let (reduced, _) = solver(&street).schur_complement(0.0).expect("a street");
+    let block = |first: usize, second: usize| {
+        reduced.fixed_view::<6, 6>(6 * (first - 1), 6 * (second - 1)).norm()
     };
     let moving = street.cameras.len() - 1;
-    let pairs = (1..=moving).flat_map(|first| (1..first).map(move |second| (first, second)));
-    let rows = pairs.map(|(first, second)| {
-        let points = shared.get(&(first, second)).copied().unwrap_or(0);
-        let size = block(first, second).norm();
-        vec![format!("{first}"), format!("{second}"), format!("{points}"), format!("{size:.0}")]
-    });
-    Figure {
-        columns: vec!["camera", "camera", "points in common", "size of the block of S"],
-        rows: rows.collect(),
-        svg: figure::draw(960, |drawing| {
-            let (left, right) = drawing.split_horizontally(760);
-            whole(&left, &street)?;
-            let (above, below) = right.split_vertically(560);
-            let filled = |first: usize, second: usize| block(first, second).norm() > 0.0;
-            after(&above, moving, filled)?;
-            graph(&below, moving, &shared)
-        }),
-    }
+    let pairs = || (1..=moving).flat_map(|first| (1..first).map(move |second| (first, second)));
+    let points = pairs().map(|pair| shared.get(&pair).copied().unwrap_or(0).to_string());
+    let columns = vec![
+        ("camera", pairs().map(|(first, _)| first.to_string()).collect()),
+        ("camera", pairs().map(|(_, second)| second.to_string()).collect()),
+        ("points in common", points.collect()),
+        ("size of the block of S", decimals(0, pairs().map(|pair| block(pair.0, pair.1)))),
+    ];
+    Figure::new(960, columns, |drawing| {
+        let (left, right) = drawing.split_horizontally(760);
+        whole(&left, &street)?;
+        let (above, below) = right.split_vertically(560);
+        after(&above, moving, |first, second| block(first, second) > 0.0)?;
+        graph(&below, moving, &shared)
+    })
 }
 
 /// For each point that is adjusted, in the order along the street, the moving cameras that see it.
@@ -68,20 +55,20 @@ fn seen_by(street: &Ba) -> Vec<Vec<usize>> {
     order.into_iter().map(|point| moving(point).collect()).collect()
 }
 
-fn square(area: &Area, corner: (i32, i32), size: (i32, i32), colour: RGBColor) -> Drawn {
+fn square(area: &Drawing, corner: (i32, i32), size: (i32, i32), colour: RGBColor) -> Drawn {
     let end = (corner.0 + size.0 - 1, corner.1 + size.1 - 1);
     area.draw(&Rectangle::new([corner, end], colour.filled()))?;
     Ok(())
 }
 
-fn frame(area: &Area, corner: (i32, i32), size: i32) -> Drawn {
+fn frame(area: &Drawing, corner: (i32, i32), size: i32) -> Drawn {
     let end = (corner.0 + size, corner.1 + size);
     area.draw(&Rectangle::new([corner, end], INK.stroke_width(2)))?;
     Ok(())
 }
 
 /// The whole matrix: cameras first, then the points along the street.
-fn whole(area: &Area, street: &Ba) -> Drawn {
+fn whole(area: &Drawing, street: &Ba) -> Drawn {
     let (x, y) = (20, 90);
     let points = seen_by(street);
     let moving = street.cameras.len() as i32 - 1;
@@ -113,7 +100,7 @@ fn whole(area: &Area, street: &Ba) -> Drawn {
 }
 
 /// The Schur complement.
-fn after(area: &Area, moving: usize, filled: impl Fn(usize, usize) -> bool) -> Drawn {
+fn after(area: &Drawing, moving: usize, filled: impl Fn(usize, usize) -> bool) -> Drawn {
     let (x, y) = (60, 90);
     area.draw(&Text::new("S", (x + REDUCED * moving as i32 / 2, 45), letters_around(INK)))?;
     for (row, column) in (1..=moving).flat_map(|row| (1..=moving).map(move |c| (row, c))) {
@@ -128,7 +115,7 @@ fn after(area: &Area, moving: usize, filled: impl Fn(usize, usize) -> bool) -> D
 
 /// Cameras along the street, and an arc for each two that see a point in common. It is the thicker
 /// the more of them there are.
-fn graph(area: &Area, moving: usize, shared: &BTreeMap<(usize, usize), usize>) -> Drawn {
+fn graph(area: &Drawing, moving: usize, shared: &BTreeMap<(usize, usize), usize>) -> Drawn {
     let place = |camera: usize| 60 + REDUCED / 2 + (camera as i32 - 1) * REDUCED;
     let level = 290;
     for ((first, second), points) in shared {

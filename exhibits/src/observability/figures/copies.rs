@@ -1,15 +1,14 @@
 //! Copies of a flight, and which measurements object to them.
 
 use nalgebra::{Rotation3, Vector3};
-use plotters::element::{EmptyElement, Rectangle, Text};
-use plotters::series::LineSeries;
+use plotters::element::Rectangle;
 use plotters::style::Color;
 use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::imu_residual;
 use vislam::simulation::{Flight, Trajectory};
 
 use crate::figure::{
-    self, Drawing, Drawn, Figure, INK, SERIES, letters_around, letters_right_of, marker,
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, letters_around, letters_right_of,
 };
 use crate::observability::worked::of_flight;
 
@@ -18,16 +17,13 @@ const KINDS: [&str; 4] = ["pixels", "rotation", "velocity", "position"];
 
 fn similarities() -> [Similarity; 4] {
     let same = Similarity::identity();
-    let turn = |axis: Vector3<f64>| Rotation3::new(axis);
+    let turn = |degrees: f64, axis: Vector3<f64>| Rotation3::new(degrees.to_radians() * axis);
+    let (rotation, translation) = (turn(60.0, Vector3::z()), Vector3::new(8.0, 1.0, 0.0));
     [
         same,
-        Similarity {
-            rotation: turn(60_f64.to_radians() * Vector3::z()),
-            translation: Vector3::new(8.0, 1.0, 0.0),
-            ..same
-        },
+        Similarity { rotation, translation, ..same },
         Similarity { scale: 1.2, ..same },
-        Similarity { rotation: turn(2_f64.to_radians() * Vector3::x()), ..same },
+        Similarity { rotation: turn(2.0, Vector3::x()), ..same },
     ]
 }
 
@@ -59,41 +55,31 @@ pub fn copies() -> Figure {
     let windows = windows();
     let objections = windows.each_ref().map(objections);
     let shown = |value: f64| if value < 1e-6 { "0".to_owned() } else { format!("{value:.1}") };
-    let rows = NAMES.iter().zip(&objections).map(|(name, values)| {
-        let mut row = vec![(*name).to_owned()];
-        row.extend(values.iter().map(|value| shown(*value)));
-        row
-    });
-    Figure {
-        columns: vec![
-            "copy",
-            "pixels (sigmas)",
-            "rotation (sigmas)",
-            "velocity (sigmas)",
-            "position (sigmas)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1540, |drawing| {
-            let (above, below) = drawing.split_vertically(800);
-            plan(&above, &windows)?;
-            bars(&below, &objections)
-        }),
-    }
+    let of_kind = |kind: usize| objections.iter().map(|of| shown(of[kind])).collect();
+    let columns = vec![
+        ("copy", NAMES.map(str::to_owned).to_vec()),
+        ("pixels (sigmas)", of_kind(0)),
+        ("rotation (sigmas)", of_kind(1)),
+        ("velocity (sigmas)", of_kind(2)),
+        ("position (sigmas)", of_kind(3)),
+    ];
+    Figure::new(1540, columns, |drawing| {
+        let (above, below) = drawing.split_vertically(800);
+        plan(&above, &windows)?;
+        bars(&below, &objections)
+    })
 }
 
 fn plan(drawing: &Drawing, windows: &[Window; 4]) -> Drawn {
     let mut chart = figure::axes(drawing, ("x (m)", -5.0..13.0, 6), ("y (m)", -4.5..6.5, 5))?;
     // From above a tilted copy could not be told from the flight.
     for (index, window) in windows.iter().take(3).enumerate() {
-        let places: Vec<_> =
-            window.states.iter().map(|state| (state.position.x, state.position.y)).collect();
-        chart.draw_series(LineSeries::new(places.clone(), SERIES[index].stroke_width(5)))?;
-        let some = places.iter().step_by(4);
-        chart.draw_series(some.map(|place| EmptyElement::at(*place) + marker(index)))?;
-        let place = (-4.4, 5.9 - 1.0 * index as f64);
-        chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-        let beside = (place.0 + 0.4, place.1);
-        chart.draw_series([Text::new(NAMES[index], beside, letters_right_of(SERIES[index]))])?;
+        let places = || window.states.iter().map(|state| (state.position.x, state.position.y));
+        chart.line(places(), SERIES[index], 5)?;
+        chart.marks(places().step_by(4), index)?;
+        let (x, y) = (-4.4, 5.9 - 1.0 * index as f64);
+        chart.marks([(x, y)], index)?;
+        chart.write(NAMES[index], (x + 0.4, y), letters_right_of(SERIES[index]))?;
     }
     Ok(())
 }
@@ -109,17 +95,15 @@ fn bars(drawing: &Drawing, objections: &[[f64; 4]; 4]) -> Drawn {
             chart.draw_series([bar])?;
             let text = if *value < 1e-6 { "0".to_owned() } else { format!("{value:.0}") };
             let place = (left + 0.11, value + 0.045 * highest);
-            chart.draw_series([Text::new(text, place, letters_around(SERIES[index]))])?;
+            chart.write(&text, place, letters_around(SERIES[index]))?;
         }
-        let place = (0.12, (1.57 - 0.13 * index as f64) * highest);
-        chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-        let beside = (place.0 + 0.09, place.1);
-        chart.draw_series([Text::new(NAMES[index], beside, letters_right_of(SERIES[index]))])?;
+        let (x, y) = (0.12, (1.57 - 0.13 * index as f64) * highest);
+        chart.marks([(x, y)], index)?;
+        chart.write(NAMES[index], (x + 0.09, y), letters_right_of(SERIES[index]))?;
     }
     for (kind, name) in KINDS.iter().enumerate() {
-        let place = kind as f64 + 0.5;
         let height = if kind < 2 { 0.2 * highest } else { 1.2 * highest };
-        chart.draw_series([Text::new(*name, (place, height), letters_around(INK))])?;
+        chart.write(name, (kind as f64 + 0.5, height), letters_around(INK))?;
     }
     Ok(())
 }

@@ -1,12 +1,9 @@
 //! Which strength of gravity a constant acceleration asks for at another scale.
 
 use nalgebra::Vector3;
-use plotters::element::{EmptyElement, PathElement, Text};
-use plotters::series::LineSeries;
-use plotters::style::Color;
 use vislam::inertial::GRAVITY;
 
-use crate::figure::{self, Figure, INK, SERIES, letters_right_of, marker};
+use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_right_of};
 use crate::observability::numbers::RAMP;
 use crate::observability::readings::other_scale;
 
@@ -30,37 +27,25 @@ fn curve(acceleration: &Vector3<f64>, steps: u32) -> Vec<(f64, f64)> {
 
 pub fn false_scale() -> Figure {
     let curves = accelerations().map(|acceleration| curve(&acceleration, 15));
-    let rows = (0..curves[0].len()).map(|row| {
-        let mut cells = vec![format!("{:.1}", curves[0][row].0)];
-        cells.extend(curves.iter().map(|curve| format!("{:.3}", curve[row].1)));
-        cells
-    });
-    Figure {
-        columns: vec![
-            "scale",
-            "excess of gravity on a level road (m/s²)",
-            "uphill (m/s²)",
-            "downhill (m/s²)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(820, |drawing| {
-            let x_axis = ("scale", SCALES[0]..SCALES[1], 7);
-            let y_axis = ("excess of gravity (m/s²)", -0.25..0.95, 6);
-            let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-            let zero = [(SCALES[0], 0.0), (SCALES[1], 0.0)];
-            chart.draw_series([PathElement::new(zero, INK.stroke_width(3))])?;
-            for (index, acceleration) in accelerations().iter().enumerate() {
-                let line = LineSeries::new(curve(acceleration, 90), SERIES[index].stroke_width(5));
-                chart.draw_series(line)?;
-                let root = other_scale(acceleration, &GRAVITY);
-                chart.draw_series([EmptyElement::at((root, 0.0)) + marker(index)])?;
-                let place = (0.35, 0.88 - 0.1 * index as f64);
-                chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-                let beside = (place.0 + 0.06, place.1);
-                let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
-                chart.draw_series([name])?;
-            }
-            Ok(())
-        }),
-    }
+    let cells = |index: usize| decimals(3, curves[index].iter().map(|(_, excess)| *excess));
+    let columns = vec![
+        ("scale", decimals(1, curves[0].iter().map(|(scale, _)| *scale))),
+        ("excess of gravity on a level road (m/s²)", cells(0)),
+        ("uphill (m/s²)", cells(1)),
+        ("downhill (m/s²)", cells(2)),
+    ];
+    Figure::new(820, columns, |drawing| {
+        let x_axis = ("scale", SCALES[0]..SCALES[1], 7);
+        let y_axis = ("excess of gravity (m/s²)", -0.25..0.95, 6);
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        chart.line(SCALES.map(|scale| (scale, 0.0)), INK, 3)?;
+        for (index, acceleration) in accelerations().iter().enumerate() {
+            chart.line(curve(acceleration, 90), SERIES[index], 5)?;
+            chart.marks([(other_scale(acceleration, &GRAVITY), 0.0)], index)?;
+            let (x, y) = (0.35, 0.88 - 0.1 * index as f64);
+            chart.marks([(x, y)], index)?;
+            chart.write(NAMES[index], (x + 0.06, y), letters_right_of(SERIES[index]))?;
+        }
+        Ok(())
+    })
 }

@@ -1,11 +1,11 @@
 //! Linear and most likely points of a robot that drives towards them, from above.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
-use plotters::element::{Circle, PathElement, Text};
+use plotters::element::Circle;
 use plotters::style::{Color, RGBColor};
 use vislam::two_views::triangulate_nonlinear;
 
-use crate::figure::{self, Drawing, Drawn, ESTIMATED, Figure, INK, letters_around};
+use crate::figure::{self, Draw, Drawing, Drawn, ESTIMATED, Figure, INK, decimals, letters_around};
 use crate::two_views::draws::{Draws, rms_error};
 use crate::two_views::worked::approach;
 
@@ -18,46 +18,36 @@ pub const NINETY_FIVE: f64 = 2.4477;
 
 pub fn clouds() -> Figure {
     let (point, views) = approach();
-    let draws = Draws::of(&views, PAIRS, SEED);
-    let covariance = triangulate_nonlinear(&views, &point).map(|found| found.covariance);
+    let Draws { linear, likely, .. } = Draws::of(&views, PAIRS, SEED);
+    let found = triangulate_nonlinear(&views, &point).expect("pixels without noise have a point");
     // Depth to the right and the side up, as the picture has them.
-    let plane = covariance.map(|c| Matrix2::new(c.m33, c.m13, c.m13, c.m11));
-    let plane = plane.unwrap_or(Matrix2::repeat(f64::NAN));
-    let inverse = plane.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN));
-    let rows = [("linear", &draws.linear), ("most likely", &draws.likely)].map(|(name, points)| {
-        let inside = points.iter().filter(|found| {
-            let error = error_in_plane(found, &point);
-            error.dot(&(inverse * error)) < NINETY_FIVE * NINETY_FIVE
-        });
-        vec![
-            name.to_owned(),
-            format!("{:.1}", 100.0 * rms_error(points, &point, 2)),
-            format!("{:.1}", 100.0 * rms_error(points, &point, 0)),
-            format!("{:.1}", 100.0 * inside.count() as f64 / points.len() as f64),
-        ]
+    let c = found.covariance;
+    let plane = Matrix2::new(c.m33, c.m13, c.m13, c.m11);
+    let inverse = plane.try_inverse().expect("the depth is known");
+    let scatter = |axis| [&linear, &likely].map(|points| 100.0 * rms_error(points, &point, axis));
+    let inside = [&linear, &likely].map(|points| {
+        let errors = points.iter().map(|found| error_in_plane(found, &point));
+        let inside = errors.filter(|error| error.dot(&(inverse * error)) < NINETY_FIVE.powi(2));
+        100.0 * inside.count() as f64 / points.len() as f64
     });
-    Figure {
-        columns: vec![
-            "point",
-            "scatter in depth (cm)",
-            "scatter to the side (cm)",
-            "share inside the ellipse of the covariance (%)",
-        ],
-        rows: rows.to_vec(),
-        svg: figure::draw(720, |drawing| {
-            let (left, right) = drawing.split_horizontally(690);
-            let outline = ellipse(&plane);
-            let side = ("error to the side (cm)", 5);
-            panel(&left, &draws.linear, &point, &outline, ("linear", INK), side)?;
-            let likely = ("most likely", ESTIMATED);
-            panel(&right, &draws.likely, &point, &outline, likely, ("", 0))
-        }),
-    }
+    let columns = vec![
+        ("point", ["linear", "most likely"].map(str::to_owned).to_vec()),
+        ("scatter in depth (cm)", decimals(1, scatter(2))),
+        ("scatter to the side (cm)", decimals(1, scatter(0))),
+        ("share inside the ellipse of the covariance (%)", decimals(1, inside)),
+    ];
+    Figure::new(720, columns, |drawing| {
+        let (left, right) = drawing.split_horizontally(690);
+        let outline = ellipse(&plane);
+        let side = ("error to the side (cm)", 5);
+        panel(&left, &linear, &point, &outline, ("linear", INK), side)?;
+        panel(&right, &likely, &point, &outline, ("most likely", ESTIMATED), ("", 0))
+    })
 }
 
 /// Error in depth and to the side, in metres.
 fn error_in_plane(found: &Vector3<f64>, truth: &Vector3<f64>) -> Vector2<f64> {
-    Vector2::new(found.z - truth.z, found.x - truth.x)
+    (found - truth).zx()
 }
 
 /// The ellipse that should hold 95 % of all errors, in centimetres.
@@ -87,7 +77,6 @@ fn panel(
         let is_shown = error.x.abs() < 21.0 && error.y.abs() < 7.0;
         is_shown.then(|| Circle::new((error.x, error.y), 5, colour.mix(0.45).filled()))
     }))?;
-    chart.draw_series([PathElement::new(outline.to_vec(), INK.stroke_width(5))])?;
-    chart.draw_series([Text::new(name.to_owned(), (-11.0, 6.2), letters_around(colour))])?;
-    Ok(())
+    chart.line(outline.iter().copied(), INK, 5)?;
+    chart.write(name, (-11.0, 6.2), letters_around(colour))
 }

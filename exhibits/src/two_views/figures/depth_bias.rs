@@ -1,16 +1,10 @@
 //! By how much triangulated points lie too far away on average.
 
-use nalgebra::Vector3;
 use plotters::coord::combinators::IntoLogRange;
-use plotters::element::{EmptyElement, Text};
-use plotters::series::LineSeries;
-use plotters::style::Color;
-use vislam::bearing::{depth_sigma, disparity_sigma};
 use vislam::two_views::depth_bias as formula;
 
-use crate::figure::{self, Figure, INK, SERIES, letters_around, letters_right_of, marker};
-use crate::two_views::draws::{Draws, mean_error};
-use crate::two_views::worked::{CAMERA, POINT, side_by_side};
+use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_around, letters_right_of};
+use crate::two_views::draws::{AtDepth, mean_error};
 
 /// Metres between the cameras.
 const BASELINES: [f64; 3] = [0.2, 0.5, 1.0];
@@ -21,67 +15,35 @@ const PAIRS: usize = 3000;
 const MOST_WITHOUT_POINT: f64 = 0.05;
 const SEED: u64 = 64;
 
-fn sigma(baseline: f64, range: f64) -> f64 {
-    depth_sigma(&CAMERA, baseline, range, disparity_sigma(1.0, 1.0))
-}
-
-/// Mean error in depth of linear and of most likely points, and the share of draws without one.
-fn means(baseline: f64, range: f64) -> (f64, f64, f64) {
-    let point: Vector3<f64> = range / POINT.z * POINT;
-    let draws = Draws::of(&side_by_side(&point, baseline), PAIRS, SEED);
-    let mean = |points: &[Vector3<f64>]| mean_error(points, &point, 2);
-    (mean(&draws.linear), mean(&draws.likely), draws.share_without_point())
-}
-
 pub fn depth_bias() -> Figure {
-    let means = BASELINES.map(|baseline| RANGES.map(|range| means(baseline, range)));
-    let mut rows = Vec::new();
-    for (baseline, means) in BASELINES.into_iter().zip(means) {
-        for (range, (linear, likely, without)) in RANGES.into_iter().zip(means) {
-            rows.push(vec![
-                format!("{baseline}"),
-                format!("{range}"),
-                format!("{:.3}", sigma(baseline, range) / range),
-                format!("{:.4}", formula(range, sigma(baseline, range))),
-                format!("{likely:.4}"),
-                format!("{linear:.4}"),
-                format!("{:.2}", 100.0 * without),
-            ]);
-        }
-    }
-    Figure {
-        columns: vec![
-            "baseline (m)",
-            "depth (m)",
-            "sigma over depth",
-            "bias by the formula (m)",
-            "mean error of most likely points (m)",
-            "of linear points (m)",
-            "draws without a point (%)",
-        ],
-        rows,
-        svg: draw(&means),
-    }
-}
-
-fn draw(means: &[[(f64, f64, f64); RANGES.len()]; BASELINES.len()]) -> String {
-    figure::draw(860, |drawing| {
+    let places = AtDepth::all(BASELINES, RANGES, (PAIRS, SEED));
+    let all = || places.iter().flatten();
+    let bias = |at: &AtDepth| formula(at.depth, at.sigma);
+    let likely = |at: &AtDepth| mean_error(&at.draws.likely, &at.point, 2);
+    let linear = |at: &AtDepth| mean_error(&at.draws.linear, &at.point, 2);
+    let without_point = all().map(|at| 100.0 * at.draws.share_without_point());
+    let columns = vec![
+        ("baseline (m)", all().map(|at| at.baseline.to_string()).collect()),
+        ("depth (m)", all().map(|at| at.depth.to_string()).collect()),
+        ("sigma over depth", decimals(3, all().map(|at| at.sigma / at.depth))),
+        ("bias by the formula (m)", decimals(4, all().map(bias))),
+        ("mean error of most likely points (m)", decimals(4, all().map(likely))),
+        ("of linear points (m)", decimals(4, all().map(linear))),
+        ("draws without a point (%)", decimals(2, without_point)),
+    ];
+    Figure::new(860, columns, |drawing| {
         let x_axis = ("depth (m)", (1.7..110.0).log_scale(), 3);
         let y_axis = ("mean depth error (m)", (5e-5..90.0).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        for (index, baseline) in BASELINES.into_iter().enumerate() {
-            let line = RANGES.map(|range| (range, formula(range, sigma(baseline, range))));
-            chart.draw_series(LineSeries::new(line, SERIES[index].stroke_width(5)))?;
-            let marks = RANGES.iter().zip(&means[index]);
-            let shown = marks.filter(|(_, mean)| mean.2 < MOST_WITHOUT_POINT);
-            chart.draw_series(
-                shown.map(|(range, mean)| EmptyElement::at((*range, mean.1)) + marker(index)),
-            )?;
-            let beside = (1.12 * RANGES[6], line[6].1.min(40.0));
-            let name = format!("{baseline} m");
-            chart.draw_series([Text::new(name, beside, letters_right_of(SERIES[index]))])?;
+        for (index, row) in places.iter().enumerate() {
+            chart.line(row.iter().map(|at| (at.depth, bias(at))), SERIES[index], 5)?;
+            let shown = row.iter().filter(|at| at.draws.share_without_point() < MOST_WITHOUT_POINT);
+            chart.marks(shown.map(|at| (at.depth, likely(at))), index)?;
+            let last = &row[RANGES.len() - 1];
+            let name = format!("{} m", last.baseline);
+            let beside = (1.12 * last.depth, bias(last).min(40.0));
+            chart.write(&name, beside, letters_right_of(SERIES[index]))?;
         }
-        chart.draw_series([Text::new("baseline", (75.0, 0.15), letters_around(INK))])?;
-        Ok(())
+        chart.write("baseline", (75.0, 0.15), letters_around(INK))
     })
 }

@@ -1,11 +1,14 @@
 //! Two pictures of five points, with the lines on which each picture expects the other's pixels.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3};
-use plotters::element::{Cross, EmptyElement, PathElement, Rectangle, Text};
+use plotters::chart::ChartBuilder;
+use plotters::element::{Cross, Rectangle};
 use plotters::style::Color;
 use vislam::two_views::{epipolar_line, essential_matrix, fundamental_matrix};
 
-use crate::figure::{self, Drawing, Drawn, ESTIMATED, Figure, INK, SERIES, letters_around, marker};
+use crate::figure::{
+    Draw, Drawing, Drawn, ESTIMATED, Figure, INK, SERIES, decimals, letters_around,
+};
 use crate::two_views::oracle::seen;
 use crate::two_views::worked::CAMERA;
 
@@ -32,35 +35,26 @@ pub fn epipolar() -> Figure {
     let second_by_first = fundamental_matrix(&CAMERA, &CAMERA, &essential);
     let first = POINTS.map(|point| seen(&CAMERA, &Isometry3::identity(), &point));
     let second = POINTS.map(|point| seen(&CAMERA, &motion, &point));
-    let rows = (0..POINTS.len()).map(|index| {
-        let line = line(&second_by_first, &first[index]);
-        let cells = [first[index].x, first[index].y, second[index].x, second[index].y];
-        let mut row: Vec<String> = cells.iter().map(|cell| format!("{cell:.1}")).collect();
-        row.extend([format!("{:.4}", line.x), format!("{:.4}", line.y), format!("{:.1}", line.z)]);
-        row
-    });
     let first_by_second = second_by_first.transpose();
     let second_centre = motion.inverse().translation.vector;
     let first_epipole = seen(&CAMERA, &Isometry3::identity(), &second_centre);
     // The first camera lies behind the second one; the line through both centres still has a pixel.
     let second_epipole = seen(&CAMERA, &Isometry3::identity(), &-motion.translation.vector);
-    Figure {
-        columns: vec![
-            "u in image 0 (px)",
-            "v in image 0 (px)",
-            "u in image 1 (px)",
-            "v in image 1 (px)",
-            "line in image 1: a",
-            "b",
-            "c (px)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1240, |drawing| {
-            let (above, below) = drawing.split_vertically(620);
-            panel(&above, "image 0", &first, &second, &first_by_second, &first_epipole)?;
-            panel(&below, "image 1", &second, &first, &second_by_first, &second_epipole)
-        }),
-    }
+    let lines = first.map(|pixel| line(&second_by_first, &pixel));
+    let columns = vec![
+        ("u in image 0 (px)", decimals(1, first.map(|pixel| pixel.x))),
+        ("v in image 0 (px)", decimals(1, first.map(|pixel| pixel.y))),
+        ("u in image 1 (px)", decimals(1, second.map(|pixel| pixel.x))),
+        ("v in image 1 (px)", decimals(1, second.map(|pixel| pixel.y))),
+        ("line in image 1: a", decimals(4, lines.map(|line| line.x))),
+        ("b", decimals(4, lines.map(|line| line.y))),
+        ("c (px)", decimals(1, lines.map(|line| line.z))),
+    ];
+    Figure::new(1240, columns, |drawing| {
+        let (above, below) = drawing.split_vertically(620);
+        panel(&above, "image 0", &first, &second, &first_by_second, &first_epipole)?;
+        panel(&below, "image 1", &second, &first, &second_by_first, &second_epipole)
+    })
 }
 
 fn line(fundamental: &Matrix3<f64>, pixel: &Vector2<f64>) -> Vector3<f64> {
@@ -76,7 +70,6 @@ fn panel(
     fundamental: &Matrix3<f64>,
     epipole: &Vector2<f64>,
 ) -> Drawn {
-    use plotters::chart::ChartBuilder;
     let (width, height) = drawing.dim_in_pixel();
     // The scale is the same along both axes, with room for a name beside the image.
     let scale = (f64::from(height) - 20.0) / IMAGE.1;
@@ -87,23 +80,20 @@ fn panel(
         .build_cartesian_2d(-side..IMAGE.0 + side, -IMAGE.1..0.0)?;
     let frame = Rectangle::new([(0.0, 0.0), (IMAGE.0, -IMAGE.1)], INK.stroke_width(2));
     chart.draw_series([frame])?;
-    chart.draw_series([Text::new(name.to_owned(), (-0.5 * side, -40.0), letters_around(INK))])?;
+    chart.write(name, (-0.5 * side, -40.0), letters_around(INK))?;
     for (index, other) in others.iter().enumerate() {
         let ends = inside(&line(fundamental, other));
-        let ends: Vec<_> = ends.iter().map(|end| (end.x, -end.y)).collect();
-        chart.draw_series([PathElement::new(ends, SERIES[index].stroke_width(4))])?;
+        chart.line(ends.iter().map(|end| (end.x, -end.y)), SERIES[index], 4)?;
     }
     for (index, pixel) in pixels.iter().enumerate() {
-        let place = (pixel.x, -pixel.y);
-        chart.draw_series([EmptyElement::at(place) + marker(index)])?;
+        chart.marks([(pixel.x, -pixel.y)], index)?;
     }
     let (place, in_margin) = ((epipole.x, -epipole.y), (-0.5 * side, -130.0));
     for place in [place, in_margin] {
         chart.draw_series([Cross::new(place, 16, ESTIMATED.stroke_width(7))])?;
     }
     let below = (in_margin.0, in_margin.1 - 40.0);
-    chart.draw_series([Text::new("epipole", below, letters_around(ESTIMATED))])?;
-    Ok(())
+    chart.write("epipole", below, letters_around(ESTIMATED))
 }
 
 /// The two places at which a line enters and leaves the image.

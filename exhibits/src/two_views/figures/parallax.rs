@@ -1,12 +1,9 @@
 //! What the angle between two rays decides.
 
 use plotters::coord::combinators::IntoLogRange;
-use plotters::element::EmptyElement;
-use plotters::series::LineSeries;
-use plotters::style::Color;
 use vislam::two_views::{point_condition, ray_sigma};
 
-use crate::figure::{self, Figure, SERIES, marker};
+use crate::figure::{self, Draw, Figure, SERIES, decimals};
 use crate::two_views::draws::{Draws, rms_error};
 use crate::two_views::oracle::information;
 use crate::two_views::worked::{CAMERA, facing};
@@ -18,10 +15,13 @@ const DISTANCE: f64 = 5.0;
 const PAIRS: usize = 1000;
 const SEED: u64 = 62;
 
-/// Percent, to first order, and condition number, at an angle in degrees.
-fn formulas(angle: f64) -> (f64, f64) {
-    let parallax = angle.to_radians();
-    (100.0 * ray_sigma(1.0, 1.0, parallax, 1.0 / CAMERA.fx), point_condition(parallax))
+/// Percent, to first order, at an angle in degrees.
+fn error(angle: f64) -> f64 {
+    100.0 * ray_sigma(1.0, 1.0, angle.to_radians(), 1.0 / CAMERA.fx)
+}
+
+fn condition(angle: f64) -> f64 {
+    point_condition(angle.to_radians())
 }
 
 /// The same two from noisy pixels and from differences of the projections.
@@ -35,47 +35,26 @@ fn measured(angle: f64) -> (f64, f64) {
 
 pub fn parallax() -> Figure {
     let measured = ANGLES.map(measured);
-    let rows = ANGLES.iter().zip(&measured).map(|(angle, (scatter, of_information))| {
-        let (error, condition) = formulas(*angle);
-        vec![
-            format!("{angle}"),
-            format!("{error:.3}"),
-            format!("{scatter:.3}"),
-            format!("{condition:.1}"),
-            format!("{of_information:.1}"),
-        ]
-    });
-    Figure {
-        columns: vec![
-            "parallax (degrees)",
-            "depth error to first order (%)",
-            "scatter of noisy draws (%)",
-            "condition number by the formula",
-            "condition number of the information",
-        ],
-        rows: rows.collect(),
-        svg: draw(&measured),
-    }
-}
-
-fn draw(measured: &[(f64, f64); ANGLES.len()]) -> String {
+    let (errors, conditions) = (measured.map(|of| of.0), measured.map(|of| of.1));
+    let columns = vec![
+        ("parallax (degrees)", ANGLES.map(|angle| angle.to_string()).to_vec()),
+        ("depth error to first order (%)", decimals(3, ANGLES.map(error))),
+        ("scatter of noisy draws (%)", decimals(3, errors)),
+        ("condition number by the formula", decimals(1, ANGLES.map(condition))),
+        ("condition number of the information", decimals(1, conditions)),
+    ];
     let angles = || (0.4..110.0).log_scale();
     let curve = || (0..=100).map(|step| 0.5 * 180.0_f64.powf(f64::from(step) / 100.0));
-    figure::draw(1240, |drawing| {
+    Figure::new(1240, columns, |drawing| {
         let (above, below) = drawing.split_vertically(600);
-        let errors = ("depth error (%)", (0.1..100.0).log_scale(), 4);
-        let mut chart = figure::axes(&above, ("", angles(), 3), errors)?;
-        let line = curve().map(|angle| (angle, formulas(angle).0));
-        chart.draw_series(LineSeries::new(line, SERIES[0].stroke_width(5)))?;
-        let marks = ANGLES.into_iter().zip(measured.map(|(error, _)| error));
-        let shown = marks.filter(|(_, error)| *error < 100.0);
-        chart.draw_series(shown.map(|place| EmptyElement::at(place) + marker(0)))?;
-        let conditions = ("condition number", (1.0..100_000.0).log_scale(), 6);
-        let mut chart = figure::axes(&below, ("parallax (degrees)", angles(), 3), conditions)?;
-        let line = curve().map(|angle| (angle, formulas(angle).1));
-        chart.draw_series(LineSeries::new(line, SERIES[1].stroke_width(5)))?;
-        let marks = ANGLES.into_iter().zip(measured.map(|(_, condition)| condition));
-        chart.draw_series(marks.map(|place| EmptyElement::at(place) + marker(1)))?;
-        Ok(())
+        let y_axis = ("depth error (%)", (0.1..100.0).log_scale(), 4);
+        let mut chart = figure::axes(&above, ("", angles(), 3), y_axis)?;
+        chart.line(curve().map(|angle| (angle, error(angle))), SERIES[0], 5)?;
+        let shown = ANGLES.into_iter().zip(errors).filter(|(_, error)| *error < 100.0);
+        chart.marks(shown, 0)?;
+        let y_axis = ("condition number", (1.0..100_000.0).log_scale(), 6);
+        let mut chart = figure::axes(&below, ("parallax (degrees)", angles(), 3), y_axis)?;
+        chart.line(curve().map(|angle| (angle, condition(angle))), SERIES[1], 5)?;
+        chart.marks(ANGLES.into_iter().zip(conditions), 1)
     })
 }
