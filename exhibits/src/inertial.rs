@@ -13,7 +13,7 @@ mod gravity;
 mod noise;
 mod oracle;
 mod rest;
-mod rules;
+pub mod rules;
 mod scale;
 mod sheet;
 mod shutter;

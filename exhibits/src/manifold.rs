@@ -7,7 +7,7 @@ mod accuracy;
 mod counterexamples;
 mod figures;
 mod numbers;
-mod oracle;
+pub mod oracle;
 mod uncertainty;
 
 use nalgebra::{

@@ -1,6 +1,7 @@
 //! What chapter `preintegration` shows: many inertial readings as one measurement.
 
 mod noise;
+pub mod oracle;
 mod speed;
 mod sums;
 

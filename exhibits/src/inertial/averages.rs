@@ -37,38 +37,32 @@ type Variance = fn(f64, f64, f64) -> f64;
 
 fn inertial_allan_lines(formula: Variance) -> Comparison {
     let against = "half the square of the weight of every single increment, summed over 4,000";
-    let mut comparison = Comparison::relative(against, 1e-5);
     // Two neighbouring means, the second one less the first.
     let weights: Vec<f64> = (0..4000).map(|k| if k < 2000 { -1.0 } else { 1.0 } / 2000.0).collect();
-    compare(&mut comparison, 11, formula, |sigma, walk, tau| {
+    compared(against, 11, formula, |sigma, walk, tau| {
         0.5 * variance(&weights, 0.0, sigma, walk, tau / 2000.0)
-    });
-    comparison
+    })
 }
 
 fn inertial_bias_average(formula: Variance) -> Comparison {
     let against = "the square of the weight of every single increment, summed over 2,000";
-    let mut comparison = Comparison::relative(against, 1e-5);
-    let weights = vec![1.0 / 2000.0; 2000];
-    compare(&mut comparison, 12, formula, |sigma, walk, time| {
-        variance(&weights, -1.0, sigma, walk, time / 2000.0)
-    });
-    comparison
+    compared(against, 12, formula, |sigma, walk, time| {
+        variance(&[1.0 / 2000.0; 2000], -1.0, sigma, walk, time / 2000.0)
+    })
 }
 
-fn compare(
-    comparison: &mut Comparison,
+fn compared(
+    against: &'static str,
     seed: u64,
     formula: Variance,
     oracle: impl Fn(f64, f64, f64) -> f64,
-) {
-    let mut random = Random::new(seed);
-    for _ in 0..100 {
+) -> Comparison {
+    Comparison::relative(against, 1e-5).over(100, seed, |random| {
         let sigma = random.logarithmic(1e-4..1e-2);
         let walk = sigma * random.logarithmic(0.01..1.0);
         let time = 3_f64.sqrt() * sigma / walk * random.logarithmic(0.2..5.0);
-        comparison.add(&[formula(sigma, walk, time)], &[oracle(sigma, walk, time)]);
-    }
+        (formula(sigma, walk, time), oracle(sigma, walk, time))
+    })
 }
 
 /// Variance of a sum of readings with these weights, to which the bias at the end is added with a
@@ -172,14 +166,21 @@ pub fn allan_deviations(noise: &ImuNoise, windows: &[usize], seed: u64) -> Vec<[
     let dt = 1.0 / RATE;
     let resting = ImuSample { gyro: Vector3::zeros(), accelerometer: Vector3::zeros() };
     let mut bias = ImuBias::default();
-    let mut sums = vec![Vector6::zeros()];
-    for k in 0..(3600.0 * HOURS * RATE) as usize {
+    let readings = (0..(3600.0 * HOURS * RATE) as usize).map(|_| {
         bias = noise.walk(&bias, dt, || random.normal(1.0));
-        let read = noise.corrupt(&resting, &bias, dt, || random.normal(1.0));
-        let six = ImuBias { gyro: read.gyro, accelerometer: read.accelerometer }.vector();
-        sums.push(sums[k] + six);
-    }
+        noise.corrupt(&resting, &bias, dt, || random.normal(1.0))
+    });
+    let sums = sums(readings);
     windows.iter().map(|&window| allan_deviation(&sums, window)).collect()
+}
+
+/// Sums of no reading, of the first one and so on, gyroscope first.
+pub fn sums(readings: impl Iterator<Item = ImuSample>) -> Vec<Vector6<f64>> {
+    let mut sums = vec![Vector6::zeros()];
+    for (k, ImuSample { gyro, accelerometer }) in readings.enumerate() {
+        sums.push(sums[k] + ImuBias { gyro, accelerometer }.vector());
+    }
+    sums
 }
 
 /// From sums of the readings: half the mean squared difference of neighbouring means.

@@ -52,9 +52,7 @@ const RESTING: ImuSample =
 
 fn inertial_drift_bias(formula: Drift) -> Comparison {
     let against = "a resting sensor with a small bias, propagated in 500 steps";
-    let mut comparison = Comparison::relative(against, 1e-3);
-    let mut random = Random::new(40);
-    for _ in 0..200 {
+    Comparison::relative(against, 1e-3).over(200, 40, |random| {
         let t = random.uniform(1.0..30.0);
         let bias =
             ImuBias { gyro: random.direction(1e-5), accelerometer: random.direction(3e-5 * t) };
@@ -63,9 +61,8 @@ fn inertial_drift_bias(formula: Drift) -> Comparison {
         for _ in 0..500 {
             state = state.propagate_midpoint(&read, &read, &GRAVITY, t / 500.0);
         }
-        comparison.add(formula(&bias, t).as_slice(), state.position.as_slice());
-    }
-    comparison
+        (formula(&bias, t), state.position)
+    })
 }
 
 /// Takes densities and a time; the variance along a level axis.
@@ -78,9 +75,7 @@ fn variance(noise: &ImuNoise, t: f64) -> f64 {
 
 fn inertial_drift_noise(formula: DriftNoise) -> Comparison {
     let against = "the position after an error of each of 200 readings, squared and summed";
-    let mut comparison = Comparison::relative(against, 1e-3);
-    let mut random = Random::new(41);
-    for _ in 0..20 {
+    Comparison::relative(against, 1e-3).over(20, 41, |random| {
         let t = random.uniform(0.5..30.0);
         let accelerometer = random.logarithmic(1e-3..1e-1);
         // Chosen so that neither sensor hides the other.
@@ -95,9 +90,8 @@ fn inertial_drift_noise(formula: DriftNoise) -> Comparison {
                 reading[(1, 1)] * along_x(1) + reading[(3, 3)] * along_x(3)
             })
             .sum();
-        comparison.add(&[formula(&noise, t)], &[sum]);
-    }
-    comparison
+        (formula(&noise, t), sum)
+    })
 }
 
 /// How far along x an error of one in one of 200 readings moves a resting sensor.

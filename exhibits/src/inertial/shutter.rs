@@ -95,7 +95,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("shutter_line_us", 1e6 * READOUT / ROWS, "µs", 0);
     chapter.number("shutter_depth", DEPTH, "m", 0);
     // The first and the last row are this far from the middle one.
-    let error = |pace, corrected| offset_error(&paced(pace), 0.5 * READOUT, corrected);
+    let error = |pace, corrected| offset_error(&paced(pace), DEPTH, 0.5 * READOUT, corrected);
     chapter.number("shutter_slow_px", error(PACES[0], false), "px", 1);
     chapter.number("shutter_fast_px", error(PACES[1], false), "px", 1);
     chapter.number("shutter_fast_left", error(PACES[1], true), "px", 2);

@@ -1,13 +1,15 @@
 //! Noise that remembers, and other things that a density does not say.
 
+use nalgebra::Vector3;
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::Rule;
 use vislam::simulation::Trajectory;
 
 use super::growth::G;
-use super::runs::{DT, SECOND, at_rest, by_rule, errors, rest};
+use super::runs::{DT, SECOND, at_rest, by_rule, rest};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::oracle::errors;
 use crate::random::Random;
 
 const STATES: usize = 500;
@@ -41,16 +43,13 @@ pub fn equations(chapter: &mut Chapter) {
 
 fn noise_correlated(formula: Sum) -> Comparison {
     let against = "the sum over all pairs of readings";
-    let mut comparison = Comparison::relative(against, 1e-10);
-    let mut random = Random::new(461);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-10).over(STATES, 461, |random| {
         let readings = random.uniform(2.0..80.0) as usize;
         let rho = random.uniform(0.1..0.98);
         let pairs = (0..readings).flat_map(|i| (0..readings).map(move |j| i.abs_diff(j) as i32));
         let oracle: f64 = pairs.map(|apart| rho.powi(apart)).sum();
-        comparison.add(&[formula(readings, rho)], &[oracle]);
-    }
-    comparison
+        (formula(readings, rho), oracle)
+    })
 }
 
 /// Correlation of neighbouring readings when the noise forgets over `memory` seconds.
@@ -116,13 +115,10 @@ pub fn attitude_runs(memory: f64, readings: &[usize], runs: usize) -> Vec<f64> {
     let mut squares = vec![0.0; readings.len()];
     for _ in 0..runs {
         let mut remembering = Remembering::new(memory, &mut random);
-        let samples: Vec<_> =
-            (0..last).map(|_| remembering.corrupt(&rest(), &noise, &mut random)).collect();
         // At rest the small turns add up.
-        let mut turned = nalgebra::Vector3::zeros();
-        let mut next = 0;
-        for (index, sample) in samples.iter().enumerate() {
-            turned += DT * sample.gyro;
+        let (mut turned, mut next) = (Vector3::zeros(), 0);
+        for index in 0..last {
+            turned += DT * remembering.corrupt(&rest(), &noise, &mut random).gyro;
             if readings.get(next) == Some(&(index + 1)) {
                 squares[next] += turned.norm_squared() / 3.0 / runs as f64;
                 next += 1;

@@ -6,11 +6,12 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, NavState};
 use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
-use vislam::preintegration::{LinearizedImu, Preintegrated, Vector9, imu_residual, linearize};
+use vislam::preintegration::{LinearizedImu, Preintegrated, imu_residual, linearize};
 
-use super::oracle::{Readings, bias, slopes, stack, state};
+use super::oracle::{Readings, bias, slopes, state};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::oracle::{parts, stack};
 use crate::random::Random;
 
 /// Random trajectories at which an equation is compared.
@@ -40,12 +41,9 @@ impl Case {
         linearize(&self.sums, &self.first, &self.second, &GRAVITY, &self.bias)
     }
 
-    fn residual(&self) -> Vector9 {
-        imu_residual(&self.sums, &self.first, &self.second, &GRAVITY, &self.bias)
-    }
-
+    /// The residual's rotation.
     fn phi(&self) -> Vector3<f64> {
-        self.residual().fixed_rows::<3>(0).into()
+        parts(&imu_residual(&self.sums, &self.first, &self.second, &GRAVITY, &self.bias))[0]
     }
 }
 
@@ -132,16 +130,12 @@ fn by_states(chapter: &mut Chapter) {
 
 /// The derivative by the second state where states and readings contradict each other by an angle.
 fn at_angle(angle: f64) -> Comparison {
-    let mut comparison = Comparison::relative(AGAINST, 1e-6);
-    let mut random = Random::new(44);
-    for _ in 0..STATES {
-        let mut case = Case::random(&mut random);
+    Comparison::relative(AGAINST, 1e-6).over(STATES, 44, |random| {
+        let mut case = Case::random(random);
         let off = stack(&random.direction(angle), &Vector3::zeros(), &Vector3::zeros());
         case.second = case.sums.predict(&case.first, &GRAVITY, &case.bias).retract(off.as_slice());
-        let slopes = by_second(&case);
-        comparison.add(case.linearized().by_second.as_slice(), slopes.as_slice());
-    }
-    comparison
+        (case.linearized().by_second, by_second(&case))
+    })
 }
 
 fn by_second(case: &Case) -> SMatrix<f64, 9, 9> {
@@ -180,11 +174,9 @@ fn compared<const N: usize>(
     formula: By<N>,
     slopes: impl Fn(&Case) -> SMatrix<f64, 9, N>,
 ) -> Comparison {
-    let mut comparison = Comparison::relative(AGAINST, 1e-6);
     let mut random = Random::new(seed);
-    for _ in 0..STATES {
+    Comparison::relative(AGAINST, 1e-6).each(0..STATES, |_| {
         let case = Case::random(&mut random);
-        comparison.add(formula(&case).as_slice(), slopes(&case).as_slice());
-    }
-    comparison
+        (formula(&case), slopes(&case))
+    })
 }

@@ -1,15 +1,16 @@
 //! When a first-order correction is no longer good enough.
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::sqrt_information;
-use vislam::preintegration::{Matrix9, Preintegrated, Vector9, preintegrate};
+use vislam::preintegration::{Matrix9, Preintegrated, correct_for_bias, preintegrate};
 use vislam::simulation::Trajectory;
 
-use super::oracle::{Readings, bias, difference, stack};
+use super::oracle::{Readings, bias, difference, gyro_bias};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::preintegration::noise::blocks::correlation;
+use crate::preintegration::oracle::stack;
 use crate::random::Random;
 
 /// Random readings at which the bound is compared, and directions from which a search for the
@@ -97,18 +98,15 @@ fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
 fn reintegration_bound(formula: Bound) -> Comparison {
     let against = "the worst directions of the three errors, found by ascent: how far they exceed \
                    it, here nothing, or stay below two thirds of it";
-    let mut comparison = Comparison::absolute(against, 1e-9, "relative");
-    let mut random = Random::new(41);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
+    Comparison::absolute(against, 1e-9, "relative").over(STATES, 41, |random| {
+        let readings = Readings::random(random);
         let sums = readings.summed();
-        let step = bias(&mut random, 0.05, 0.2);
+        let step = bias(random, 0.05, 0.2);
         let moved = ImuBias::from_vector(&(sums.bias.vector() + step.vector()));
-        let worst = worst(&mut random, &whitener(&sums), &lengths(&sums, &moved));
+        let worst = worst(random, &whitener(&sums), &lengths(&sums, &moved));
         let part = worst / formula(&sums, &moved);
-        comparison.add(&[(part - 1.0).max(0.0), (2.0 / 3.0 - part).max(0.0)], &[0.0; 2]);
-    }
-    comparison
+        ([(part - 1.0).max(0.0), (2.0 / 3.0 - part).max(0.0)], [0.0; 2])
+    })
 }
 
 /// The sums of readings at rest, 200 in a second.
@@ -118,7 +116,7 @@ fn at_rest(noise: &ImuNoise, seconds: f64, bias: &ImuBias) -> Preintegrated {
 }
 
 fn about_level_axis(rate: f64) -> ImuBias {
-    ImuBias { gyro: rate * nalgebra::Vector3::x(), ..ImuBias::default() }
+    gyro_bias(rate * Vector3::x())
 }
 
 /// How far the gyroscope's bias may move about a level axis until readings at rest are summed again.
@@ -137,9 +135,8 @@ fn farthest(noise: &ImuNoise, seconds: f64) -> f64 {
 fn added(noise: &ImuNoise, rate: f64) -> f64 {
     let sums = at_rest(noise, 1.0, &ImuBias::default());
     let moved = about_level_axis(rate);
-    let corrected = vislam::preintegration::correct_for_bias(&sums, &moved);
-    let error: Vector9 = difference(&at_rest(noise, 1.0, &moved).deltas, &corrected);
-    (whitener(&sums) * error).norm_squared()
+    let again = at_rest(noise, 1.0, &moved).deltas;
+    (whitener(&sums) * difference(&again, &correct_for_bias(&sums, &moved))).norm_squared()
 }
 
 /// The least eigenvalue of the correlations of the nine errors.
