@@ -7,7 +7,6 @@ mod sums;
 
 use crate::chapter::Chapter;
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
     noise::exhibits(chapter);

@@ -7,7 +7,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Variance); 5] = [
         ("noise that does not fall", |s, w, tau| s * s + w * w * tau / 3.0),
@@ -110,33 +109,28 @@ pub const STAYING: f64 = 2e-3;
 /// Readings in a second of the figure of averages.
 const AVERAGED_RATE: f64 = 20.0;
 
-/// What the mean of a resting gyroscope's readings is used for.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Case {
-    /// There is no bias: what is left of the noise.
-    NoBias,
-    /// A bias stays as it is: what is left of noise and bias, if both are taken for noise.
-    Stays,
-    /// The bias walks: the mean less the bias at the end.
-    Walks,
+/// What the mean of a resting gyroscope's readings meets: its name, a bias that stays and is taken
+/// for noise, in rad/s, and the density of one that walks, of which the mean should tell the end.
+pub type Case = (&'static str, f64, f64);
+
+pub fn cases() -> [Case; 3] {
+    let walk = ImuNoise::mems().gyro_walk;
+    [("no bias", 0.0, 0.0), ("a bias stays", STAYING, 0.0), ("a bias walks", 0.0, walk)]
 }
 
 /// Errors of means over these times, in seconds: root mean square over runs, in rad/s.
-pub fn errors_of_means(case: Case, times: &[f64]) -> Vec<f64> {
+pub fn errors_of_means((_, staying, walk): Case, times: &[f64]) -> Vec<f64> {
     let (noise, dt) = (ImuNoise::mems(), 1.0 / AVERAGED_RATE);
     let mut random = Random::new(13);
     let mut squares = vec![0.0; times.len()];
     for _ in 0..RUNS {
-        let mut bias = if case == Case::Stays { STAYING } else { 0.0 };
-        let (mut sum, mut count, mut next) = (0.0, 0.0, 0);
+        let (mut bias, mut sum, mut count, mut next) = (staying, 0.0, 0.0, 0);
         while next < times.len() {
-            let step = random.normal(noise.gyro_walk * dt.sqrt());
-            bias += if case == Case::Walks { step } else { 0.0 };
+            bias += random.normal(walk * dt.sqrt());
             sum += bias + random.normal(noise.gyro / dt.sqrt());
             count += 1.0;
             if count * dt >= times[next] - 1e-9 {
-                let known = if case == Case::Walks { bias } else { 0.0 };
-                squares[next] += (sum / count - known).powi(2) / RUNS as f64;
+                squares[next] += (sum / count - (bias - staying)).powi(2) / RUNS as f64;
                 next += 1;
             }
         }
@@ -145,13 +139,8 @@ pub fn errors_of_means(case: Case, times: &[f64]) -> Vec<f64> {
 }
 
 /// The same by the formulas.
-pub fn expected_error(case: Case, time: f64) -> f64 {
-    let noise = ImuNoise::mems();
-    match case {
-        Case::NoBias => averaged(noise.gyro, 0.0, time).sqrt(),
-        Case::Stays => averaged(noise.gyro, 0.0, time).sqrt().hypot(STAYING),
-        Case::Walks => averaged(noise.gyro, noise.gyro_walk, time).sqrt(),
-    }
+pub fn expected_error((_, staying, walk): Case, time: f64) -> f64 {
+    averaged(ImuNoise::mems().gyro, walk, time).sqrt().hypot(staying)
 }
 
 /// Length of the resting recording behind the figure of Allan deviations.

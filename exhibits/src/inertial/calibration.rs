@@ -13,7 +13,6 @@ const ARM_ERROR: f64 = 0.01;
 const ANGLE_ERROR_DEG: f64 = 1.0;
 const OFFSET: f64 = 0.005;
 
-/// Registers the numbers of the table.
 pub fn numbers(chapter: &mut Chapter) {
     let motion = Trajectory::figure_eight();
     let axis = Unit::new_normalize(Vector3::repeat(1.0));

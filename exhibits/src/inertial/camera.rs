@@ -9,7 +9,6 @@ use super::oracle::{bend, camera, motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Velocity = |camera, kinematics| {
         let twist = camera.twist(&kinematics.state, &kinematics.angular_velocity);

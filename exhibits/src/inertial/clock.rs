@@ -13,7 +13,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     moved(chapter);
     left_over(chapter);
@@ -24,28 +23,27 @@ pub fn exhibits(chapter: &mut Chapter) {
 fn moved(chapter: &mut Chapter) {
     let formula: Moved = |c, m| c.world_from_camera_at_same_reading(&m.state, &m.angular_velocity);
     let mutants: [(_, Moved); 5] = [
-        ("sign", |c, m| {
-            let backwards = CameraImu { time_offset: -c.time_offset, ..*c };
-            backwards.world_from_camera_at_same_reading(&m.state, &m.angular_velocity)
-        }),
+        ("sign", |c, m| carried(c, m, -c.time_offset * twist(c, m))),
         ("offset forgotten", |c, m| c.world_from_camera(&m.state)),
         ("moved on the left", |c, m| {
-            let step = c.time_offset * c.twist(&m.state, &m.angular_velocity);
-            se3::exp(&step) * c.world_from_camera(&m.state)
+            se3::exp(&(c.time_offset * twist(c, m))) * c.world_from_camera(&m.state)
         }),
         ("twist of the body", |c, m| {
             let still = CameraImu { body_from_camera: Isometry3::identity(), ..*c };
-            let step = c.time_offset * still.twist(&m.state, &m.angular_velocity);
-            se3::retract(&c.world_from_camera(&m.state), &step)
+            carried(c, m, c.time_offset * twist(&still, m))
         }),
         ("lever arm forgotten", |c, m| {
             let mut near = *c;
             near.body_from_camera.translation = Translation3::identity();
-            let step = c.time_offset * near.twist(&m.state, &m.angular_velocity);
-            se3::retract(&c.world_from_camera(&m.state), &step)
+            carried(c, m, c.time_offset * twist(&near, m))
         }),
     ];
     chapter.equation("inertial-time-offset", inertial_time_offset, formula, &mutants);
+}
+
+/// The camera's pose at the moment, moved by a step in its own frame.
+fn carried(camera: &CameraImu, moment: &Kinematics, step: Vector6<f64>) -> Isometry3<f64> {
+    se3::retract(&camera.world_from_camera(&moment.state), &step)
 }
 
 /// The camera's pose when its clock shows the time of the moment.
@@ -93,8 +91,8 @@ fn inertial_time_remainder(formula: LeftOver) -> Comparison {
         let twist = |s: f64| twist(&camera, &motion.at(t + s));
         let left = |offset: f64| {
             let late = CameraImu { time_offset: offset, ..camera };
-            let (state, angular) = (motion.at(t).state, motion.at(t).angular_velocity);
-            let found = late.world_from_camera_at_same_reading(&state, &angular);
+            let now = motion.at(t);
+            let found = late.world_from_camera_at_same_reading(&now.state, &now.angular_velocity);
             let truth = camera.world_from_camera(&motion.at(t + offset).state);
             se3::local(&found, &truth) / (offset * offset)
         };
@@ -109,18 +107,16 @@ fn twist(camera: &CameraImu, kinematics: &Kinematics) -> Vector6<f64> {
 fn pixels(chapter: &mut Chapter) {
     let mutants: [(_, PixelVelocity); 4] = [
         ("sign", |k, p, xi| -pixel_velocity(k, p, xi)),
-        ("sign of the turn", |k, p, xi| {
-            let (rho, phi) = halves(xi);
-            pixel_velocity(k, p, &Vector6::new(rho.x, rho.y, rho.z, -phi.x, -phi.y, -phi.z))
-        }),
-        ("turn dropped", |k, p, xi| {
-            pixel_velocity(k, p, &Vector6::new(xi[0], xi[1], xi[2], 0.0, 0.0, 0.0))
-        }),
-        ("way dropped", |k, p, xi| {
-            pixel_velocity(k, p, &Vector6::new(0.0, 0.0, 0.0, xi[3], xi[4], xi[5]))
-        }),
+        ("sign of the turn", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 1.0, -1.0))),
+        ("turn dropped", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 1.0, 0.0))),
+        ("way dropped", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 0.0, 1.0))),
     ];
     chapter.equation("inertial-pixel-velocity", inertial_pixel_velocity, pixel_velocity, &mutants);
+}
+
+/// A twist with its way and its turn scaled.
+fn scaled(twist: &Vector6<f64>, way: f64, turn: f64) -> Vector6<f64> {
+    Vector6::from_fn(|k, _| twist[k] * if k < 3 { way } else { turn })
 }
 
 /// Takes a camera, a point in its frame and the camera's twist.

@@ -10,7 +10,6 @@ use super::strapdown::{EulerRule, composed, numbers, read, state, velocity_first
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     let still = [0.0, 0.0];
     chapter.counterexample("inertial-yaw", "rest", keeps_the_vertical, [still, [0.1, 0.0]]);

@@ -11,7 +11,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::manifold::oracle::small_vector;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     felt(chapter);
     plumb_line(chapter);

@@ -6,7 +6,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Variances = |sigma, dt, t| {
         let reading = ImuNoise { gyro: sigma, ..ImuNoise::mems() }.discrete(dt)[(0, 0)];

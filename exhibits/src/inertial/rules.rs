@@ -10,7 +10,6 @@ use super::oracle::{bend, motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     euler(chapter);
     midpoint(chapter);
@@ -45,22 +44,18 @@ impl Local {
 type StepError = fn(&Local) -> [Vector3<f64>; 3];
 
 fn euler(chapter: &mut Chapter) {
-    let formula: StepError = |x| [x.w[1] / 2.0, x.jerk() / 2.0, x.jerk() / 6.0];
+    let formula: StepError = |x| euler_error(x, x.jerk());
     let mutants: [(_, StepError); 4] = [
-        ("sign", |x| [x.w[1] / -2.0, x.jerk() / -2.0, x.jerk() / -6.0]),
-        ("the turn of the force dropped", |x| {
-            [x.w[1] / 2.0, x.r * x.f[1] / 2.0, x.r * x.f[1] / 6.0]
-        }),
-        ("the change of the force dropped", |x| {
-            let turned = x.r * x.w[0].cross(&x.f[0]);
-            [x.w[1] / 2.0, turned / 2.0, turned / 6.0]
-        }),
-        ("in the body", |x| {
-            let jerk = x.r.inverse() * x.jerk();
-            [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
-        }),
+        ("sign", |x| euler_error(x, x.jerk()).map(|error| -error)),
+        ("the turn of the force dropped", |x| euler_error(x, x.r * x.f[1])),
+        ("the change of the force dropped", |x| euler_error(x, x.r * x.w[0].cross(&x.f[0]))),
+        ("in the body", |x| euler_error(x, x.r.inverse() * x.jerk())),
     ];
     chapter.equation("inertial-euler-error", inertial_euler_error, formula, &mutants);
+}
+
+fn euler_error(x: &Local, jerk: Vector3<f64>) -> [Vector3<f64>; 3] {
+    [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
 }
 
 fn inertial_euler_error(formula: StepError) -> Comparison {

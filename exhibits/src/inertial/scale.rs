@@ -11,7 +11,6 @@ use crate::chapter::Chapter;
 const SCALE: f64 = 1e-3;
 const LEAN_DEG: f64 = 0.05;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     let lean = LEAN_DEG.to_radians();
     chapter.number("scale_percent", 1e2 * SCALE, "%", 1);

@@ -8,7 +8,6 @@ use super::averages::averaged;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Density); 4] = [
         ("taken as it stands", |n| n),

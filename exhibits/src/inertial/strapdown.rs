@@ -11,7 +11,6 @@ use crate::comparison::Comparison;
 use crate::manifold::oracle::cross;
 use crate::random::Random;
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     continuous(chapter);
     euler(chapter);
@@ -30,9 +29,9 @@ fn continuous(chapter: &mut Chapter) {
             velocity: g + read.accelerometer,
             ..rates(x, read, g)
         }),
-        ("force turned backwards", |x, read, g| {
-            let turned = x.world_from_body.inverse() * read.accelerometer;
-            Rates { velocity: g + turned, ..rates(x, read, g) }
+        ("force turned backwards", |x, read, g| Rates {
+            velocity: g + x.world_from_body.inverse() * read.accelerometer,
+            ..rates(x, read, g)
         }),
         ("velocity in the body", |x, read, g| Rates {
             position: x.world_from_body * x.velocity,

@@ -5,6 +5,9 @@ use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9};
 
+/// Random states at which an equation is compared, unless its oracle is costly.
+pub const STATES: usize = 500;
+
 /// The library's sums of readings at the ends of steps of these lengths, none of which is a gap.
 pub fn summed_by(
     rule: Rule,

@@ -10,7 +10,7 @@ use vislam::preintegration::{Deltas, Preintegrated, Rule, imu_residual};
 use vislam::simulation::Trajectory;
 
 use super::budget::{FromTruth, from_truth};
-use super::wander::{Wander, correlation};
+use super::wander::Wander;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::preintegration::oracle::summed_by;
@@ -30,14 +30,12 @@ pub fn equations(chapter: &mut Chapter) {
     ];
     chapter.equation("flight-gravity", flight_gravity, left_by_gravity, gravity);
     let wander: &[(&str, Spread)] = &[
-        ("forgets by an exponential alone", |sigma, tau, t| {
-            6.0 * sigma * sigma * (1.0 - (-t / tau).exp())
-        }),
-        ("one end only", |sigma, tau, t| 3.0 * sigma * sigma * (1.0 - correlation(tau, t))),
-        ("one axis only", |sigma, tau, t| 2.0 * sigma * sigma * (1.0 - correlation(tau, t))),
-        ("rate for time", |sigma, tau, t| 6.0 * sigma * sigma * (1.0 - correlation(1.0 / tau, t))),
-        ("opposite sign in the bracket", |sigma, tau, t| {
-            6.0 * sigma * sigma * (1.0 - (1.0 - t / tau) * (-t / tau).exp())
+        ("forgets by an exponential alone", |s, tau, t| 6.0 * s * s * (1.0 - (-t / tau).exp())),
+        ("one end only", |s, tau, t| spread(s, tau, t) / 2.0),
+        ("one axis only", |s, tau, t| spread(s, tau, t) / 3.0),
+        ("rate for time", |s, tau, t| spread(s, 1.0 / tau, t)),
+        ("opposite sign in the bracket", |s, tau, t| {
+            6.0 * s * s * (1.0 - (1.0 - t / tau) * (-t / tau).exp())
         }),
     ];
     chapter.equation("flight-wander", flight_wander, spread, wander);

@@ -7,7 +7,7 @@ use vislam::preintegration::{
 };
 
 use super::blocks::correlation;
-use super::growth::G;
+use super::growth::{G, exchanged};
 use super::oracle::{noisy, readings, slopes, summed};
 use super::runs::{DT, at_rest, rest};
 use crate::chapter::Chapter;
@@ -40,8 +40,7 @@ pub fn equations(chapter: &mut Chapter) {
         }),
         ("no new noise", |before, of, noise, dt| step(before, of, &(0.0 * noise.discrete(dt)))),
         ("sensors exchanged", |before, of, noise, dt| {
-            let (gyro, accelerometer) = (noise.accelerometer, noise.gyro);
-            step(before, of, &ImuNoise { gyro, accelerometer, ..*noise }.discrete(dt))
+            step(before, of, &exchanged(noise).discrete(dt))
         }),
     ];
     chapter.equation("covariance-recursion", covariance_recursion, formula, &mutants);

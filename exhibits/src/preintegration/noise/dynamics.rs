@@ -9,10 +9,8 @@ use vislam::preintegration::{
 use super::oracle::{Instant, noisy, slopes, wrong};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::preintegration::oracle::{parts, stack, stepped};
+use crate::preintegration::oracle::{STATES, parts, stack, stepped};
 use crate::random::Random;
-
-const STATES: usize = 500;
 
 pub fn equations(chapter: &mut Chapter) {
     rows(chapter);
@@ -39,7 +37,7 @@ fn by_rows(at: &Instant, errors: &Vector9, noise: &Vector6<f64>) -> Vector9 {
     )
 }
 
-fn leak(at: &Instant) -> Matrix3<f64> {
+pub fn leak(at: &Instant) -> Matrix3<f64> {
     -(at.deltas.rotation.matrix() * so3::hat(&at.sample.accelerometer))
 }
 
@@ -49,21 +47,16 @@ fn pushed(of: ErrorDynamics, errors: &Vector9, noise: &Vector6<f64>) -> Vector9 
 }
 
 /// The blocks with another leak.
-fn leaking(at: &Instant, leak: Matrix3<f64>) -> ErrorDynamics {
+pub fn leaking(at: &Instant, leak: Matrix3<f64>) -> ErrorDynamics {
     with_a(with_a(euler(at), (3, 0), at.dt * leak), (6, 0), 0.5 * at.dt * at.dt * leak)
 }
 
 fn rows(chapter: &mut Chapter) {
     let mutants: [(_, Pushed); 6] = [
-        ("error not turned back", |at, e, n| {
-            pushed(with_a(euler(at), (0, 0), Matrix3::identity()), e, n)
-        }),
+        ("error not turned back", |at, e, n| pushed(not_turned(at), e, n)),
         ("error turned forward", |at, e, n| pushed(turned_forward(at), e, n)),
         ("no right Jacobian", |at, e, n| pushed(without_jacobian(at), e, n)),
-        ("left Jacobian for the right", |at, e, n| {
-            let left = at.dt * so3::left_jacobian(&(at.dt * at.sample.gyro));
-            pushed(with_b(euler(at), (0, 0), left), e, n)
-        }),
+        ("left Jacobian for the right", |at, e, n| pushed(with_left_jacobian(at), e, n)),
         ("leak with the wrong sign", |at, e, n| pushed(leaking(at, -leak(at)), e, n)),
         ("leak in the wrong frame", |at, e, n| {
             let force = at.deltas.rotation * at.sample.accelerometer;
@@ -95,7 +88,7 @@ fn moved(rule: Rule, at: &Instant, n: &Vector6<f64>, start: impl Fn(f64) -> Delt
 
 type Blocks = fn(&Instant) -> ErrorDynamics;
 
-fn euler(at: &Instant) -> ErrorDynamics {
+pub fn euler(at: &Instant) -> ErrorDynamics {
     theory::error_dynamics(Rule::Euler, &at.deltas.rotation, &at.sample, at.dt)
 }
 
@@ -115,11 +108,19 @@ fn with_b(mut of: ErrorDynamics, at: (usize, usize), block: Matrix3<f64>) -> Err
     of
 }
 
-fn turned_forward(at: &Instant) -> ErrorDynamics {
+pub fn not_turned(at: &Instant) -> ErrorDynamics {
+    with_a(euler(at), (0, 0), Matrix3::identity())
+}
+
+pub fn turned_forward(at: &Instant) -> ErrorDynamics {
     with_a(euler(at), (0, 0), *so3::exp(&(at.dt * at.sample.gyro)).matrix())
 }
 
-fn without_jacobian(at: &Instant) -> ErrorDynamics {
+pub fn with_left_jacobian(at: &Instant) -> ErrorDynamics {
+    with_b(euler(at), (0, 0), at.dt * so3::left_jacobian(&(at.dt * at.sample.gyro)))
+}
+
+pub fn without_jacobian(at: &Instant) -> ErrorDynamics {
     with_b(euler(at), (0, 0), at.dt * Matrix3::identity())
 }
 
@@ -127,10 +128,7 @@ fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Blocks); 6] = [
         ("the turn for its transpose", turned_forward),
         ("no leak into position", |at| with_a(euler(at), (6, 0), Matrix3::zeros())),
-        ("leak with the sign of a force", |at| {
-            let of = euler(at);
-            with_a(of, (3, 0), -of.from_errors.fixed_view::<3, 3>(3, 0).into_owned())
-        }),
+        ("leak with the sign of a force", |at| with_a(euler(at), (3, 0), -at.dt * leak(at))),
         ("time without the right Jacobian", without_jacobian),
         ("force in the body", |at| with_b(euler(at), (3, 3), at.dt * Matrix3::identity())),
         ("no force into position", |at| with_b(euler(at), (6, 3), Matrix3::zeros())),
@@ -143,16 +141,12 @@ fn blocks(chapter: &mut Chapter) {
             with_b(midpoint(at), (3, 0), Matrix3::zeros())
         }),
         ("right Jacobian for the left one", |at| {
-            let of = midpoint(at);
+            let (of, half) = (midpoint(at), 0.5 * at.dt);
             let leak = of.from_errors.fixed_view::<3, 3>(3, 0);
-            let half = 0.5 * at.dt;
-            let block = half * leak * so3::right_jacobian(&(half * at.sample.gyro));
-            with_b(of, (3, 0), block)
+            with_b(of, (3, 0), half * leak * so3::right_jacobian(&(half * at.sample.gyro)))
         }),
         ("force not turned halfway in the leak", |at| {
-            let of = midpoint(at);
-            let leak = euler(at).from_errors.fixed_view::<3, 3>(3, 0).into_owned();
-            with_a(of, (3, 0), leak)
+            with_a(midpoint(at), (3, 0), at.dt * leak(at))
         }),
         ("force as the body stands at the beginning", |at| {
             with_b(midpoint(at), (3, 3), at.dt * at.deltas.rotation.matrix())

@@ -10,10 +10,9 @@ use super::runs::{DT, SECOND, at_rest, of_readings};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::inertial::rules::exponent;
-use crate::preintegration::oracle::{nothing, summed_by};
+use crate::preintegration::oracle::{STATES, nothing, summed_by};
 use crate::random::Random;
 
-const STATES: usize = 500;
 /// The error of attitude in the figure of the hinge, in radians, far larger than any worth having.
 pub const HINGE_ANGLE: f64 = 0.35;
 /// Strength of gravity, in m/s².
@@ -118,6 +117,11 @@ fn gyroscope_with(
     ]
 }
 
+/// As if steps were many and short.
+fn many_steps(leak: &Matrix3<f64>, density: f64, steps: usize, dt: f64) -> [Matrix3<f64>; 3] {
+    gyroscope_with(leak, density, steps as f64 * dt, 1.0, 1.0)
+}
+
 fn leak(force: &Vector3<f64>) -> Matrix3<f64> {
     so3::hat(force) * so3::hat(force).transpose()
 }
@@ -147,20 +151,12 @@ fn single_sources(chapter: &mut Chapter) {
     chapter.counterexample("growth-accelerometer", "equal", own_noise, [kept, uneven]);
 
     let mutants: [(_, Gyroscope); 5] = [
-        ("finite steps forgotten", |f, s, n, dt| {
-            gyroscope_with(&leak(f), s, n as f64 * dt, 1.0, 1.0)
-        }),
-        ("along the force", |f, s, n, dt| {
-            gyroscope_with(&(f * f.transpose()), s, n as f64 * dt, 1.0, 1.0)
-        }),
+        ("finite steps forgotten", |f, s, n, dt| many_steps(&leak(f), s, n, dt)),
+        ("along the force", |f, s, n, dt| many_steps(&(f * f.transpose()), s, n, dt)),
         ("in all directions", |f, s, n, dt| {
-            let leak = f.norm_squared() * Matrix3::identity();
-            gyroscope_with(&leak, s, n as f64 * dt, 1.0, 1.0)
+            many_steps(&(f.norm_squared() * Matrix3::identity()), s, n, dt)
         }),
-        ("no leak", |f, s, n, dt| {
-            let [phi, ..] = gyroscope_law(f, s, n, dt);
-            [phi, Matrix3::zeros(), Matrix3::zeros()]
-        }),
+        ("no leak", |_, s, n, dt| many_steps(&Matrix3::zeros(), s, n, dt)),
         ("position like velocity", |f, s, n, dt| {
             let [phi, velocity, _] = gyroscope_law(f, s, n, dt);
             [phi, velocity, velocity]
@@ -285,12 +281,14 @@ fn crossover(chapter: &mut Chapter) {
         ("exchanged", |noise, g| [crossovers(noise, g)[1], crossovers(noise, g)[0]]),
         ("without gravity", |noise, _| crossovers(noise, 1.0)),
         ("squared", |noise, g| crossovers(noise, g).map(|t| t * t)),
-        ("sensors exchanged", |noise, g| {
-            let (gyro, accelerometer) = (noise.accelerometer, noise.gyro);
-            crossovers(&ImuNoise { gyro, accelerometer, ..*noise }, g)
-        }),
+        ("sensors exchanged", |noise, g| crossovers(&exchanged(noise), g)),
     ];
     chapter.equation("growth-crossover", growth_crossover, crossovers, &mutants);
+}
+
+/// The noise of each sensor with the density of the other.
+pub fn exchanged(noise: &ImuNoise) -> ImuNoise {
+    ImuNoise { gyro: noise.accelerometer, accelerometer: noise.gyro, ..*noise }
 }
 
 fn growth_crossover(formula: Crossover) -> Comparison {

@@ -3,12 +3,12 @@
 use std::cell::Cell;
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
-use vislam::inertial::{ImuBias, ImuNoise};
+use vislam::inertial::ImuNoise;
 use vislam::manifold::so3;
-use vislam::preintegration::{Matrix9, Preintegrated, Preintegrator, Rule, error_dynamics};
+use vislam::preintegration::{Matrix9, Rule, error_dynamics};
 
 use super::oracle::readings;
-use super::runs::DT;
+use super::runs::{DT, of_readings};
 use crate::chapter::Chapter;
 use crate::random::Random;
 
@@ -30,12 +30,8 @@ impl Counter {
         a * b
     }
 
-    fn scaled<const R: usize, const C: usize>(
-        &self,
-        factor: f64,
-        matrix: &SMatrix<f64, R, C>,
-    ) -> SMatrix<f64, R, C> {
-        self.count(R * C);
+    fn scaled(&self, factor: f64, matrix: &Matrix3<f64>) -> Matrix3<f64> {
+        self.count(9);
         factor * matrix
     }
 
@@ -122,8 +118,6 @@ fn from_gyro(
 /// relative difference of their outcomes and of the library's.
 fn counted() -> (usize, usize, f64) {
     let noise = ImuNoise::mems();
-    let mut integrator =
-        Preintegrator::new(&ImuBias::default(), &noise).expect("the sensor is one");
     let (by_blocks, by_matrices) = (Counter::default(), Counter::default());
     let (mut moments, mut dense) = (Moments::default(), Matrix9::zeros());
     let mut rotation = Rotation3::identity();
@@ -139,9 +133,8 @@ fn counted() -> (usize, usize, f64) {
         let added = from_gyro(&by_blocks, &rotation, &turn, noise.gyro * noise.gyro * DT);
         moments.advance(&by_blocks, &added, &c, DT, &noise);
         rotation *= so3::exp(&turn);
-        integrator.integrate(sample, DT).expect("the reading is finite");
     }
-    let library: Preintegrated = integrator.finish().expect("there are steps");
+    let library = of_readings(&samples, DT, &noise);
     let found = moments.covariance(&rotation.matrix().transpose());
     let scale = library.covariance.diagonal().map(f64::sqrt);
     let against = |other: &Matrix9| {

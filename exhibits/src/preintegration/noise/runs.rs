@@ -58,19 +58,29 @@ pub const CASES: [Case; 3] = [
 
 /// Eigenvalues of the scatter of a second's whitened errors, in rising order, and the mean of their
 /// squared lengths.
-pub fn whitened(rule: Rule, motion: &Trajectory, runs: usize, seed: u64) -> (Vec<f64>, f64) {
-    let noise = ImuNoise::mems();
-    let samples = motion.samples(&GRAVITY, DT, SECOND + 1);
-    let clean = by_rule(rule, &samples, &noise);
-    let whiten = clean.sqrt_information().expect("after many steps everything varies");
-    let mut random = Random::new(seed);
+fn whitened(rule: Rule, motion: &Trajectory, seed: u64) -> (Vec<f64>, f64) {
+    let (noise, mut random) = (ImuNoise::mems(), Random::new(seed));
     let mut scatter = Matrix9::zeros();
-    for _ in 0..runs {
-        let run = by_rule(rule, &noisy(&samples, &noise, &mut random), &noise);
-        let error = whiten * errors(&clean.deltas, &run.deltas);
-        scatter += error * error.transpose() / runs as f64;
+    let samples = motion.samples(&GRAVITY, DT, SECOND + 1);
+    let noisy = |perfect: &[ImuSample]| noisy(perfect, &noise, &mut random);
+    for error in whitened_errors(rule, samples, RUNS, noisy) {
+        scatter += error * error.transpose() / RUNS as f64;
     }
     (sorted_eigenvalues(&scatter), scatter.trace())
+}
+
+/// Errors of perfect readings' sums by their covariance, one for each run with the noise it makes.
+pub fn whitened_errors(
+    rule: Rule,
+    samples: Vec<ImuSample>,
+    runs: usize,
+    mut noisy: impl FnMut(&[ImuSample]) -> Vec<ImuSample>,
+) -> impl Iterator<Item = Vector9> {
+    let noise = ImuNoise::mems();
+    let clean = by_rule(rule, &samples, &noise);
+    let whiten = clean.sqrt_information().expect("after many steps everything varies");
+    let run = move |_| by_rule(rule, &noisy(&samples), &noise).deltas;
+    (0..runs).map(run).map(move |deltas| whiten * errors(&clean.deltas, &deltas))
 }
 
 /// Errors after a second at rest, one for each run.
@@ -96,7 +106,7 @@ pub static WHITENED: LazyLock<[(Vec<f64>, f64); 3]> = LazyLock::new(|| {
     let mut seed = 423;
     CASES.map(|(_, rule, motion)| {
         seed += 1;
-        whitened(rule, &motion(), RUNS, seed)
+        whitened(rule, &motion(), seed)
     })
 });
 

@@ -4,20 +4,20 @@ use nalgebra::{Matrix3, Matrix3x6, Rotation3, Vector3, Vector6};
 use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{
-    self as theory, BiasWalk, Deltas, LinearizationErrorBound, Matrix9, Matrix9x6, Preintegrated,
-    Rule, error_dynamics,
+    self as theory, BiasWalk, Deltas, ErrorDynamics, LinearizationErrorBound, Matrix9, Matrix9x6,
+    Preintegrated,
 };
 
 use super::oracle::{Readings, bias, bias_slopes, difference, gyro_bias, slopes};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::preintegration::oracle::sizes;
+use crate::preintegration::noise::dynamics::{
+    euler, leak, leaking, not_turned, turned_forward, with_left_jacobian, without_jacobian,
+};
+use crate::preintegration::noise::oracle::Instant;
+use crate::preintegration::oracle::{STATES, nothing, sizes};
 use crate::random::Random;
 
-/// Random readings at which an equation is compared.
-const STATES: usize = 500;
-
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     recursion(chapter);
     blocks(chapter);
@@ -43,137 +43,80 @@ fn recursion(chapter: &mut Chapter) {
 fn bias_recursion(formula: Recursion) -> Comparison {
     Comparison::relative("central differences of walking again", 1e-6).over(STATES, 31, |random| {
         let readings = Readings::random(random);
-        let (mut jacobian, mut rotation) = (Matrix9x6::zeros(), Rotation3::identity());
-        for sample in &readings.samples {
-            let reading = sample.corrected(&readings.bias);
-            let step = error_dynamics(Rule::Euler, &rotation, &reading, readings.dt);
-            jacobian = formula(&jacobian, &step.from_errors, &step.from_reading);
-            rotation *= Rotation3::new(readings.dt * reading.gyro);
-        }
-        (jacobian, bias_slopes(&readings))
+        let step = |j: &Matrix9x6, of: ErrorDynamics| formula(j, &of.from_errors, &of.from_reading);
+        (recursed(&readings, |at, jacobian| step(jacobian, euler(at))), bias_slopes(&readings))
     })
+}
+
+/// The Jacobian after all readings, by a step that takes the instant and the Jacobian before it.
+fn recursed(readings: &Readings, step: impl Fn(&Instant, &Matrix9x6) -> Matrix9x6) -> Matrix9x6 {
+    let (mut jacobian, mut deltas, dt) = (Matrix9x6::zeros(), nothing(), readings.dt);
+    for sample in &readings.samples {
+        let sample = sample.corrected(&readings.bias);
+        jacobian = step(&Instant { deltas, sample, dt }, &jacobian);
+        deltas.rotation *= Rotation3::new(dt * sample.gyro);
+    }
+    jacobian
 }
 
 /// Takes readings and gives the derivative of one of the deltas by both biases.
 type Block = fn(&Readings) -> Matrix3x6<f64>;
 
-/// What the sums of the blocks are made of, at each step.
-struct Term {
-    /// The rotation so far, at the beginning of the step.
-    rotation: Matrix3<f64>,
-    force: Vector3<f64>,
-    turn: Vector3<f64>,
-    /// Derivative of the rotation so far by the gyroscope's bias.
-    by_gyro: Matrix3<f64>,
-}
-
-fn terms(readings: &Readings) -> Vec<Term> {
-    let (mut rotation, mut by_gyro) = (Matrix3::identity(), Matrix3::zeros());
-    let mut terms = Vec::new();
-    for sample in &readings.samples {
-        let reading = sample.corrected(&readings.bias);
-        let turn = readings.dt * reading.gyro;
-        terms.push(Term { rotation, force: reading.accelerometer, turn, by_gyro });
-        let step = so3::exp(&turn);
-        by_gyro = step.matrix().transpose() * by_gyro - readings.dt * so3::right_jacobian(&turn);
-        rotation *= step.matrix();
-    }
-    terms
-}
-
-fn side_by_side(by_gyro: &Matrix3<f64>, by_accelerometer: &Matrix3<f64>) -> Matrix3x6<f64> {
-    let mut both = Matrix3x6::zeros();
-    both.fixed_columns_mut::<3>(0).copy_from(by_gyro);
-    both.fixed_columns_mut::<3>(3).copy_from(by_accelerometer);
-    both
-}
-
-/// Minus the sum of the turned right Jacobians; `turned` is given the rotation from the end of the
-/// interval to the end of the step.
-fn rotation_block(
+/// Three rows of the Jacobian, by the recursion with these blocks of a step.
+fn rows_by(
     readings: &Readings,
-    turned: impl Fn(&Matrix3<f64>, &Vector3<f64>) -> Matrix3<f64>,
+    row: usize,
+    blocks: impl Fn(&Instant) -> ErrorDynamics,
 ) -> Matrix3x6<f64> {
-    let (mut back, mut sum) = (Matrix3::identity(), Matrix3::zeros());
-    for term in terms(readings).iter().rev() {
-        sum -= readings.dt * turned(&back, &term.turn);
-        back *= so3::exp(&-term.turn).matrix();
-    }
-    side_by_side(&sum, &Matrix3::zeros())
+    let step = |at: &Instant, jacobian: &Matrix9x6| {
+        let ErrorDynamics { from_errors, from_reading } = blocks(at);
+        from_errors * jacobian - from_reading
+    };
+    recursed(readings, step).fixed_rows::<3>(row).into()
 }
 
-/// The velocity's derivatives at the beginning of each step and at the end of all.
-fn velocity_blocks(
-    readings: &Readings,
-    by_gyro: impl Fn(&Term) -> Matrix3<f64>,
-) -> Vec<Matrix3x6<f64>> {
-    let mut sums = vec![Matrix3x6::zeros()];
-    for term in terms(readings) {
-        let gain = side_by_side(&by_gyro(&term), &term.rotation);
-        sums.push(sums[sums.len() - 1] - readings.dt * gain);
-    }
-    sums
-}
-
-fn tilted(term: &Term) -> Matrix3<f64> {
-    term.rotation * so3::hat(&term.force) * term.by_gyro
-}
-
-/// The position's, where half of the gain in velocity counts `half` times a half.
-fn position_block(
-    readings: &Readings,
-    by_gyro: impl Fn(&Term) -> Matrix3<f64>,
-    half: f64,
-) -> Matrix3x6<f64> {
-    let velocity = velocity_blocks(readings, by_gyro);
-    let steps = velocity.windows(2).map(|pair| pair[0] + 0.5 * half * (pair[1] - pair[0]));
-    readings.dt * steps.sum::<Matrix3x6<f64>>()
+/// The blocks of a step with what it adds to the position beyond the velocity before it, in halves of the gain.
+fn with_halves(at: &Instant, halves: f64) -> ErrorDynamics {
+    let mut of = euler(at);
+    of.from_errors.fixed_view_mut::<3, 3>(6, 0).scale_mut(halves);
+    of.from_reading.fixed_rows_mut::<3>(6).scale_mut(halves);
+    of
 }
 
 fn rows(readings: &Readings, row: usize) -> Matrix3x6<f64> {
     readings.summed().bias_jacobian.fixed_rows::<3>(row).into()
 }
 
+fn force_hat(at: &Instant) -> Matrix3<f64> {
+    so3::hat(&at.sample.accelerometer)
+}
+
 fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Block); 4] = [
-        ("not turned to the last frame", |readings| {
-            rotation_block(readings, |_, turn| so3::right_jacobian(turn))
-        }),
-        ("turned the other way", |readings| {
-            rotation_block(readings, |back, turn| back.transpose() * so3::right_jacobian(turn))
-        }),
-        ("right Jacobian dropped", |readings| rotation_block(readings, |back, _| *back)),
-        ("left Jacobian", |readings| {
-            rotation_block(readings, |back, turn| back * so3::left_jacobian(turn))
-        }),
+        ("not turned to the last frame", |r| rows_by(r, 0, not_turned)),
+        ("turned the other way", |r| rows_by(r, 0, turned_forward)),
+        ("right Jacobian dropped", |r| rows_by(r, 0, without_jacobian)),
+        ("left Jacobian", |r| rows_by(r, 0, with_left_jacobian)),
     ];
     chapter.equation("bias-rotation-block", bias_rotation_block, |r| rows(r, 0), &mutants);
 
     let mutants: [(_, Block); 4] = [
-        ("sign of the tilt", |readings| last(velocity_blocks(readings, |term| -tilted(term)))),
-        ("force not turned", |readings| {
-            last(velocity_blocks(readings, |term| so3::hat(&term.force) * term.by_gyro))
-        }),
-        ("tilt dropped", |readings| last(velocity_blocks(readings, |_| Matrix3::zeros()))),
-        ("order of the tilt", |readings| {
-            last(velocity_blocks(readings, |term| {
-                term.rotation * term.by_gyro * so3::hat(&term.force)
-            }))
+        ("sign of the tilt", |r| rows_by(r, 3, |at| leaking(at, -leak(at)))),
+        ("force not turned", |r| rows_by(r, 3, |at| leaking(at, -force_hat(at)))),
+        ("tilt dropped", |r| rows_by(r, 3, |at| leaking(at, Matrix3::zeros()))),
+        ("order of the tilt", |r| {
+            rows_by(r, 3, |at| leaking(at, -force_hat(at) * at.deltas.rotation.matrix()))
         }),
     ];
     chapter.equation("bias-velocity-blocks", bias_velocity_blocks, |r| rows(r, 3), &mutants);
 
     let mutants: [(_, Block); 4] = [
-        ("half of the gain dropped", |readings| position_block(readings, tilted, 0.0)),
-        ("whole gain", |readings| position_block(readings, tilted, 2.0)),
-        ("sign of the tilt", |readings| position_block(readings, |term| -tilted(term), 1.0)),
-        ("tilt dropped", |readings| position_block(readings, |_| Matrix3::zeros(), 1.0)),
+        ("half of the gain dropped", |r| rows_by(r, 6, |at| with_halves(at, 0.0))),
+        ("whole gain", |r| rows_by(r, 6, |at| with_halves(at, 2.0))),
+        ("sign of the tilt", |r| rows_by(r, 6, |at| leaking(at, -leak(at)))),
+        ("tilt dropped", |r| rows_by(r, 6, |at| leaking(at, Matrix3::zeros()))),
     ];
     chapter.equation("bias-position-blocks", bias_position_blocks, |r| rows(r, 6), &mutants);
-}
-
-fn last(blocks: Vec<Matrix3x6<f64>>) -> Matrix3x6<f64> {
-    blocks[blocks.len() - 1]
 }
 
 fn bias_rotation_block(formula: Block) -> Comparison {

@@ -12,7 +12,6 @@ use crate::preintegration::oracle::{sizes, summed_by};
 const DT: f64 = 0.005;
 const STEPS: usize = 200;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     order_of_updates(chapter);
     gravity(chapter);

@@ -13,7 +13,6 @@ use super::oracle::{gyro_bias, summed};
 use super::rules::errors;
 use crate::chapter::Chapter;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     by_hand(chapter);
     corrections(chapter);

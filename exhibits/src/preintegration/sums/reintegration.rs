@@ -21,7 +21,6 @@ const STARTS: usize = 4;
 /// The share of the mean of the squared error that a correction may add.
 const FRACTION: f64 = 0.01;
 
-/// Registers the equation and the numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Bound); 5] = [
         ("each error by its own covariance", |sums, bias| {

@@ -13,7 +13,6 @@ use crate::preintegration::oracle::{nothing, sizes, summed_by};
 /// Takes readings at both ends of all steps, and the step.
 type Midpoint = fn(&[ImuSample], f64) -> Deltas;
 
-/// Registers the equation.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Midpoint = |samples, dt| summed(Rule::Midpoint, samples, dt);
     let mutants: [(_, Midpoint); 5] = [
