@@ -12,7 +12,7 @@ mod figures;
 mod gravity;
 mod noise;
 mod oracle;
-mod rest;
+pub mod rest;
 pub mod rules;
 mod scale;
 mod sheet;

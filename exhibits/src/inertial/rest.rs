@@ -9,7 +9,8 @@ use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
 use crate::record::RecordValue;
 
-const FILE: DataFile = DataFile {
+/// Readings of the flight V1_01 with the Vicon system.
+pub const FILE: DataFile = DataFile {
     path: "euroc/V1_01_imu0.csv",
     sha256: "4cef78a5cf7c8ee52016a160de4b50184da2a216d615feb7ebbbb3bc99efa89e",
 };

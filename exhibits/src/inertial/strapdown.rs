@@ -204,12 +204,11 @@ fn integrated(state: &NavState, read: &ImuSample, along: &Matrix3<f64>, dt: f64)
 
 fn first_state(chapter: &mut Chapter) {
     let formula: FirstState = |first, own, g, t| NavState {
-        world_from_body: first.world_from_body * own.world_from_body,
-        velocity: first.velocity + t * g + first.world_from_body * own.velocity,
         position: first.position
             + t * first.velocity
             + 0.5 * t * t * g
             + first.world_from_body * own.position,
+        ..composed(first, own, g, t)
     };
     let mutants: [(_, FirstState); 4] = [
         ("rotations in the other order", |first, own, g, t| NavState {
@@ -232,7 +231,7 @@ fn first_state(chapter: &mut Chapter) {
     chapter.equation("inertial-first-state", inertial_first_state, formula, &mutants);
 }
 
-/// The composition, for mutants that spoil one part of it.
+/// The composition, with the position in fewer products.
 pub fn composed(first: &NavState, own: &NavState, g: &Vector3<f64>, t: f64) -> NavState {
     let r = first.world_from_body;
     NavState {

@@ -115,24 +115,21 @@ fn flight_errors() -> Figure {
             width: 4,
             ..marks(name, series, points)
         };
-        let entries = [
-            share("tilted world", 3, of("v1_velocity_gravity")),
-            share("attitude", 4, of("v1_velocity_attitude")),
-            share("rest", 2, of("v1_velocity_rest")),
-            line("", INK, 6, of("v1_velocity_predicted")),
-            marks("", 0, of("v1_velocity_euler")),
-            marks("", 1, of("v1_velocity")),
-        ];
-        panel(&velocity, ("", SHOWN), ("velocity (cm/s)", [0.015, 60.0]), &entries)?;
-        let entries = [
-            share("", 3, of("v1_position_gravity")),
-            share("", 4, of("v1_position_attitude")),
-            share("", 2, of("v1_position_rest")),
-            line("", INK, 6, of("v1_position_predicted")),
-            marks("", 0, of("v1_position_euler")),
-            marks("", 1, of("v1_position")),
-        ];
-        panel(&position, (LENGTH, SHOWN), ("position (cm)", [0.0004, 20.0]), &entries)
+        let entries = |part: &str| {
+            let of = |kind: &str| of(&format!("v1_{part}{kind}"));
+            [
+                share("tilted world", 3, of("_gravity")),
+                share("attitude", 4, of("_attitude")),
+                share("rest", 2, of("_rest")),
+                line("", INK, 6, of("_predicted")),
+                marks("", 0, of("_euler")),
+                marks("", 1, of("")),
+            ]
+        };
+        let velocity_axis = ("velocity (cm/s)", [0.015, 60.0]);
+        panel(&velocity, ("", SHOWN), velocity_axis, &entries("velocity"))?;
+        let unnamed = entries("position").map(|entry| Entry { name: "", ..entry });
+        panel(&position, (LENGTH, SHOWN), ("position (cm)", [0.0004, 20.0]), &unnamed)
     })
 }
 

@@ -13,13 +13,11 @@ use super::intervals::{Flight, LENGTHS, predicted, sizes};
 use super::wander::Wander;
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
+use crate::inertial::rest;
 use crate::record::{RecordValue, accepted};
 
 const FILES: [DataFile; 4] = [
-    DataFile {
-        path: "euroc/V1_01_imu0.csv",
-        sha256: "4cef78a5cf7c8ee52016a160de4b50184da2a216d615feb7ebbbb3bc99efa89e",
-    },
+    rest::FILE,
     DataFile {
         path: "euroc/V1_01_groundtruth_20hz.csv",
         sha256: "16543952bf69f3fb886008a26cc21d3c552deca8fa06087f0bc329c09d7fcbe3",

@@ -1,6 +1,6 @@
 //! How the nine errors hang together, and what is lost when their blocks are kept apart.
 
-use nalgebra::{DMatrix, Matrix3, SymmetricEigen};
+use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use vislam::inertial::{GRAVITY, ImuNoise, ImuSample};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
 use vislam::simulation::Trajectory;
@@ -38,8 +38,8 @@ fn growth_correlation(formula: Correlations) -> Comparison {
     Comparison::absolute(against, 2e-3, "correlation").over(25, 451, |random| {
         let density = random.logarithmic(1e-4..1e-1);
         let dt = random.logarithmic(1e-4..1e-2);
-        let force = random.uniform(1.0..20.0) * nalgebra::Vector3::z();
-        let reading = ImuSample { gyro: nalgebra::Vector3::zeros(), accelerometer: force };
+        let force = random.uniform(1.0..20.0) * Vector3::z();
+        let reading = ImuSample { gyro: Vector3::zeros(), accelerometer: force };
         let correlations = |gyro: f64, accelerometer: f64| {
             let noise = ImuNoise { gyro, accelerometer, ..ImuNoise::mems() };
             let covariance = of_readings(&[reading; STEPS], dt, &noise).covariance;

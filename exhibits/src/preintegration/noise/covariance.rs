@@ -8,7 +8,7 @@ use vislam::preintegration::{
 
 use super::blocks::correlation;
 use super::growth::{G, exchanged};
-use super::oracle::{noisy, readings, slopes, summed};
+use super::oracle::{densities, noisy, readings, slopes, summed};
 use super::runs::{DT, at_rest, rest};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -51,11 +51,7 @@ fn covariance_recursion(formula: Recursion) -> Comparison {
     Comparison::relative(against, 1e-6).over(STATES, 411, |random| {
         let samples = readings(random, 12);
         let dt = random.logarithmic(0.005..0.1);
-        let noise = ImuNoise {
-            gyro: random.logarithmic(1e-3..1e-1),
-            accelerometer: random.logarithmic(1e-3..1e-1),
-            ..ImuNoise::mems()
-        };
+        let noise = densities(random, 1e-3..1e-1, 1e-3..1e-1);
         let (mut found, mut deltas) = (Matrix9::zeros(), nothing());
         let mut oracle = Matrix9::zeros();
         for (k, sample) in samples.iter().enumerate() {

@@ -165,9 +165,8 @@ fn error_dynamics_midpoint(formula: Blocks) -> Comparison {
 
 fn compared_with_slopes(seed: u64, rule: Rule, formula: Blocks) -> Comparison {
     let against = "central differences of the step by the deltas and by the reading";
-    let mut random = Random::new(seed);
-    Comparison::relative(against, 1e-7).each(0..STATES, |_| {
-        let at = Instant::random(&mut random);
+    Comparison::relative(against, 1e-7).over(STATES, seed, |random| {
+        let at = Instant::random(random);
         let step = |e: &Vector9, n: &Vector6<f64>| {
             stepped(rule, &wrong(&at.deltas, e), &noisy(&at.sample, n), at.dt)
         };

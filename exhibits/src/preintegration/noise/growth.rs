@@ -5,7 +5,7 @@ use vislam::inertial::{ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
 
-use super::oracle::{readings, slopes, summed};
+use super::oracle::{densities, readings, slopes, summed};
 use super::runs::{DT, SECOND, at_rest, of_readings};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
@@ -295,11 +295,7 @@ fn growth_crossover(formula: Crossover) -> Comparison {
     let against = "the ratio of the two parts at that time, by the recursion in many short steps";
     const STEPS: usize = 4000;
     Comparison::absolute(against, 2e-3, "ratio").over(25, 444, |random| {
-        let noise = ImuNoise {
-            gyro: random.logarithmic(1e-4..1e-2),
-            accelerometer: random.logarithmic(1e-3..1e-1),
-            ..ImuNoise::mems()
-        };
+        let noise = densities(random, 1e-4..1e-2, 1e-3..1e-1);
         let force = random.uniform(1.0..20.0);
         let reading = ImuSample { gyro: Vector3::zeros(), accelerometer: force * Vector3::z() };
         let ratio = |time: f64, quantity: usize| {

@@ -1,7 +1,9 @@
 //! Deltas by the definition, without the library, and how they move.
 
+use std::ops::Range;
+
 use nalgebra::{Rotation3, SMatrix, Vector6};
-use vislam::inertial::ImuSample;
+use vislam::inertial::{ImuNoise, ImuSample};
 use vislam::preintegration::{Deltas, Rule, Vector9};
 
 use crate::manifold::oracle::small_vector;
@@ -28,6 +30,12 @@ impl Instant {
 pub fn reading(random: &mut Random) -> ImuSample {
     let (turn, force) = (random.uniform(0.5..5.0), random.uniform(5.0..20.0));
     ImuSample { gyro: random.direction(turn), accelerometer: random.direction(force) }
+}
+
+/// White noise with densities from these ranges.
+pub fn densities(random: &mut Random, gyro: Range<f64>, accelerometer: Range<f64>) -> ImuNoise {
+    let (gyro, accelerometer) = (random.logarithmic(gyro), random.logarithmic(accelerometer));
+    ImuNoise { gyro, accelerometer, ..ImuNoise::mems() }
 }
 
 /// Readings that have nothing to do with one another.

@@ -75,7 +75,7 @@ fn rows_by(
     recursed(readings, step).fixed_rows::<3>(row).into()
 }
 
-/// The blocks of a step with what it adds to the position beyond the velocity before it, in halves of the gain.
+/// The blocks of a step that moves the position by so many halves of what velocity gains.
 fn with_halves(at: &Instant, halves: f64) -> ErrorDynamics {
     let mut of = euler(at);
     of.from_errors.fixed_view_mut::<3, 3>(6, 0).scale_mut(halves);
@@ -132,11 +132,14 @@ fn bias_position_blocks(formula: Block) -> Comparison {
 }
 
 fn bias_rows(formula: Block, row: usize, seed: u64) -> Comparison {
-    let mut random = Random::new(seed);
-    Comparison::relative("central differences of walking again", 1e-6).each(0..STATES, |_| {
-        let readings = Readings::random(&mut random);
-        (formula(&readings), bias_slopes(&readings).fixed_rows::<3>(row).into_owned())
-    })
+    Comparison::relative("central differences of walking again", 1e-6).over(
+        STATES,
+        seed,
+        |random| {
+            let readings = Readings::random(random);
+            (formula(&readings), bias_slopes(&readings).fixed_rows::<3>(row).into_owned())
+        },
+    )
 }
 
 /// Takes sums and a bias.
@@ -186,13 +189,13 @@ fn steady(gyro: Vector3<f64>, accelerometer: Vector3<f64>, steps: usize, dt: f64
 /// The matrix of a steady turn for one whose first half is slower and whose second half is faster by this share.
 fn turn_by_halves(share: f64) -> Comparison {
     const HALF: usize = 25;
-    let (mut random, dt) = (Random::new(37), 0.02);
-    Comparison::relative("central differences of walking again", 1e-6).each(0..STATES, |_| {
+    const DT: f64 = 0.02;
+    Comparison::relative("central differences of walking again", 1e-6).over(STATES, 37, |random| {
         let mean = random.direction(1.5);
-        let part = |share: f64| steady((1.0 + share) * mean, Vector3::zeros(), HALF, dt).samples;
+        let part = |share: f64| steady((1.0 + share) * mean, Vector3::zeros(), HALF, DT).samples;
         let samples = [part(-share), part(share)].concat();
-        let t = dt * samples.len() as f64;
-        let readings = Readings { samples, dt, bias: ImuBias::default() };
+        let t = DT * samples.len() as f64;
+        let readings = Readings { samples, dt: DT, bias: ImuBias::default() };
         (-t * so3::right_jacobian(&(t * mean)), rotation_slopes(&readings))
     })
 }

@@ -1,6 +1,6 @@
 //! When a first-order correction is no longer good enough.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::sqrt_information;
 use vislam::preintegration::{Matrix9, Preintegrated, correct_for_bias, preintegrate};
@@ -23,27 +23,12 @@ const FRACTION: f64 = 0.01;
 
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Bound); 5] = [
-        ("each error by its own covariance", |sums, bias| {
-            let own = |block: usize| {
-                let covariance = sums.covariance.fixed_view::<3, 3>(3 * block, 3 * block);
-                sqrt_information(&covariance.into_owned())
-                    .map_or(f64::NAN, |root: Matrix3<f64>| root.singular_values().max())
-            };
-            let lengths = lengths(sums, bias);
-            (0..3).map(|block| (own(block) * lengths[block]).powi(2)).sum()
-        }),
-        ("squares added", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            (0..3).map(|block| (largest(sums, block) * lengths[block]).powi(2)).sum()
-        }),
-        ("the smallest singular value", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            let least = |block| columns(&whitener(sums), block).singular_values().min();
-            (0..3).map(|block| least(block) * lengths[block]).sum::<f64>().powi(2)
-        }),
+        ("each error by its own covariance", |sums, bias| whitened(sums, bias, own).norm_squared()),
+        ("squares added", |sums, bias| whitened(sums, bias, largest).norm_squared()),
+        ("the smallest singular value", |sums, bias| whitened(sums, bias, least).sum().powi(2)),
         ("velocity dropped", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            [0, 2].map(|block| largest(sums, block) * lengths[block]).iter().sum::<f64>().powi(2)
+            let by_part = whitened(sums, bias, largest);
+            (by_part[0] + by_part[2]).powi(2)
         }),
         ("all columns at once", |sums, bias| {
             let longest = lengths(sums, bias).iter().sum::<f64>();
@@ -62,12 +47,29 @@ fn whitener(sums: &Preintegrated) -> Matrix9 {
     sums.sqrt_information().expect("after many steps everything varies")
 }
 
-fn columns(whitener: &Matrix9, block: usize) -> SMatrix<f64, 9, 3> {
-    whitener.fixed_columns::<3>(3 * block).into_owned()
+/// The three lengths, each times what whitening makes of a vector of length one in its block.
+fn whitened(
+    sums: &Preintegrated,
+    bias: &ImuBias,
+    of_block: fn(&Preintegrated, usize) -> f64,
+) -> Vector3<f64> {
+    let lengths = lengths(sums, bias);
+    Vector3::from_fn(|block, _| of_block(sums, block) * lengths[block])
 }
 
 fn largest(sums: &Preintegrated, block: usize) -> f64 {
-    columns(&whitener(sums), block).singular_values().max()
+    whitener(sums).fixed_columns::<3>(3 * block).singular_values().max()
+}
+
+fn least(sums: &Preintegrated, block: usize) -> f64 {
+    whitener(sums).fixed_columns::<3>(3 * block).singular_values().min()
+}
+
+/// By the covariance of the block alone.
+fn own(sums: &Preintegrated, block: usize) -> f64 {
+    let covariance = sums.covariance.fixed_view::<3, 3>(3 * block, 3 * block).into_owned();
+    let root = sqrt_information(&covariance);
+    root.map_or(f64::NAN, |root: Matrix3<f64>| root.singular_values().max())
 }
 
 fn lengths(sums: &Preintegrated, bias: &ImuBias) -> [f64; 3] {
@@ -78,8 +80,7 @@ fn lengths(sums: &Preintegrated, bias: &ImuBias) -> [f64; 3] {
 /// The greatest squared length of a whitened error whose three parts have these lengths, by ascent
 /// from several directions: each part turns to where the gradient points, until nothing grows.
 fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
-    let mut most = 0.0_f64;
-    for _ in 0..STARTS {
+    let ascents = (0..STARTS).map(|_| {
         let [phi, v, p] = lengths.map(|length| random.direction(length));
         let mut error = stack(&phi, &v, &p);
         for _ in 0..300 {
@@ -89,9 +90,9 @@ fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
                 error.fixed_rows_mut::<3>(3 * block).copy_from(&(*length * uphill));
             }
         }
-        most = most.max((whitener * error).norm_squared());
-    }
-    most
+        (whitener * error).norm_squared()
+    });
+    ascents.fold(0.0, f64::max)
 }
 
 fn reintegration_bound(formula: Bound) -> Comparison {
