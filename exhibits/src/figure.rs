@@ -285,6 +285,23 @@ fn arrow_head(
     corners.map(|corner| (corner.x, corner.y)).to_vec()
 }
 
+/// The mark of a series and, at the same height, its name from `name_x` on.
+pub fn key(
+    chart: &mut impl Draw,
+    series: usize,
+    name: &str,
+    mark: (f64, f64),
+    name_x: f64,
+) -> Drawn {
+    chart.marks([mark], series)?;
+    chart.write(name, (name_x, mark.1), letters_right_of(SERIES[series]))
+}
+
+/// Numbers from `first` to `ratio` times as much in so many equal factors, for curves over logarithmic axes.
+pub fn geometric(first: f64, ratio: f64, factors: u32) -> impl Iterator<Item = f64> + Clone {
+    (0..=factors).map(move |k| first * ratio.powf(f64::from(k) / f64::from(factors)))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::LazyLock;

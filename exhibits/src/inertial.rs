@@ -12,8 +12,8 @@ mod figures;
 mod gravity;
 mod noise;
 mod oracle;
-mod rest;
-mod rules;
+pub mod rest;
+pub mod rules;
 mod scale;
 mod sheet;
 mod shutter;
@@ -24,7 +24,6 @@ use crate::chapter::Chapter;
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     gravity::exhibits(chapter);
     noise::exhibits(chapter);

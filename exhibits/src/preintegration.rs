@@ -1,12 +1,12 @@
 //! What chapter `preintegration` shows: many inertial readings as one measurement.
 
 mod noise;
+pub mod oracle;
 mod speed;
 mod sums;
 
 use crate::chapter::Chapter;
 
-/// Registers the chapter's exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
     noise::exhibits(chapter);

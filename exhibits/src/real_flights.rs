@@ -11,7 +11,6 @@ mod wander;
 
 use crate::chapter::Chapter;
 
-/// Registers equations, numbers, figures and records.
 pub fn exhibits(chapter: &mut Chapter) {
     equations::equations(chapter);
     live::numbers(chapter);

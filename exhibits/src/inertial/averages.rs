@@ -7,7 +7,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Variance); 5] = [
         ("noise that does not fall", |s, w, tau| s * s + w * w * tau / 3.0),
@@ -37,38 +36,32 @@ type Variance = fn(f64, f64, f64) -> f64;
 
 fn inertial_allan_lines(formula: Variance) -> Comparison {
     let against = "half the square of the weight of every single increment, summed over 4,000";
-    let mut comparison = Comparison::relative(against, 1e-5);
     // Two neighbouring means, the second one less the first.
     let weights: Vec<f64> = (0..4000).map(|k| if k < 2000 { -1.0 } else { 1.0 } / 2000.0).collect();
-    compare(&mut comparison, 11, formula, |sigma, walk, tau| {
+    compared(against, 11, formula, |sigma, walk, tau| {
         0.5 * variance(&weights, 0.0, sigma, walk, tau / 2000.0)
-    });
-    comparison
+    })
 }
 
 fn inertial_bias_average(formula: Variance) -> Comparison {
     let against = "the square of the weight of every single increment, summed over 2,000";
-    let mut comparison = Comparison::relative(against, 1e-5);
-    let weights = vec![1.0 / 2000.0; 2000];
-    compare(&mut comparison, 12, formula, |sigma, walk, time| {
-        variance(&weights, -1.0, sigma, walk, time / 2000.0)
-    });
-    comparison
+    compared(against, 12, formula, |sigma, walk, time| {
+        variance(&[1.0 / 2000.0; 2000], -1.0, sigma, walk, time / 2000.0)
+    })
 }
 
-fn compare(
-    comparison: &mut Comparison,
+fn compared(
+    against: &'static str,
     seed: u64,
     formula: Variance,
     oracle: impl Fn(f64, f64, f64) -> f64,
-) {
-    let mut random = Random::new(seed);
-    for _ in 0..100 {
+) -> Comparison {
+    Comparison::relative(against, 1e-5).over(100, seed, |random| {
         let sigma = random.logarithmic(1e-4..1e-2);
         let walk = sigma * random.logarithmic(0.01..1.0);
         let time = 3_f64.sqrt() * sigma / walk * random.logarithmic(0.2..5.0);
-        comparison.add(&[formula(sigma, walk, time)], &[oracle(sigma, walk, time)]);
-    }
+        (formula(sigma, walk, time), oracle(sigma, walk, time))
+    })
 }
 
 /// Variance of a sum of readings with these weights, to which the bias at the end is added with a
@@ -116,33 +109,28 @@ pub const STAYING: f64 = 2e-3;
 /// Readings in a second of the figure of averages.
 const AVERAGED_RATE: f64 = 20.0;
 
-/// What the mean of a resting gyroscope's readings is used for.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Case {
-    /// There is no bias: what is left of the noise.
-    NoBias,
-    /// A bias stays as it is: what is left of noise and bias, if both are taken for noise.
-    Stays,
-    /// The bias walks: the mean less the bias at the end.
-    Walks,
+/// What the mean of a resting gyroscope's readings meets: its name, a bias that stays and is taken
+/// for noise, in rad/s, and the density of one that walks, of which the mean should tell the end.
+pub type Case = (&'static str, f64, f64);
+
+pub fn cases() -> [Case; 3] {
+    let walk = ImuNoise::mems().gyro_walk;
+    [("no bias", 0.0, 0.0), ("a bias stays", STAYING, 0.0), ("a bias walks", 0.0, walk)]
 }
 
 /// Errors of means over these times, in seconds: root mean square over runs, in rad/s.
-pub fn errors_of_means(case: Case, times: &[f64]) -> Vec<f64> {
+pub fn errors_of_means((_, staying, walk): Case, times: &[f64]) -> Vec<f64> {
     let (noise, dt) = (ImuNoise::mems(), 1.0 / AVERAGED_RATE);
     let mut random = Random::new(13);
     let mut squares = vec![0.0; times.len()];
     for _ in 0..RUNS {
-        let mut bias = if case == Case::Stays { STAYING } else { 0.0 };
-        let (mut sum, mut count, mut next) = (0.0, 0.0, 0);
+        let (mut bias, mut sum, mut count, mut next) = (staying, 0.0, 0.0, 0);
         while next < times.len() {
-            let step = random.normal(noise.gyro_walk * dt.sqrt());
-            bias += if case == Case::Walks { step } else { 0.0 };
+            bias += random.normal(walk * dt.sqrt());
             sum += bias + random.normal(noise.gyro / dt.sqrt());
             count += 1.0;
             if count * dt >= times[next] - 1e-9 {
-                let known = if case == Case::Walks { bias } else { 0.0 };
-                squares[next] += (sum / count - known).powi(2) / RUNS as f64;
+                squares[next] += (sum / count - (bias - staying)).powi(2) / RUNS as f64;
                 next += 1;
             }
         }
@@ -151,13 +139,8 @@ pub fn errors_of_means(case: Case, times: &[f64]) -> Vec<f64> {
 }
 
 /// The same by the formulas.
-pub fn expected_error(case: Case, time: f64) -> f64 {
-    let noise = ImuNoise::mems();
-    match case {
-        Case::NoBias => averaged(noise.gyro, 0.0, time).sqrt(),
-        Case::Stays => averaged(noise.gyro, 0.0, time).sqrt().hypot(STAYING),
-        Case::Walks => averaged(noise.gyro, noise.gyro_walk, time).sqrt(),
-    }
+pub fn expected_error((_, staying, walk): Case, time: f64) -> f64 {
+    averaged(ImuNoise::mems().gyro, walk, time).sqrt().hypot(staying)
 }
 
 /// Length of the resting recording behind the figure of Allan deviations.
@@ -172,14 +155,21 @@ pub fn allan_deviations(noise: &ImuNoise, windows: &[usize], seed: u64) -> Vec<[
     let dt = 1.0 / RATE;
     let resting = ImuSample { gyro: Vector3::zeros(), accelerometer: Vector3::zeros() };
     let mut bias = ImuBias::default();
-    let mut sums = vec![Vector6::zeros()];
-    for k in 0..(3600.0 * HOURS * RATE) as usize {
+    let readings = (0..(3600.0 * HOURS * RATE) as usize).map(|_| {
         bias = noise.walk(&bias, dt, || random.normal(1.0));
-        let read = noise.corrupt(&resting, &bias, dt, || random.normal(1.0));
-        let six = ImuBias { gyro: read.gyro, accelerometer: read.accelerometer }.vector();
-        sums.push(sums[k] + six);
-    }
+        noise.corrupt(&resting, &bias, dt, || random.normal(1.0))
+    });
+    let sums = sums(readings);
     windows.iter().map(|&window| allan_deviation(&sums, window)).collect()
+}
+
+/// Sums of no reading, of the first one and so on, gyroscope first.
+pub fn sums(readings: impl Iterator<Item = ImuSample>) -> Vec<Vector6<f64>> {
+    let mut sums = vec![Vector6::zeros()];
+    for (k, ImuSample { gyro, accelerometer }) in readings.enumerate() {
+        sums.push(sums[k] + ImuBias { gyro, accelerometer }.vector());
+    }
+    sums
 }
 
 /// From sums of the readings: half the mean squared difference of neighbouring means.

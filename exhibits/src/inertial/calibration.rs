@@ -1,10 +1,10 @@
 //! What a wrong calibration costs in pixels.
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use vislam::inertial::CameraImu;
 use vislam::simulation::Trajectory;
 
-use super::clock::{offset_error_at, pixel_error, rig};
+use super::clock::{offset_error, pixel_error, rig};
 use crate::chapter::Chapter;
 
 /// Metres to the points.
@@ -13,14 +13,10 @@ const ARM_ERROR: f64 = 0.01;
 const ANGLE_ERROR_DEG: f64 = 1.0;
 const OFFSET: f64 = 0.005;
 
-/// Registers the numbers of the table.
 pub fn numbers(chapter: &mut Chapter) {
     let motion = Trajectory::figure_eight();
-    let arm = Isometry3::from_parts(
-        Translation3::from(ARM_ERROR * Vector3::new(1.0, 1.0, 1.0).normalize()),
-        UnitQuaternion::identity(),
-    );
-    let axis = nalgebra::Unit::new_normalize(Vector3::new(1.0, 1.0, 1.0));
+    let axis = Unit::new_normalize(Vector3::repeat(1.0));
+    let arm = Translation3::from(ARM_ERROR * axis.into_inner()).into();
     let turn = UnitQuaternion::from_axis_angle(&axis, ANGLE_ERROR_DEG.to_radians());
     let turn = Isometry3::from_parts(Translation3::identity(), turn);
     let names = [
@@ -32,7 +28,7 @@ pub fn numbers(chapter: &mut Chapter) {
         chapter.number(names[0], depth, "m", 0);
         chapter.number(names[1], wrong_by(&motion, depth, &arm), "px", 2);
         chapter.number(names[2], wrong_by(&motion, depth, &turn), "px", 1);
-        chapter.number(names[3], offset_error_at(&motion, depth, OFFSET, false), "px", 1);
+        chapter.number(names[3], offset_error(&motion, depth, OFFSET, false), "px", 1);
     }
     chapter.number("calibration_arm_cm", 100.0 * ARM_ERROR, "cm", 0);
     chapter.number("calibration_turn_deg", ANGLE_ERROR_DEG, "°", 0);

@@ -8,9 +8,7 @@ use super::STATES;
 use super::oracle::{bend, camera, motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Velocity = |camera, kinematics| {
         let twist = camera.twist(&kinematics.state, &kinematics.angular_velocity);
@@ -31,11 +29,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     let formula: Acceleration = |camera, own, w, alpha| camera.acceleration(own, w, alpha);
     let mutants: [(_, Acceleration); 4] = [
         ("outward", |c, own, w, alpha| own + alpha.cross(&arm(c)) - w.cross(&w.cross(&arm(c)))),
-        ("turning speeds up by itself", |c, own, w, _| own + w.cross(&w.cross(&arm(c)))),
-        ("steady turn forgotten", |c, own, _, alpha| own + alpha.cross(&arm(c))),
-        ("sign of the speeding up", |c, own, w, alpha| {
-            own - alpha.cross(&arm(c)) + w.cross(&w.cross(&arm(c)))
-        }),
+        ("turning speeds up by itself", |c, own, w, _| c.acceleration(own, w, &Vector3::zeros())),
+        ("steady turn forgotten", |c, own, _, alpha| c.acceleration(own, &Vector3::zeros(), alpha)),
+        ("sign of the speeding up", |c, own, w, alpha| c.acceleration(own, w, &-alpha)),
     ];
     let check = inertial_camera_acceleration;
     chapter.equation("inertial-camera-acceleration", check, formula, &mutants);
@@ -51,24 +47,23 @@ fn swing_of(camera: &CameraImu, kinematics: &Kinematics) -> Vector3<f64> {
     kinematics.angular_velocity.cross(&arm(camera))
 }
 
+/// Where the camera is in the world.
+fn place(camera: &CameraImu, kinematics: &Kinematics) -> Vector3<f64> {
+    let body = kinematics.state;
+    body.position + body.world_from_body * arm(camera)
+}
+
 /// The velocity of the camera in the world.
 type Velocity = fn(&CameraImu, &Kinematics) -> Vector3<f64>;
 
 fn inertial_camera_velocity(formula: Velocity) -> Comparison {
     let against = "differences of the camera's place along known motions";
-    let mut comparison = Comparison::absolute(against, 1e-8, "m/s");
-    let mut random = Random::new(50);
-    for _ in 0..STATES {
-        let (motion, camera) = (motion(&mut random), camera(&mut random));
+    Comparison::absolute(against, 1e-8, "m/s").over(STATES, 50, |random| {
+        let (motion, camera) = (motion(random), camera(random));
         let t = random.uniform(0.0..5.0);
-        let place = |s: f64| {
-            let body = motion.at(t + s).state;
-            body.position + body.world_from_body * arm(&camera)
-        };
-        let found = formula(&camera, &motion.at(t));
-        comparison.add(found.as_slice(), slope(place, 1e-3).as_slice());
-    }
-    comparison
+        let place = |s: f64| place(&camera, &motion.at(t + s));
+        (formula(&camera, &motion.at(t)), slope(place, 1e-3))
+    })
 }
 
 /// Takes the body's acceleration, its angular velocity and its angular acceleration.
@@ -76,23 +71,17 @@ type Acceleration = fn(&CameraImu, &Vector3<f64>, &Vector3<f64>, &Vector3<f64>) 
 
 fn inertial_camera_acceleration(formula: Acceleration) -> Comparison {
     let against = "second differences of the camera's place along known motions";
-    let mut comparison = Comparison::absolute(against, 1e-6, "m/s²");
-    let mut random = Random::new(51);
-    for _ in 0..STATES {
-        let (motion, camera) = (motion(&mut random), camera(&mut random));
+    Comparison::absolute(against, 1e-6, "m/s²").over(STATES, 51, |random| {
+        let (motion, camera) = (motion(random), camera(random));
         let t = random.uniform(0.0..5.0);
-        let place = |s: f64| {
-            let body = motion.at(t + s).state;
-            body.position + body.world_from_body * arm(&camera)
-        };
+        let place = |s: f64| place(&camera, &motion.at(t + s));
         let kinematics = motion.at(t);
         let body_from_world = kinematics.state.world_from_body.inverse();
         let alpha = slope(|s| motion.at(t + s).angular_velocity, 1e-3);
         let own = body_from_world * kinematics.acceleration;
         let found = formula(&camera, &own, &kinematics.angular_velocity, &alpha);
-        comparison.add(found.as_slice(), (body_from_world * bend(place, 4e-3)).as_slice());
-    }
-    comparison
+        (found, body_from_world * bend(place, 4e-3))
+    })
 }
 
 fn numbers(chapter: &mut Chapter) {

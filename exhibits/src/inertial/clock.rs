@@ -1,18 +1,18 @@
 //! Two clocks that disagree, and what that does to pixels.
 
-use nalgebra::{Isometry3, Point3, Rotation3, Vector2, Vector3, Vector6};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Vector2, Vector3, Vector6};
 use vislam::inertial::CameraImu;
 use vislam::manifold::se3;
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{EulerAngles, Kinematics, ScalarTrajectory, Trajectory};
 
+use super::STATES;
 use super::oracle::{camera, motion, slope};
-use super::{STATES, oracle};
+use super::rules::exponent;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     moved(chapter);
     left_over(chapter);
@@ -23,31 +23,27 @@ pub fn exhibits(chapter: &mut Chapter) {
 fn moved(chapter: &mut Chapter) {
     let formula: Moved = |c, m| c.world_from_camera_at_same_reading(&m.state, &m.angular_velocity);
     let mutants: [(_, Moved); 5] = [
-        ("sign", |c, m| {
-            let backwards = CameraImu { time_offset: -c.time_offset, ..*c };
-            backwards.world_from_camera_at_same_reading(&m.state, &m.angular_velocity)
-        }),
+        ("sign", |c, m| carried(c, m, -c.time_offset * twist(c, m))),
         ("offset forgotten", |c, m| c.world_from_camera(&m.state)),
         ("moved on the left", |c, m| {
-            let step = c.time_offset * c.twist(&m.state, &m.angular_velocity);
-            se3::exp(&step) * c.world_from_camera(&m.state)
+            se3::exp(&(c.time_offset * twist(c, m))) * c.world_from_camera(&m.state)
         }),
         ("twist of the body", |c, m| {
             let still = CameraImu { body_from_camera: Isometry3::identity(), ..*c };
-            let step = c.time_offset * still.twist(&m.state, &m.angular_velocity);
-            se3::retract(&c.world_from_camera(&m.state), &step)
+            carried(c, m, c.time_offset * twist(&still, m))
         }),
         ("lever arm forgotten", |c, m| {
-            let rotation = c.body_from_camera.rotation;
-            let near = CameraImu {
-                body_from_camera: Isometry3::from_parts(Vector3::zeros().into(), rotation),
-                ..*c
-            };
-            let step = c.time_offset * near.twist(&m.state, &m.angular_velocity);
-            se3::retract(&c.world_from_camera(&m.state), &step)
+            let mut near = *c;
+            near.body_from_camera.translation = Translation3::identity();
+            carried(c, m, c.time_offset * twist(&near, m))
         }),
     ];
     chapter.equation("inertial-time-offset", inertial_time_offset, formula, &mutants);
+}
+
+/// The camera's pose at the moment, moved by a step in its own frame.
+fn carried(camera: &CameraImu, moment: &Kinematics, step: Vector6<f64>) -> Isometry3<f64> {
+    se3::retract(&camera.world_from_camera(&moment.state), &step)
 }
 
 /// The camera's pose when its clock shows the time of the moment.
@@ -55,18 +51,14 @@ type Moved = fn(&CameraImu, &Kinematics) -> Isometry3<f64>;
 
 fn inertial_time_offset(formula: Moved) -> Comparison {
     let against = "the pose on the known motion, a few microseconds later";
-    let mut comparison = Comparison::absolute(against, 1e-8, "m, no unit");
-    let mut random = Random::new(60);
-    for _ in 0..STATES {
-        let motion = motion(&mut random);
+    Comparison::absolute(against, 1e-8, "m, no unit").over(STATES, 60, |random| {
+        let motion = motion(random);
         let time_offset = random.uniform(5e-6..1e-5);
-        let camera = CameraImu { time_offset, ..camera(&mut random) };
+        let camera = CameraImu { time_offset, ..camera(random) };
         let t = random.uniform(0.0..5.0);
-        let found = formula(&camera, &motion.at(t)).to_homogeneous();
-        let truth = camera.world_from_camera(&motion.at(t + time_offset).state).to_homogeneous();
-        comparison.add(found.as_slice(), truth.as_slice());
-    }
-    comparison
+        let truth = camera.world_from_camera(&motion.at(t + time_offset).state);
+        (formula(&camera, &motion.at(t)), truth)
+    })
 }
 
 fn left_over(chapter: &mut Chapter) {
@@ -93,24 +85,19 @@ fn halves(twist: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
 
 fn inertial_time_remainder(formula: LeftOver) -> Comparison {
     let against = "the pose on the known motion 2 and 4 ms later, extrapolated";
-    let mut comparison = Comparison::relative(against, 3e-3);
-    let mut random = Random::new(61);
-    for _ in 0..200 {
-        let (motion, camera) = (motion(&mut random), camera(&mut random));
+    Comparison::relative(against, 3e-3).over(200, 61, |random| {
+        let (motion, camera) = (motion(random), camera(random));
         let t = random.uniform(0.0..5.0);
         let twist = |s: f64| twist(&camera, &motion.at(t + s));
         let left = |offset: f64| {
             let late = CameraImu { time_offset: offset, ..camera };
-            let (state, angular) = (motion.at(t).state, motion.at(t).angular_velocity);
-            let found = late.world_from_camera_at_same_reading(&state, &angular);
+            let now = motion.at(t);
+            let found = late.world_from_camera_at_same_reading(&now.state, &now.angular_velocity);
             let truth = camera.world_from_camera(&motion.at(t + offset).state);
             se3::local(&found, &truth) / (offset * offset)
         };
-        let oracle = 2.0 * left(2e-3) - left(4e-3);
-        let found = formula(&twist(0.0), &slope(twist, 1e-3));
-        comparison.add(found.as_slice(), oracle.as_slice());
-    }
-    comparison
+        (formula(&twist(0.0), &slope(twist, 1e-3)), 2.0 * left(2e-3) - left(4e-3))
+    })
 }
 
 fn twist(camera: &CameraImu, kinematics: &Kinematics) -> Vector6<f64> {
@@ -120,18 +107,16 @@ fn twist(camera: &CameraImu, kinematics: &Kinematics) -> Vector6<f64> {
 fn pixels(chapter: &mut Chapter) {
     let mutants: [(_, PixelVelocity); 4] = [
         ("sign", |k, p, xi| -pixel_velocity(k, p, xi)),
-        ("sign of the turn", |k, p, xi| {
-            let (rho, phi) = halves(xi);
-            pixel_velocity(k, p, &Vector6::new(rho.x, rho.y, rho.z, -phi.x, -phi.y, -phi.z))
-        }),
-        ("turn dropped", |k, p, xi| {
-            pixel_velocity(k, p, &Vector6::new(xi[0], xi[1], xi[2], 0.0, 0.0, 0.0))
-        }),
-        ("way dropped", |k, p, xi| {
-            pixel_velocity(k, p, &Vector6::new(0.0, 0.0, 0.0, xi[3], xi[4], xi[5]))
-        }),
+        ("sign of the turn", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 1.0, -1.0))),
+        ("turn dropped", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 1.0, 0.0))),
+        ("way dropped", |k, p, xi| pixel_velocity(k, p, &scaled(xi, 0.0, 1.0))),
     ];
     chapter.equation("inertial-pixel-velocity", inertial_pixel_velocity, pixel_velocity, &mutants);
+}
+
+/// A twist with its way and its turn scaled.
+fn scaled(twist: &Vector6<f64>, way: f64, turn: f64) -> Vector6<f64> {
+    Vector6::from_fn(|k, _| twist[k] * if k < 3 { way } else { turn })
 }
 
 /// Takes a camera, a point in its frame and the camera's twist.
@@ -151,20 +136,16 @@ pub fn pixel_velocity(
 
 fn inertial_pixel_velocity(formula: PixelVelocity) -> Comparison {
     let against = "differences of the pixel along known motions";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(62);
-    for _ in 0..STATES {
-        let (motion, camera) = (motion(&mut random), camera(&mut random));
+    Comparison::relative(against, 1e-6).over(STATES, 62, |random| {
+        let (motion, camera) = (motion(random), camera(random));
         let (pinhole, t) = (random.camera(), random.uniform(0.0..5.0));
         let point_in_camera = random.point(2.0..20.0);
         let pose = |s: f64| camera.world_from_camera(&motion.at(t + s).state);
         let place = pose(0.0) * Point3::from(point_in_camera);
         let pixel = |s: f64| pinhole.project(&pose(s).inverse(), &place.coords);
         let slope = slope(|s| pixel(s).unwrap_or(Vector2::repeat(f64::NAN)), 1e-3);
-        let found = formula(&pinhole, &point_in_camera, &twist(&camera, &motion.at(t)));
-        comparison.add(found.as_slice(), slope.as_slice());
-    }
-    comparison
+        (formula(&pinhole, &point_in_camera, &twist(&camera, &motion.at(t))), slope)
+    })
 }
 
 /// The camera of the examples.
@@ -201,39 +182,31 @@ pub const DEPTH: f64 = 5.0;
 /// Moments and points over which errors are averaged.
 const LOOKS: usize = 400;
 
-/// Moments, and for each a point in the camera's frame that the middle of its image
-/// sees at `depth`.
-fn looks(depth: f64) -> Vec<(f64, Vector3<f64>)> {
+/// Root mean square length over moments, and for each a point in the camera's frame that the middle
+/// of its image sees at `depth`.
+fn root_mean_square(depth: f64, pixels: impl Fn(f64, Vector3<f64>) -> Vector2<f64>) -> f64 {
     let mut random = Random::new(63);
-    (0..LOOKS)
-        .map(|_| {
-            let (x, y) = (random.uniform(-0.5..0.5), random.uniform(-0.4..0.4));
-            (random.uniform(0.0..60.0), depth * Vector3::new(x, y, 1.0))
-        })
-        .collect()
+    let squares = (0..LOOKS).map(|_| {
+        let (x, y) = (random.uniform(-0.5..0.5), random.uniform(-0.4..0.4));
+        pixels(random.uniform(0.0..60.0), depth * Vector3::new(x, y, 1.0)).norm_squared()
+    });
+    (squares.sum::<f64>() / LOOKS as f64).sqrt()
 }
 
 /// Root mean square of distances between pixels over moments and points. The function gives two
 /// poses, world from camera: the one that sees the point and the one that is believed.
 pub fn pixel_error(depth: f64, poses: impl Fn(f64) -> [Isometry3<f64>; 2]) -> f64 {
-    let looks = looks(depth);
-    let square = |(t, point): &(f64, Vector3<f64>)| {
-        let [true_pose, believed] = poses(*t);
-        let place = (true_pose * Point3::from(*point)).coords;
+    root_mean_square(depth, |t, point| {
+        let [true_pose, believed] = poses(t);
+        let place = (true_pose * Point3::from(point)).coords;
         let pixels = [true_pose, believed].map(|pose| PINHOLE.project(&pose.inverse(), &place));
         let [seen, expected] = pixels.map(|pixel| pixel.unwrap_or(Vector2::repeat(f64::NAN)));
-        (seen - expected).norm_squared()
-    };
-    (looks.iter().map(square).sum::<f64>() / looks.len() as f64).sqrt()
+        seen - expected
+    })
 }
 
 /// Pixel error for a clock that is off by so many seconds, uncorrected or corrected to first order.
-pub fn offset_error(motion: &Trajectory, offset: f64, corrected: bool) -> f64 {
-    offset_error_at(motion, DEPTH, offset, corrected)
-}
-
-/// The same for points at another depth.
-pub fn offset_error_at(motion: &Trajectory, depth: f64, offset: f64, corrected: bool) -> f64 {
+pub fn offset_error(motion: &Trajectory, depth: f64, offset: f64, corrected: bool) -> f64 {
     let rig = CameraImu { time_offset: offset, ..rig() };
     pixel_error(depth, |t| {
         let kinematics = motion.at(t);
@@ -248,18 +221,12 @@ pub fn offset_error_at(motion: &Trajectory, depth: f64, offset: f64, corrected: 
 
 /// The same by the formulas: the pixel's velocity times the offset, or what is left over.
 pub fn expected_error(motion: &Trajectory, offset: f64, corrected: bool) -> f64 {
-    let rig = rig();
-    let looks = looks(DEPTH);
-    let square = |(t, point): &(f64, Vector3<f64>)| {
-        let at = |s: f64| twist(&rig, &motion.at(t + s));
-        let moved = if corrected {
-            0.5 * offset * offset * oracle::slope(at, 1e-3)
-        } else {
-            offset * at(0.0)
-        };
-        pixel_velocity(&PINHOLE, point, &moved).norm_squared()
-    };
-    (looks.iter().map(square).sum::<f64>() / looks.len() as f64).sqrt()
+    root_mean_square(DEPTH, |t, point| {
+        let at = |s: f64| twist(&rig(), &motion.at(t + s));
+        let moved =
+            if corrected { 0.5 * offset * offset * slope(at, 1e-3) } else { offset * at(0.0) };
+        pixel_velocity(&PINHOLE, &point, &moved)
+    })
 }
 
 fn numbers(chapter: &mut Chapter) {
@@ -271,14 +238,14 @@ fn numbers(chapter: &mut Chapter) {
     };
     chapter.number("slow_rate", rate(&slow), "rad/s", 1);
     chapter.number("fast_rate", rate(&fast), "rad/s", 1);
-    chapter.number("slow_5ms", offset_error(&slow, 0.005, false), "px", 1);
-    chapter.number("fast_5ms", offset_error(&fast, 0.005, false), "px", 1);
-    chapter.number("slow_5ms_left", offset_error(&slow, 0.005, true), "px", 3);
-    chapter.number("fast_5ms_left", offset_error(&fast, 0.005, true), "px", 2);
+    chapter.number("slow_5ms", offset_error(&slow, DEPTH, 0.005, false), "px", 1);
+    chapter.number("fast_5ms", offset_error(&fast, DEPTH, 0.005, false), "px", 1);
+    chapter.number("slow_5ms_left", offset_error(&slow, DEPTH, 0.005, true), "px", 3);
+    chapter.number("fast_5ms_left", offset_error(&fast, DEPTH, 0.005, true), "px", 2);
     let offsets = [0.001, 0.002, 0.005, 0.01];
     let order = |corrected| {
-        let errors = offsets.map(|offset| offset_error(&fast, offset, corrected));
-        super::rules::exponent(&offsets, &errors)
+        let errors = offsets.map(|offset| offset_error(&fast, DEPTH, offset, corrected));
+        exponent(&offsets, &errors)
     };
     chapter.number("offset_order", order(false), "", 2);
     chapter.number("offset_order_left", order(true), "", 2);

@@ -6,12 +6,10 @@ use vislam::inertial::{GRAVITY, ImuSample, NavState};
 use super::STATES;
 use super::averages::averaged;
 use super::rules::exponent;
-use super::strapdown::{composed, numbers, read, state};
+use super::strapdown::{EulerRule, composed, numbers, read, state, velocity_first};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
-/// Registers the counterexamples.
 pub fn counterexamples(chapter: &mut Chapter) {
     let still = [0.0, 0.0];
     chapter.counterexample("inertial-yaw", "rest", keeps_the_vertical, [still, [0.1, 0.0]]);
@@ -41,18 +39,15 @@ pub fn counterexamples(chapter: &mut Chapter) {
 /// two leans what it belongs to by an angle.
 fn keeps_the_vertical([acceleration, bias]: [f64; 2]) -> Comparison {
     let against = "the vertical, turned from one sensor to another with the same reading";
-    let mut comparison = Comparison::absolute(against, 1e-9, "no unit");
-    let mut random = Random::new(41);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-9, "no unit").over(STATES, 41, |random| {
         let first = random.rotation(3.0);
         let lean = |angle: f64| Rotation3::new(angle * Vector3::x());
         let felt = lean(bias) * (first.inverse() * -GRAVITY);
         let force = lean(acceleration) * -GRAVITY;
         let second = Rotation3::rotation_between(&felt, &force).expect("not opposite");
         let up = Vector3::z();
-        comparison.add((second * first.inverse() * up).as_slice(), up.as_slice());
-    }
-    comparison
+        (second * first.inverse() * up, up)
+    })
 }
 
 /// The covariance of two readings, by their numbers.
@@ -60,58 +55,42 @@ type Covariance = fn(usize, usize) -> f64;
 
 fn in_proportion(covariance: Covariance) -> Comparison {
     let against = "the variance of sums of readings, from all their covariances";
-    let mut comparison = Comparison::relative(against, 1e-12);
-    for (first, count) in [(0, 2), (7, 10), (50, 40)] {
+    Comparison::relative(against, 1e-12).each([(0, 2), (7, 10), (50, 40)], |(first, count)| {
         let readings = first..first + count;
         let with_all = |one| readings.clone().map(move |other| covariance(one, other)).sum::<f64>();
-        let variance: f64 = readings.clone().map(with_all).sum();
-        comparison.add(&[count as f64 * covariance(0, 0)], &[variance]);
-    }
-    comparison
+        (count as f64 * covariance(0, 0), readings.clone().map(with_all).sum::<f64>())
+    })
 }
 
 /// Whether a rest of two days tells less about the bias than one of a day.
 fn worse_in_the_end(walk: f64) -> Comparison {
     let against = "the variance after one day of rest and after two";
-    let mut comparison = Comparison::absolute(against, 1e-12, "no unit");
     let [day, two] = [1.0, 2.0].map(|days| averaged(1e-3, walk, 86_400.0 * days));
-    comparison.add(&[f64::from(two > day)], &[1.0]);
-    comparison
+    Comparison::absolute(against, 1e-12, "no unit").each([two > day], |worse| (worse, true))
 }
 
 /// A rule for one step, and gravity at a time.
-type Run = (Rule, fn(f64) -> Vector3<f64>);
-type Rule = fn(&NavState, &ImuSample, &Vector3<f64>, f64) -> NavState;
-
-/// The Euler rule with a position that uses the velocity after the step.
-fn velocity_first(x: &NavState, read: &ImuSample, gravity: &Vector3<f64>, dt: f64) -> NavState {
-    let next = x.propagate(read, gravity, dt);
-    NavState { position: next.position + dt * (next.velocity - x.velocity), ..next }
-}
+type Run = (EulerRule, fn(f64) -> Vector3<f64>);
 
 fn stays_outside((rule, gravity): Run) -> Comparison {
     let against = "runs of 25 steps from the first state, with gravity";
-    let mut comparison = Comparison::absolute(against, 1e-12, "m, m/s, no unit");
-    let mut random = Random::new(42);
-    for _ in 0..STATES {
-        let first = state(&mut random);
+    Comparison::absolute(against, 1e-12, "m, m/s, no unit").over(STATES, 42, |random| {
+        let first = state(random);
         let (mut there, mut own, mut time) = (first, NavState::origin(), 0.0);
         for _ in 0..25 {
-            let (reading, dt) = (read(&mut random), random.uniform(0.002..0.01));
+            let (reading, dt) = (read(random), random.uniform(0.002..0.01));
             there = rule(&there, &reading, &gravity(time), dt);
             own = rule(&own, &reading, &Vector3::zeros(), dt);
             time += dt;
         }
         let found = composed(&first, &own, &gravity(0.0), time);
-        comparison.add(numbers(&found).as_slice(), numbers(&there).as_slice());
-    }
-    comparison
+        (numbers(&found), numbers(&there))
+    })
 }
 
 /// The power of the step by which the midpoint rule errs about a turn whose rate jumps by `jump` in mid-step.
 fn is_of_second_order(jump: f64) -> Comparison {
     let against = "the slope of its errors over four steps from 100 to 12.5 ms";
-    let mut comparison = Comparison::absolute(against, 0.05, "no unit");
     let (knock, end) = (1.0 / 3.0, 1.0);
     let steps = [0.1, 0.05, 0.025, 0.0125];
     let errors = steps.map(|dt: f64| {
@@ -126,6 +105,6 @@ fn is_of_second_order(jump: f64) -> Comparison {
         let truth = end.exp() - 1.0 + jump * (end - knock);
         found.world_from_body.angle_to(&Rotation3::new(truth * Vector3::z()))
     });
-    comparison.add(&[exponent(&steps, &errors)], &[2.0]);
-    comparison
+    let power = exponent(&steps, &errors);
+    Comparison::absolute(against, 0.05, "no unit").each([power], |power| (power, 2.0))
 }

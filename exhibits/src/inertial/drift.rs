@@ -8,28 +8,21 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Drift); 5] = [
         ("without the half", |b, t| t * t * b.accelerometer + leaning(b, t)),
         ("sign of the lean", |b, t| 0.5 * t * t * b.accelerometer - leaning(b, t)),
-        ("gravity sensed as a bias", |b, t| {
-            0.5 * t * t * (b.accelerometer + GRAVITY.norm() * b.gyro)
-        }),
+        ("gravity sensed as a bias", |b, t| 0.5 * t * t * (b.accelerometer + 9.81 * b.gyro)),
         ("lean that stays", |b, t| 0.5 * t * t * b.accelerometer + 3.0 * leaning(b, t) / t),
         ("lean dropped", |b, t| 0.5 * t * t * b.accelerometer),
     ];
     chapter.equation("inertial-drift-bias", inertial_drift_bias, drift, &mutants);
 
     let mutants: [(_, DriftNoise); 4] = [
-        ("noise that averages out", |n, t| {
-            variance(n, t) - n.accelerometer.powi(2) * (t.powi(3) / 3.0 - t)
-        }),
+        ("noise that averages out", |n, t| variance(n, t) - own(n, t) + own(n, 1.0) * t),
         ("noise for a bias", |n, t| (0.5 * t * t * n.accelerometer).powi(2)),
-        ("lean dropped", |n, t| n.accelerometer.powi(2) * t.powi(3) / 3.0),
-        ("gravity dropped", |n, t| {
-            n.accelerometer.powi(2) * t.powi(3) / 3.0 + n.gyro.powi(2) * t.powi(5) / 20.0
-        }),
+        ("lean dropped", own),
+        ("gravity dropped", |n, t| own(n, t) + n.gyro.powi(2) * t.powi(5) / 20.0),
     ];
     chapter.equation("inertial-drift-noise", inertial_drift_noise, variance, &mutants);
     numbers(chapter);
@@ -52,9 +45,7 @@ const RESTING: ImuSample =
 
 fn inertial_drift_bias(formula: Drift) -> Comparison {
     let against = "a resting sensor with a small bias, propagated in 500 steps";
-    let mut comparison = Comparison::relative(against, 1e-3);
-    let mut random = Random::new(40);
-    for _ in 0..200 {
+    Comparison::relative(against, 1e-3).over(200, 40, |random| {
         let t = random.uniform(1.0..30.0);
         let bias =
             ImuBias { gyro: random.direction(1e-5), accelerometer: random.direction(3e-5 * t) };
@@ -63,9 +54,8 @@ fn inertial_drift_bias(formula: Drift) -> Comparison {
         for _ in 0..500 {
             state = state.propagate_midpoint(&read, &read, &GRAVITY, t / 500.0);
         }
-        comparison.add(formula(&bias, t).as_slice(), state.position.as_slice());
-    }
-    comparison
+        (formula(&bias, t), state.position)
+    })
 }
 
 /// Takes densities and a time; the variance along a level axis.
@@ -73,14 +63,17 @@ type DriftNoise = fn(&ImuNoise, f64) -> f64;
 
 fn variance(noise: &ImuNoise, t: f64) -> f64 {
     let leaning = (GRAVITY.norm() * noise.gyro).powi(2) * t.powi(5) / 20.0;
-    noise.accelerometer.powi(2) * t.powi(3) / 3.0 + leaning
+    own(noise, t) + leaning
+}
+
+/// What the accelerometer's own noise contributes.
+fn own(noise: &ImuNoise, t: f64) -> f64 {
+    noise.accelerometer.powi(2) * t.powi(3) / 3.0
 }
 
 fn inertial_drift_noise(formula: DriftNoise) -> Comparison {
     let against = "the position after an error of each of 200 readings, squared and summed";
-    let mut comparison = Comparison::relative(against, 1e-3);
-    let mut random = Random::new(41);
-    for _ in 0..20 {
+    Comparison::relative(against, 1e-3).over(20, 41, |random| {
         let t = random.uniform(0.5..30.0);
         let accelerometer = random.logarithmic(1e-3..1e-1);
         // Chosen so that neither sensor hides the other.
@@ -95,9 +88,8 @@ fn inertial_drift_noise(formula: DriftNoise) -> Comparison {
                 reading[(1, 1)] * along_x(1) + reading[(3, 3)] * along_x(3)
             })
             .sum();
-        comparison.add(&[formula(&noise, t)], &[sum]);
-    }
-    comparison
+        (formula(&noise, t), sum)
+    })
 }
 
 /// How far along x an error of one in one of 200 readings moves a resting sensor.
@@ -113,21 +105,28 @@ fn moved_by(axis: usize, wrong: usize, dt: f64) -> f64 {
     state.position.x / size
 }
 
-/// What makes a sensor drift in the figure.
+/// What makes a sensor drift in the figure: its name, the noise of the readings, and sizes of the
+/// biases of gyroscope and accelerometer.
 #[derive(Clone, Copy)]
-pub enum Source {
-    AccelerometerNoise,
-    GyroNoise,
-    AccelerometerBias,
-    GyroBias,
+pub struct Source {
+    pub name: &'static str,
+    noise: ImuNoise,
+    biases: [f64; 2],
 }
 
-pub const SOURCES: [(Source, &str); 4] = [
-    (Source::AccelerometerNoise, "accelerometer noise"),
-    (Source::GyroNoise, "gyroscope noise"),
-    (Source::AccelerometerBias, "accelerometer bias"),
-    (Source::GyroBias, "gyroscope bias"),
-];
+pub fn sources() -> [Source; 4] {
+    let ImuNoise { gyro, accelerometer, .. } = ImuNoise::euroc();
+    let source = |name, [gyro, accelerometer]: [f64; 2], biases| {
+        let noise = ImuNoise { gyro, accelerometer, gyro_walk: 0.0, accelerometer_walk: 0.0 };
+        Source { name, noise, biases }
+    };
+    [
+        source("accelerometer noise", [0.0, accelerometer], [0.0, 0.0]),
+        source("gyroscope noise", [gyro, 0.0], [0.0, 0.0]),
+        source("accelerometer bias", [0.0, 0.0], [0.0, ACCELEROMETER_BIAS]),
+        source("gyroscope bias", [0.0, 0.0], [GYRO_BIAS, 0.0]),
+    ]
+}
 
 /// Sizes of the biases nobody took off, in rad/s and m/s².
 const GYRO_BIAS: f64 = 1e-3;
@@ -142,19 +141,14 @@ pub const RUNS: usize = 40;
 const STEP: f64 = 0.01;
 
 /// How far a resting sensor drifts in the level plane, by the formulas.
-pub fn expected(source: Source, t: f64) -> f64 {
-    let noise = ImuNoise::euroc();
-    let level = 2_f64.sqrt();
-    match source {
-        Source::AccelerometerNoise => level * variance(&ImuNoise { gyro: 0.0, ..noise }, t).sqrt(),
-        Source::GyroNoise => level * variance(&ImuNoise { accelerometer: 0.0, ..noise }, t).sqrt(),
-        Source::AccelerometerBias => 0.5 * ACCELEROMETER_BIAS * t * t,
-        Source::GyroBias => GRAVITY.norm() * GYRO_BIAS * t.powi(3) / 6.0,
-    }
+pub fn expected(source: &Source, t: f64) -> f64 {
+    let [gyro, accelerometer] = source.biases;
+    let biases = 0.5 * accelerometer * t * t + GRAVITY.norm() * gyro * t.powi(3) / 6.0;
+    2_f64.sqrt() * variance(&source.noise, t).sqrt() + biases
 }
 
 /// Level distance from the truth at [`TIMES`], root mean square over [`RUNS`] runs.
-pub fn drifted(source: Source, motion: &Trajectory) -> [f64; TIMES.len()] {
+pub fn drifted(source: &Source, motion: &Trajectory) -> [f64; TIMES.len()] {
     let mut random = Random::new(42);
     let steps = (TIMES[TIMES.len() - 1] / STEP).round() as usize;
     let samples = motion.samples(&GRAVITY, STEP, steps + 1);
@@ -174,21 +168,13 @@ pub fn drifted(source: Source, motion: &Trajectory) -> [f64; TIMES.len()] {
     squares.map(f64::sqrt)
 }
 
-/// Readings with the noise of one sensor, or with a bias along a level axis of the body.
-fn spoiled(samples: &[ImuSample], source: Source, random: &mut Random) -> Vec<ImuSample> {
-    let silent =
-        ImuNoise { gyro: 0.0, accelerometer: 0.0, gyro_walk: 0.0, accelerometer_walk: 0.0 };
-    let real = ImuNoise::euroc();
+/// Readings with the noise, and with the biases along a level axis of the body.
+fn spoiled(samples: &[ImuSample], source: &Source, random: &mut Random) -> Vec<ImuSample> {
     let angle = random.uniform(0.0..std::f64::consts::TAU);
     let along = Vector3::new(angle.cos(), angle.sin(), 0.0);
-    let (mut noise, mut bias) = (silent, ImuBias::default());
-    match source {
-        Source::AccelerometerNoise => noise.accelerometer = real.accelerometer,
-        Source::GyroNoise => noise.gyro = real.gyro,
-        Source::AccelerometerBias => bias.accelerometer = ACCELEROMETER_BIAS * along,
-        Source::GyroBias => bias.gyro = GYRO_BIAS * along,
-    }
-    let spoil = |sample| noise.corrupt(sample, &bias, STEP, || random.normal(1.0));
+    let [gyro, accelerometer] = source.biases.map(|size| size * along);
+    let bias = ImuBias { gyro, accelerometer };
+    let spoil = |sample| source.noise.corrupt(sample, &bias, STEP, || random.normal(1.0));
     samples.iter().map(spoil).collect()
 }
 
@@ -197,19 +183,19 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("drift_gyro_bias_deg", GYRO_BIAS.to_degrees(), "°/s", 2);
     chapter.number("drift_acc_bias", 100.0 * ACCELEROMETER_BIAS, "cm/s²", 0);
     chapter.number("drift_ab_hand", ACCELEROMETER_BIAS, "m/s²", 2);
-    let blink = SOURCES.map(|(source, _)| expected(source, 0.1).powi(2)).iter().sum::<f64>().sqrt();
+    let blink = sources().iter().map(|of| expected(of, 0.1).powi(2)).sum::<f64>().sqrt();
     chapter.number("drift_blink_mm", 1e3 * blink, "mm", 1);
     chapter.number("drift_runs", RUNS as f64, "", 0);
     let equal = 3.0 * ACCELEROMETER_BIAS / (GRAVITY.norm() * GYRO_BIAS);
     chapter.number("drift_equal", equal, "s", 1);
-    for (index, (source, _)) in SOURCES.into_iter().enumerate() {
-        let names = [
-            ["drift_an_10", "drift_an_60"],
-            ["drift_gn_10", "drift_gn_60"],
-            ["drift_ab_10", "drift_ab_60"],
-            ["drift_gb_10", "drift_gb_60"],
-        ];
-        chapter.number(names[index][0], expected(source, 10.0), "m", 2);
-        chapter.number(names[index][1], expected(source, 60.0), "m", 1);
+    let names = [
+        ["drift_an_10", "drift_an_60"],
+        ["drift_gn_10", "drift_gn_60"],
+        ["drift_ab_10", "drift_ab_60"],
+        ["drift_gb_10", "drift_gb_60"],
+    ];
+    for ([ten, sixty], source) in names.into_iter().zip(sources()) {
+        chapter.number(ten, expected(&source, 10.0), "m", 2);
+        chapter.number(sixty, expected(&source, 60.0), "m", 1);
     }
 }

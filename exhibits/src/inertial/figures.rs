@@ -10,7 +10,6 @@ mod orders;
 
 use crate::chapter::Chapter;
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("boxes", boxes::boxes);
     chapter.figure("eight", eight::eight);

@@ -9,9 +9,8 @@ use super::STATES;
 use super::oracle::{bend, motion};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
+use crate::manifold::oracle::small_vector;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     felt(chapter);
     plumb_line(chapter);
@@ -34,10 +33,8 @@ type SpecificForce = fn(&Kinematics, &Vector3<f64>) -> Vector3<f64>;
 
 fn inertial_specific_force(formula: SpecificForce) -> Comparison {
     let against = "the acceleration, seen from the sensor, of a stone that is let go";
-    let mut comparison = Comparison::absolute(against, 1e-6, "m/s²");
-    let mut random = Random::new(1);
-    for _ in 0..STATES {
-        let motion = motion(&mut random);
+    Comparison::absolute(against, 1e-6, "m/s²").over(STATES, 1, |random| {
+        let motion = motion(random);
         let t = random.uniform(0.0..5.0);
         let released = motion.at(t);
         let seen = |s: f64| {
@@ -45,10 +42,8 @@ fn inertial_specific_force(formula: SpecificForce) -> Comparison {
             let body = motion.at(t + s).state;
             body.world_from_body.inverse() * (released.state.position + fallen - body.position)
         };
-        let force = formula(&released, &GRAVITY);
-        comparison.add(force.as_slice(), (-bend(seen, 4e-3)).as_slice());
-    }
-    comparison
+        (formula(&released, &GRAVITY), -bend(seen, 4e-3))
+    })
 }
 
 fn plumb_line(chapter: &mut Chapter) {
@@ -94,15 +89,12 @@ type Turned = fn(&Rotation3<f64>, f64) -> Vector3<f64>;
 
 fn inertial_yaw_blind(formula: Turned) -> Comparison {
     let against = "how far each of the sensor's axes points up, before the turn";
-    let mut comparison = Comparison::absolute(against, 1e-13, "m/s²");
-    let mut random = Random::new(2);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-13, "m/s²").over(STATES, 2, |random| {
         let rotation = random.rotation(3.0);
         let turn = random.uniform(-3.0..3.0);
         let upward = [0, 1, 2].map(|axis| 9.81 * (rotation * Vector3::ith(axis, 1.0)).z);
-        comparison.add(formula(&rotation, turn).as_slice(), &upward);
-    }
-    comparison
+        (formula(&rotation, turn), upward)
+    })
 }
 
 /// Roll and pitch of a resting body from what its accelerometer reads.
@@ -114,21 +106,15 @@ type Tilt = fn(&Vector3<f64>) -> [f64; 2];
 
 fn inertial_tilt(formula: Tilt) -> Comparison {
     let against = "the roll and pitch of a resting body, at any yaw";
-    let mut comparison = Comparison::absolute(against, 1e-13, "rad");
-    let mut random = Random::new(3);
-    for _ in 0..STATES {
+    Comparison::absolute(against, 1e-13, "rad").over(STATES, 3, |random| {
         let [yaw, roll] = [0, 1].map(|_| random.uniform(-3.1..3.1));
         let pitch = random.uniform(-1.5..1.5);
-        let angles = EulerAngles {
-            yaw: ScalarTrajectory::constant(yaw),
-            pitch: ScalarTrajectory::constant(pitch),
-            roll: ScalarTrajectory::constant(roll),
-        };
+        let still = ScalarTrajectory::constant;
+        let angles = EulerAngles { yaw: still(yaw), pitch: still(pitch), roll: still(roll) };
         let resting = Trajectory { angles, ..Trajectory::hover() };
         let force = resting.at(0.0).sample(&GRAVITY).accelerometer;
-        comparison.add(&formula(&force), &[roll, pitch]);
-    }
-    comparison
+        (formula(&force), [roll, pitch])
+    })
 }
 
 /// Takes the direction that is up, in the body frame, and the accelerometer's bias.
@@ -136,9 +122,7 @@ type TiltError = fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>;
 
 fn inertial_tilt_bias(formula: TiltError) -> Comparison {
     let against = "the attitude found from a biased reading, by differences";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(4);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-6).over(STATES, 4, |random| {
         let rotation = Rotation3::from_euler_angles(
             random.uniform(-3.0..3.0),
             random.uniform(-1.2..1.2),
@@ -150,20 +134,11 @@ fn inertial_tilt_bias(formula: TiltError) -> Comparison {
         let found = |sign: f64| {
             let [roll, pitch] = tilt(&(at_rest(&rotation) + sign * bias));
             let found = Rotation3::from_euler_angles(roll, pitch, yaw);
-            small(&(rotation.inverse() * found))
+            small_vector((rotation.inverse() * found).matrix())
         };
         let error = 0.5 * (found(1.0) - found(-1.0));
-        let level = error - error.dot(&up) * up;
-        comparison.add(formula(&up, &bias).as_slice(), level.as_slice());
-    }
-    comparison
-}
-
-/// The vector of a rotation that is hardly one: the axis of its skew-symmetric part.
-fn small(rotation: &Rotation3<f64>) -> Vector3<f64> {
-    let matrix = rotation.matrix();
-    let skew = 0.5 * (matrix - matrix.transpose());
-    Vector3::new(skew[(2, 1)], skew[(0, 2)], skew[(1, 0)])
+        (formula(&up, &bias), error - error.dot(&up) * up)
+    })
 }
 
 /// Speed and rate of the level turn in the text, in m/s and rad/s.
@@ -184,8 +159,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("tilt_bias_deg", (bias / gravity).to_degrees(), "°", 2);
     let average = ImuNoise::mems().discrete(1.0)[(3, 3)].sqrt() / gravity;
     chapter.number("tilt_noise_deg", average.to_degrees(), "°", 2);
-    let equator = 9.780;
-    let pole = 9.832;
+    let (equator, pole) = (9.780, 9.832);
     chapter.number("gravity_spread", pole - equator, "m/s²", 2);
     let day = 86_164.0;
     chapter.number("earth_deg_per_hour", 360.0 * 3600.0 / day, "°/h", 1);

@@ -6,7 +6,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Variances = |sigma, dt, t| {
         let reading = ImuNoise { gyro: sigma, ..ImuNoise::mems() }.discrete(dt)[(0, 0)];
@@ -31,17 +30,15 @@ const WALKS: usize = 10_000;
 
 fn inertial_density(formula: Variances) -> Comparison {
     let against = "10,000 walks of a coin for each state, read off at the end of every step";
-    let mut comparison = Comparison::relative(against, 0.07);
     let mut random = Random::new(10);
-    for _ in 0..20 {
+    let states = (0..20).flat_map(|_| {
         let sigma = random.logarithmic(1e-4..1e-1);
         let dt = random.logarithmic(2e-3..2e-2);
         let steps = random.uniform(2.0..12.0) as usize;
         let toss = sigma * (dt / TOSSES as f64).sqrt();
-        let [mut of_reading, mut of_sum] = [0.0; 2];
+        let mut variances = [0.0; 2];
         for _ in 0..WALKS {
-            let mut walk = 0.0;
-            let mut reading = 0.0;
+            let (mut walk, mut reading) = (0.0, 0.0);
             for _ in 0..steps {
                 let before = walk;
                 for _ in 0..TOSSES {
@@ -49,14 +46,12 @@ fn inertial_density(formula: Variances) -> Comparison {
                 }
                 reading = (walk - before) / dt;
             }
-            of_reading += reading * reading / WALKS as f64;
-            of_sum += walk * walk / WALKS as f64;
+            variances[0] += reading * reading / WALKS as f64;
+            variances[1] += walk * walk / WALKS as f64;
         }
-        let [reading, sum] = formula(sigma, dt, steps as f64 * dt);
-        comparison.add(&[reading], &[of_reading]);
-        comparison.add(&[sum], &[of_sum]);
-    }
-    comparison
+        formula(sigma, dt, steps as f64 * dt).into_iter().zip(variances)
+    });
+    Comparison::relative(against, 0.07).each(states, |both| both)
 }
 
 /// Seconds between two readings of the sensors in the text.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
+use nalgebra::{Isometry3, SMatrix, Vector3};
 use vislam::inertial::CameraImu;
 use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
@@ -48,9 +48,4 @@ pub fn bend(function: impl Fn(f64) -> Vector3<f64>, step: f64) -> Vector3<f64> {
     let near = function(step) + function(-step);
     let far = function(2.0 * step) + function(-2.0 * step);
     (16.0 * near - far - 30.0 * function(0.0)) / (12.0 * step * step)
-}
-
-/// The matrix whose product with a vector is the cross product.
-pub fn cross(vector: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::from_columns(&[0, 1, 2].map(|k| vector.cross(&Vector3::ith(k, 1.0))))
 }

@@ -10,7 +10,6 @@ use super::oracle::{bend, motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     euler(chapter);
     midpoint(chapter);
@@ -45,28 +44,22 @@ impl Local {
 type StepError = fn(&Local) -> [Vector3<f64>; 3];
 
 fn euler(chapter: &mut Chapter) {
-    let formula: StepError = |x| [x.w[1] / 2.0, x.jerk() / 2.0, x.jerk() / 6.0];
+    let formula: StepError = |x| euler_error(x, x.jerk());
     let mutants: [(_, StepError); 4] = [
-        ("sign", |x| [x.w[1] / -2.0, x.jerk() / -2.0, x.jerk() / -6.0]),
-        ("the turn of the force dropped", |x| {
-            [x.w[1] / 2.0, x.r * x.f[1] / 2.0, x.r * x.f[1] / 6.0]
-        }),
-        ("the change of the force dropped", |x| {
-            let turned = x.r * x.w[0].cross(&x.f[0]);
-            [x.w[1] / 2.0, turned / 2.0, turned / 6.0]
-        }),
-        ("in the body", |x| {
-            let jerk = x.r.inverse() * x.jerk();
-            [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
-        }),
+        ("sign", |x| euler_error(x, x.jerk()).map(|error| -error)),
+        ("the turn of the force dropped", |x| euler_error(x, x.r * x.f[1])),
+        ("the change of the force dropped", |x| euler_error(x, x.r * x.w[0].cross(&x.f[0]))),
+        ("in the body", |x| euler_error(x, x.r.inverse() * x.jerk())),
     ];
     chapter.equation("inertial-euler-error", inertial_euler_error, formula, &mutants);
 }
 
+fn euler_error(x: &Local, jerk: Vector3<f64>) -> [Vector3<f64>; 3] {
+    [x.w[1] / 2.0, jerk / 2.0, jerk / 6.0]
+}
+
 fn inertial_euler_error(formula: StepError) -> Comparison {
-    let step =
-        |x: &NavState, [start, _]: &[ImuSample; 2], dt: f64| x.propagate(start, &GRAVITY, dt);
-    single_steps(30, formula, step, [2, 2, 3])
+    single_steps(30, formula, |x, [start, _], dt| x.propagate(start, &GRAVITY, dt), [2, 2, 3])
 }
 
 fn midpoint(chapter: &mut Chapter) {
@@ -100,19 +93,15 @@ fn later(x: &Local) -> Vector3<f64> {
 }
 
 fn inertial_midpoint_error(formula: StepError) -> Comparison {
-    let step = |x: &NavState, [start, end]: &[ImuSample; 2], dt: f64| {
-        x.propagate_midpoint(start, end, &GRAVITY, dt)
-    };
+    let step: Step = |x, [start, end], dt| x.propagate_midpoint(start, end, &GRAVITY, dt);
     single_steps(31, formula, step, [3, 3, 3])
 }
 
+/// Takes a state, the readings at both ends of a step and its length.
+type Step = fn(&NavState, &[ImuSample; 2], f64) -> NavState;
+
 /// Compares with single steps along known motions, extrapolated to steps of no length.
-fn single_steps(
-    seed: u64,
-    formula: StepError,
-    step: impl Fn(&NavState, &[ImuSample; 2], f64) -> NavState,
-    powers: [i32; 3],
-) -> Comparison {
+fn single_steps(seed: u64, formula: StepError, step: Step, powers: [i32; 3]) -> Comparison {
     let against = "single steps of 2 and 4 ms along known motions, extrapolated";
     Comparison::relative(against, 3e-3).over(200, seed, |random| {
         let motion = motion(random);
@@ -140,9 +129,14 @@ pub const RATES: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
 /// Error of position after [`DURATION`] along the figure-eight, in metres.
 pub fn position_error(rate: f64, midpoint: bool) -> f64 {
+    error_with(rate, midpoint, ImuSample::clone)
+}
+
+/// The same with readings that something has gone wrong with.
+pub fn error_with(rate: f64, midpoint: bool, read: impl Fn(&ImuSample) -> ImuSample) -> f64 {
     let motion = Trajectory::figure_eight();
     let (dt, steps) = (1.0 / rate, (DURATION * rate).round() as usize);
-    let samples = motion.samples(&GRAVITY, dt, steps + 1);
+    let samples: Vec<_> = motion.samples(&GRAVITY, dt, steps + 1).iter().map(read).collect();
     let mut state = motion.at(0.0).state;
     for pair in samples.windows(2) {
         state = if midpoint {
@@ -156,11 +150,9 @@ pub fn position_error(rate: f64, midpoint: bool) -> f64 {
 
 /// Slope of the straight line through logarithms of these values over those of the places.
 pub fn exponent(places: &[f64], values: &[f64]) -> f64 {
-    let count = places.len() as f64;
-    let mean = |of: &[f64]| of.iter().map(|value| value.ln()).sum::<f64>() / count;
+    let mean = |of: &[f64]| of.iter().map(|value| value.ln()).sum::<f64>() / of.len() as f64;
     let (x, y) = (mean(places), mean(values));
-    let pairs = places.iter().zip(values);
-    let both: f64 = pairs.map(|(p, v)| (p.ln() - x) * (v.ln() - y)).sum();
+    let both = places.iter().zip(values).map(|(p, v)| (p.ln() - x) * (v.ln() - y)).sum::<f64>();
     both / places.iter().map(|p| (p.ln() - x).powi(2)).sum::<f64>()
 }
 

@@ -7,9 +7,7 @@ use vislam::inertial::ImuNoise;
 use super::averages::averaged;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
 
-/// Registers the equations and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Density); 4] = [
         ("taken as it stands", |n| n),
@@ -42,9 +40,7 @@ const FREQUENCIES: usize = 600;
 
 fn inertial_one_sided(formula: Density) -> Comparison {
     let against = "spectra of 2,000 readings over the positive frequencies alone";
-    let mut comparison = Comparison::relative(against, 0.07);
-    let mut random = Random::new(14);
-    for _ in 0..20 {
+    Comparison::relative(against, 0.07).over(20, 14, |random| {
         let (sigma, dt) = (random.logarithmic(1e-4..1e-1), random.logarithmic(2e-3..2e-2));
         let noise = ImuNoise { gyro: sigma, ..ImuNoise::mems() };
         let size = noise.discrete(dt)[(0, 0)].sqrt();
@@ -60,9 +56,8 @@ fn inertial_one_sided(formula: Density) -> Comparison {
             0.5 * amplitude * amplitude * READINGS as f64 * dt
         };
         let mean = (1..=FREQUENCIES).map(power).sum::<f64>() / FREQUENCIES as f64;
-        comparison.add(&[formula(mean.sqrt())], &[sigma]);
-    }
-    comparison
+        (formula(mean.sqrt()), sigma)
+    })
 }
 
 /// Takes the density of the noise and the least Allan deviation, and gives the density of the walk.
@@ -74,16 +69,13 @@ fn walk_of(sigma: f64, least: f64) -> f64 {
 
 fn inertial_instability(formula: Walk) -> Comparison {
     let against = "the walk whose least Allan deviation, of 20,000 windows, is the one given";
-    let mut comparison = Comparison::relative(against, 1e-4);
-    let mut random = Random::new(15);
-    for _ in 0..20 {
+    Comparison::relative(against, 1e-4).over(20, 15, |random| {
         let sigma = random.logarithmic(1e-4..1e-2);
         let walk = sigma * random.logarithmic(0.01..1.0);
         let windows = (0..20_000).map(|k| 1e-2 * 1e6_f64.powf(f64::from(k) / 20_000.0));
         let least = windows.map(|tau| averaged(sigma, walk, tau)).fold(f64::MAX, f64::min);
-        comparison.add(&[formula(sigma, least.sqrt())], &[walk]);
-    }
-    comparison
+        (formula(sigma, least.sqrt()), walk)
+    })
 }
 
 /// The sheet of the ADIS16448, as it is printed: °/s/√Hz, °/√h, °/h, mg/√Hz and m/s/√h.

@@ -1,10 +1,9 @@
 //! A picture whose rows are taken one after the other.
 
-use nalgebra::{Isometry3, Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Point3, Vector2};
 use vislam::inertial::CameraImu;
 use vislam::manifold::se3;
-use vislam::reprojection::Pinhole;
-use vislam::simulation::{Kinematics, Trajectory};
+use vislam::simulation::Kinematics;
 
 use super::clock::{DEPTH, PACES, offset_error, paced};
 use super::oracle::{camera, motion};
@@ -12,7 +11,6 @@ use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
 
-/// Registers the equation and numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, RowPose); 5] = [
         ("sign of the row", |c, m, line, row| row_pose(c, m, -line, row)),
@@ -44,39 +42,27 @@ fn row_pose(camera: &CameraImu, at: &Kinematics, line: f64, row: f64) -> Isometr
 
 fn inertial_rolling_shutter(formula: RowPose) -> Comparison {
     let against = "the pixel whose row passes over the point's image on the known motion";
-    let mut comparison = Comparison::absolute(against, 5e-3, "px");
     let mut random = Random::new(64);
-    while comparison.states < 200 {
+    let seen = std::iter::repeat_with(|| {
         let (motion, pinhole) = (motion(&mut random), random.camera());
         let time_offset = random.uniform(1e-4..2e-4);
         let (line, t) = (random.uniform(2e-7..4e-7), random.uniform(0.0..5.0));
         let camera = CameraImu { time_offset, ..camera(&mut random) };
-        let place =
-            camera.world_from_camera(&motion.at(t).state) * Point3::from(random.point(2.0..20.0));
-        let Some(pixel) = taken(&motion, &camera, &pinhole, &place.coords, t, line) else {
-            continue;
-        };
+        let point = Point3::from(random.point(2.0..20.0));
+        let place = (camera.world_from_camera(&motion.at(t).state) * point).coords;
+        let pixel = shutter_finds(|row| {
+            let state = motion.at(t + time_offset + line * row).state;
+            pinhole.project(&camera.world_from_camera(&state).inverse(), &place)
+        })?;
         let pose = formula(&camera, &motion.at(t), line, pixel.y).inverse();
-        let expected = pinhole.project(&pose, &place.coords).unwrap_or(Vector2::repeat(f64::NAN));
-        comparison.add(expected.as_slice(), pixel.as_slice());
-    }
-    comparison
+        Some((pinhole.project(&pose, &place), pixel))
+    });
+    Comparison::absolute(against, 5e-3, "px").each(seen.flatten().take(200), |both| both)
 }
 
-/// Where the shutter finds a point: rows are halved until one is taken as the point's image is
-/// on it.
-fn taken(
-    motion: &Trajectory,
-    camera: &CameraImu,
-    pinhole: &Pinhole,
-    place: &Vector3<f64>,
-    t: f64,
-    line: f64,
-) -> Option<Vector2<f64>> {
-    let seen = |row: f64| {
-        let state = motion.at(t + camera.time_offset + line * row).state;
-        pinhole.project(&camera.world_from_camera(&state).inverse(), place)
-    };
+/// The pixel at which the shutter finds a point, given where it would see it while it takes a row:
+/// rows are halved until one is taken as the point's image is on it.
+fn shutter_finds(seen: impl Fn(f64) -> Option<Vector2<f64>>) -> Option<Vector2<f64>> {
     let [mut low, mut high] = [-2000.0, 4000.0];
     for _ in 0..60 {
         let row = 0.5 * (low + high);
@@ -95,7 +81,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("shutter_line_us", 1e6 * READOUT / ROWS, "µs", 0);
     chapter.number("shutter_depth", DEPTH, "m", 0);
     // The first and the last row are this far from the middle one.
-    let error = |pace, corrected| offset_error(&paced(pace), 0.5 * READOUT, corrected);
+    let error = |pace, corrected| offset_error(&paced(pace), DEPTH, 0.5 * READOUT, corrected);
     chapter.number("shutter_slow_px", error(PACES[0], false), "px", 1);
     chapter.number("shutter_fast_px", error(PACES[1], false), "px", 1);
     chapter.number("shutter_fast_left", error(PACES[1], true), "px", 2);

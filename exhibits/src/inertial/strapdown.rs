@@ -5,12 +5,12 @@ use vislam::inertial::{GRAVITY, ImuSample, NavState};
 use vislam::manifold::so3;
 
 use super::STATES;
-use super::oracle::{cross, motion, slope};
+use super::oracle::{motion, slope};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::manifold::oracle::cross;
 use crate::random::Random;
 
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     continuous(chapter);
     euler(chapter);
@@ -19,37 +19,44 @@ pub fn exhibits(chapter: &mut Chapter) {
 }
 
 fn continuous(chapter: &mut Chapter) {
-    let formula: Strapdown = |x, read, g| {
-        let r = x.world_from_body;
-        (r.matrix() * so3::hat(&read.gyro), g + r * read.accelerometer, x.velocity)
-    };
     let mutants: [(_, Strapdown); 5] = [
-        ("angular velocity on the left", |x, read, g| {
-            let r = x.world_from_body;
-            (so3::hat(&read.gyro) * r.matrix(), g + r * read.accelerometer, x.velocity)
+        ("angular velocity on the left", |x, read, g| Rates {
+            rotation: so3::hat(&read.gyro) * x.world_from_body.matrix(),
+            ..rates(x, read, g)
         }),
-        ("gravity subtracted", |x, read, g| {
-            let r = x.world_from_body;
-            (r.matrix() * so3::hat(&read.gyro), r * read.accelerometer - g, x.velocity)
+        ("gravity subtracted", |x, read, g| rates(x, read, &-g)),
+        ("force not turned", |x, read, g| Rates {
+            velocity: g + read.accelerometer,
+            ..rates(x, read, g)
         }),
-        ("force not turned", |x, read, g| {
-            let r = x.world_from_body;
-            (r.matrix() * so3::hat(&read.gyro), g + read.accelerometer, x.velocity)
+        ("force turned backwards", |x, read, g| Rates {
+            velocity: g + x.world_from_body.inverse() * read.accelerometer,
+            ..rates(x, read, g)
         }),
-        ("force turned backwards", |x, read, g| {
-            let r = x.world_from_body;
-            (r.matrix() * so3::hat(&read.gyro), g + r.inverse() * read.accelerometer, x.velocity)
-        }),
-        ("velocity in the body", |x, read, g| {
-            let r = x.world_from_body;
-            (r.matrix() * so3::hat(&read.gyro), g + r * read.accelerometer, r * x.velocity)
+        ("velocity in the body", |x, read, g| Rates {
+            position: x.world_from_body * x.velocity,
+            ..rates(x, read, g)
         }),
     ];
-    chapter.equation("inertial-strapdown", inertial_strapdown, formula, &mutants);
+    chapter.equation("inertial-strapdown", inertial_strapdown, rates, &mutants);
 }
 
 /// Rates of rotation, velocity and position.
-type Rates = (Matrix3<f64>, Vector3<f64>, Vector3<f64>);
+struct Rates {
+    rotation: Matrix3<f64>,
+    velocity: Vector3<f64>,
+    position: Vector3<f64>,
+}
+
+fn rates(x: &NavState, read: &ImuSample, g: &Vector3<f64>) -> Rates {
+    let r = x.world_from_body;
+    Rates {
+        rotation: r.matrix() * so3::hat(&read.gyro),
+        velocity: g + r * read.accelerometer,
+        position: x.velocity,
+    }
+}
+
 type Strapdown = fn(&NavState, &ImuSample, &Vector3<f64>) -> Rates;
 
 fn inertial_strapdown(formula: Strapdown) -> Comparison {
@@ -60,29 +67,19 @@ fn inertial_strapdown(formula: Strapdown) -> Comparison {
         let motion = motion(&mut random);
         let t = random.uniform(0.0..5.0);
         let state = |s: f64| motion.at(t + s).state;
-        let read = motion.at(t).sample(&GRAVITY);
-        let (rotation, velocity, position) = formula(&state(0.0), &read, &GRAVITY);
-        let true_rotation = slope(|s| *state(s).world_from_body.matrix(), 1e-3);
-        let true_velocity = slope(|s| state(s).velocity, 1e-3);
-        let true_position = slope(|s| state(s).position, 1e-3);
-        comparison.add(rotation.as_slice(), true_rotation.as_slice());
-        comparison.add(velocity.as_slice(), true_velocity.as_slice());
-        comparison.add(position.as_slice(), true_position.as_slice());
+        let found = formula(&state(0.0), &motion.at(t).sample(&GRAVITY), &GRAVITY);
+        let rotation = slope(|s| *state(s).world_from_body.matrix(), 1e-3);
+        comparison.add(found.rotation.as_slice(), rotation.as_slice());
+        comparison.add(found.velocity.as_slice(), slope(|s| state(s).velocity, 1e-3).as_slice());
+        comparison.add(found.position.as_slice(), slope(|s| state(s).position, 1e-3).as_slice());
     }
     comparison
 }
 
 fn euler(chapter: &mut Chapter) {
     let mutants: [(_, EulerRule); 6] = [
-        ("rotation first", |x, read, g, dt| {
-            let turned = NavState { world_from_body: turn(x, &read.gyro, dt), ..*x };
-            NavState { world_from_body: turned.world_from_body, ..turned.propagate(read, g, dt) }
-        }),
-        ("velocity before position", |x, read, g, dt| {
-            let next = x.propagate(read, g, dt);
-            let position = next.position + dt * (next.velocity - x.velocity);
-            NavState { position, ..next }
-        }),
+        ("rotation first", rotation_first),
+        ("velocity before position", velocity_first),
         ("no acceleration in the position", |x, read, g, dt| NavState {
             position: x.position + dt * x.velocity,
             ..x.propagate(read, g, dt)
@@ -101,20 +98,29 @@ fn turn(state: &NavState, gyro: &Vector3<f64>, dt: f64) -> Rotation3<f64> {
     so3::retract(&state.world_from_body, &(dt * gyro))
 }
 
-type EulerRule = fn(&NavState, &ImuSample, &Vector3<f64>, f64) -> NavState;
+/// The Euler rule with a force that acts as the body stands after the step.
+fn rotation_first(x: &NavState, read: &ImuSample, gravity: &Vector3<f64>, dt: f64) -> NavState {
+    let turned = NavState { world_from_body: turn(x, &read.gyro, dt), ..*x };
+    NavState { world_from_body: turned.world_from_body, ..turned.propagate(read, gravity, dt) }
+}
+
+/// The Euler rule with a position that uses the velocity after the step.
+pub fn velocity_first(x: &NavState, read: &ImuSample, gravity: &Vector3<f64>, dt: f64) -> NavState {
+    let next = x.propagate(read, gravity, dt);
+    NavState { position: next.position + dt * (next.velocity - x.velocity), ..next }
+}
+
+/// Takes a state, a reading, gravity and the length of the step.
+pub type EulerRule = fn(&NavState, &ImuSample, &Vector3<f64>, f64) -> NavState;
 
 fn inertial_euler_rule(formula: EulerRule) -> Comparison {
     let against = "the equations by Runge and Kutta, the force held in its first direction";
-    let mut comparison = Comparison::absolute(against, 1e-9, "m, m/s, no unit");
-    let mut random = Random::new(21);
-    for _ in 0..100 {
-        let (state, read, dt) = (state(&mut random), read(&mut random), random.uniform(0.01..0.1));
+    Comparison::absolute(against, 1e-9, "m, m/s, no unit").over(100, 21, |random| {
+        let (state, read, dt) = (state(random), read(random), random.uniform(0.01..0.1));
         let along = *state.world_from_body.matrix();
         let found = formula(&state, &read, &GRAVITY, dt);
-        let oracle = integrated(&state, &read, &along, dt);
-        comparison.add(numbers(&found).as_slice(), oracle.as_slice());
-    }
-    comparison
+        (numbers(&found), integrated(&state, &read, &along, dt))
+    })
 }
 
 fn midpoint(chapter: &mut Chapter) {
@@ -124,9 +130,7 @@ fn midpoint(chapter: &mut Chapter) {
             x.propagate(&ImuSample::mean(start, end), g, dt)
         }),
         ("the force along the end", |x, start, end, g, dt| {
-            let mean = ImuSample::mean(start, end);
-            let turned = NavState { world_from_body: turn(x, &mean.gyro, dt), ..*x };
-            NavState { world_from_body: turned.world_from_body, ..turned.propagate(&mean, g, dt) }
+            rotation_first(x, &ImuSample::mean(start, end), g, dt)
         }),
         ("half of the turn", |x, start, end, g, dt| NavState {
             world_from_body: turn(x, &ImuSample::mean(start, end).gyro, 0.5 * dt),
@@ -142,11 +146,9 @@ type MidpointRule = fn(&NavState, &ImuSample, &ImuSample, &Vector3<f64>, f64) ->
 
 fn inertial_midpoint_rule(formula: MidpointRule) -> Comparison {
     let against = "the equations by Runge and Kutta, the force held in its direction halfway";
-    let mut comparison = Comparison::absolute(against, 1e-9, "m, m/s, no unit");
-    let mut random = Random::new(22);
-    for _ in 0..100 {
-        let (state, dt) = (state(&mut random), random.uniform(0.01..0.1));
-        let (start, end) = (read(&mut random), read(&mut random));
+    Comparison::absolute(against, 1e-9, "m, m/s, no unit").over(100, 22, |random| {
+        let (state, dt) = (state(random), random.uniform(0.01..0.1));
+        let (start, end) = (read(random), read(random));
         let mean = ImuSample {
             gyro: (start.gyro + end.gyro) / 2.0,
             accelerometer: (start.accelerometer + end.accelerometer) / 2.0,
@@ -154,10 +156,8 @@ fn inertial_midpoint_rule(formula: MidpointRule) -> Comparison {
         let half = integrated(&state, &mean, &Matrix3::identity(), 0.5 * dt);
         let along = Matrix3::from_iterator(half.iter().copied().take(9));
         let found = formula(&state, &start, &end, &GRAVITY, dt);
-        let oracle = integrated(&state, &mean, &along, dt);
-        comparison.add(numbers(&found).as_slice(), oracle.as_slice());
-    }
-    comparison
+        (numbers(&found), integrated(&state, &mean, &along, dt))
+    })
 }
 
 pub fn state(random: &mut Random) -> NavState {
@@ -204,12 +204,11 @@ fn integrated(state: &NavState, read: &ImuSample, along: &Matrix3<f64>, dt: f64)
 
 fn first_state(chapter: &mut Chapter) {
     let formula: FirstState = |first, own, g, t| NavState {
-        world_from_body: first.world_from_body * own.world_from_body,
-        velocity: first.velocity + t * g + first.world_from_body * own.velocity,
         position: first.position
             + t * first.velocity
             + 0.5 * t * t * g
             + first.world_from_body * own.position,
+        ..composed(first, own, g, t)
     };
     let mutants: [(_, FirstState); 4] = [
         ("rotations in the other order", |first, own, g, t| NavState {
@@ -232,7 +231,7 @@ fn first_state(chapter: &mut Chapter) {
     chapter.equation("inertial-first-state", inertial_first_state, formula, &mutants);
 }
 
-/// The composition, for mutants that spoil one part of it.
+/// The composition, with the position in fewer products.
 pub fn composed(first: &NavState, own: &NavState, g: &Vector3<f64>, t: f64) -> NavState {
     let r = first.world_from_body;
     NavState {
@@ -248,9 +247,8 @@ type FirstState = fn(&NavState, &NavState, &Vector3<f64>, f64) -> NavState;
 
 fn inertial_first_state(formula: FirstState) -> Comparison {
     let against = "runs of 25 steps from the first state, with gravity, by either rule";
-    let mut comparison = Comparison::absolute(against, 1e-12, "m, m/s, no unit");
     let mut random = Random::new(23);
-    for run in 0..STATES {
+    Comparison::absolute(against, 1e-12, "m, m/s, no unit").each(0..STATES, |run| {
         let first = state(&mut random);
         let (mut there, mut own, mut time) = (first, NavState::origin(), 0.0);
         for _ in 0..25 {
@@ -264,7 +262,6 @@ fn inertial_first_state(formula: FirstState) -> Comparison {
             time += dt;
         }
         let found = formula(&first, &own, &GRAVITY, time);
-        comparison.add(numbers(&found).as_slice(), numbers(&there).as_slice());
-    }
-    comparison
+        (numbers(&found), numbers(&there))
+    })
 }

@@ -3,16 +3,15 @@
 pub mod blocks;
 mod correlated;
 mod covariance;
-mod dynamics;
+pub mod dynamics;
 mod figures;
 mod growth;
-mod oracle;
+pub mod oracle;
 mod products;
 mod runs;
 
 use crate::chapter::Chapter;
 
-/// Registers equations, numbers and figures.
 pub fn exhibits(chapter: &mut Chapter) {
     dynamics::equations(chapter);
     covariance::equations(chapter);

@@ -7,6 +7,7 @@ use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::{Preintegrated, Preintegrator, Rule, correct_for_bias};
 use vislam::simulation::Trajectory;
 
+use super::oracle::summed_by;
 use crate::chapter::Chapter;
 use crate::record::RecordValue;
 
@@ -28,25 +29,19 @@ pub fn exhibits(chapter: &mut Chapter) {
 }
 
 fn window(samples: &[ImuSample], rule: Rule) -> Preintegrated {
-    let mut sums = Preintegrator::new(&ImuBias::default(), &ImuNoise::euroc()).expect("a sensor");
-    for pair in samples.windows(2) {
-        let added = match rule {
-            Rule::Euler => sums.integrate(&pair[0], 0.005),
-            Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], 0.005),
-        };
-        added.expect("a good reading");
-    }
-    sums.finish().expect("readings")
+    summed_by(rule, samples, std::iter::repeat(0.005), &ImuNoise::euroc())
+}
+
+/// The mean time of so many calls, in seconds.
+pub fn timed(calls: usize, call: impl FnMut(usize)) -> f64 {
+    let start = Instant::now();
+    (0..calls).for_each(call);
+    start.elapsed().as_secs_f64() / calls as f64
 }
 
 /// The median time of a call in nanoseconds, of runs of `calls` calls.
 fn median(calls: usize, mut call: impl FnMut(usize)) -> f64 {
-    let run = |_| {
-        let start = Instant::now();
-        (0..calls).for_each(&mut call);
-        1e9 * start.elapsed().as_secs_f64() / calls as f64
-    };
-    let mut times: Vec<f64> = (0..RUNS).map(run).collect();
+    let mut times: Vec<f64> = (0..RUNS).map(|_| 1e9 * timed(calls, &mut call)).collect();
     times.sort_by(f64::total_cmp);
     times[RUNS / 2]
 }

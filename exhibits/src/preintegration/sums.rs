@@ -14,7 +14,6 @@ mod rules;
 
 use crate::chapter::Chapter;
 
-/// Registers the exhibits.
 pub fn exhibits(chapter: &mut Chapter) {
     independence::exhibits(chapter);
     bias::exhibits(chapter);

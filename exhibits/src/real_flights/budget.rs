@@ -6,10 +6,11 @@ use nalgebra::{
 use vislam::datasets::euroc::GroundTruth;
 use vislam::inertial::{GRAVITY, ImuBias, StampedSample};
 use vislam::manifold::so3;
-use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
+use vislam::preintegration::{Deltas, Rule};
 
 use super::intervals::{Flight, Interval, LENGTHS, sizes};
 use super::wander::{Wander, correlation};
+use crate::preintegration::oracle::parts;
 
 /// Seconds from one state to the next where the ground truth is followed closely.
 const PIECE: f64 = 0.05;
@@ -20,14 +21,11 @@ const LAGS: [usize; 7] = [1, 2, 4, 10, 20, 40, 100];
 /// Gravity as a flight shows it: what its velocities gain in a second beyond what the readings and
 /// [`GRAVITY`] say, on average; and the standard deviation of that mean.
 pub fn gravity_found(flight: &Flight) -> (Vector3<f64>, Vector3<f64>) {
-    let missing: Vec<Vector3<f64>> = flight
-        .intervals(Rule::Midpoint, 1.0, 0.0)
-        .iter()
-        .map(|interval| {
-            let velocity = interval.residual(&GRAVITY).fixed_rows::<3>(3).into_owned();
-            interval.first.state.world_from_body * velocity / interval.sums.duration
-        })
-        .collect();
+    let missing = flight.intervals(Rule::Midpoint, 1.0, 0.0).into_iter().map(|interval| {
+        let [_, velocity, _] = parts(&interval.residual(&GRAVITY));
+        interval.first.state.world_from_body * velocity / interval.sums.duration
+    });
+    let missing: Vec<Vector3<f64>> = missing.collect();
     let count = missing.len() as f64;
     let mean = missing.iter().sum::<Vector3<f64>>() / count;
     let squares: Vector3<f64> = missing.iter().map(|m| (m - mean).map(|x| x * x)).sum();
@@ -63,7 +61,7 @@ pub fn gravity_beside_a_bias(flight: &Flight) -> FreeBias {
         design.fixed_columns_mut::<3>(0).copy_from(&(sums.duration * body_from_world.matrix()));
         let by_bias = sums.bias_jacobian.fixed_view::<3, 3>(3, 3);
         design.fixed_columns_mut::<3>(3).copy_from(&by_bias);
-        (design, interval.residual(&GRAVITY).fixed_rows::<3>(3).into_owned())
+        (design, parts(&interval.residual(&GRAVITY))[1])
     });
     let rows: Vec<(Matrix3x6<f64>, Vector3<f64>)> = rows.collect();
     let information: Matrix6<f64> = rows.iter().map(|(d, _)| d.transpose() * d).sum();
@@ -88,7 +86,7 @@ pub fn lean(flight: &Flight) -> f64 {
 
 /// The flight in pieces between neighbouring states: errors of attitude and velocity, summed up.
 pub struct Pieces {
-    pieces: Vec<Interval>,
+    pub pieces: Vec<Interval>,
     /// What the gyroscope says of the rotation since the first piece.
     turned: Vec<Rotation3<f64>>,
     /// What velocities gain, in the world, beyond the readings turned by the ground truth's own
@@ -146,27 +144,19 @@ impl Pieces {
         self.mean_square(lag, |a, b| self.attitude(a, b)).sqrt()
     }
 
-    pub fn attitude_wander(&self) -> Wander {
-        let squares = LAGS.map(|lag| self.mean_square(lag, |a, b| self.attitude(a, b)));
-        Wander::fitted(&LAGS.map(|lag| PIECE * lag as f64), &squares)
-    }
-
-    pub fn velocity_wander(&self) -> Wander {
-        let squares = LAGS.map(|lag| self.mean_square(lag, |a, b| self.velocity(a, b)));
-        Wander::fitted(&LAGS.map(|lag| PIECE * lag as f64), &squares)
+    /// Of attitude and of velocity.
+    pub fn wanders(&self) -> [Wander; 2] {
+        let attitude = LAGS.map(|lag| self.mean_square(lag, |a, b| self.attitude(a, b)));
+        let velocity = LAGS.map(|lag| self.mean_square(lag, |a, b| self.velocity(a, b)));
+        let times = LAGS.map(|lag| PIECE * lag as f64);
+        [attitude, velocity].map(|squares| Wander::fitted(&times, &squares))
     }
 
     /// The correlation of the attitude's errors in neighbouring pieces.
     pub fn step_correlation(&self) -> f64 {
-        let errors: Vec<Vector3<f64>> =
-            (0..self.pieces.len()).map(|a| self.attitude(a, a + 1)).collect();
+        let errors: Vec<_> = (0..self.pieces.len()).map(|a| self.attitude(a, a + 1)).collect();
         let with_next: f64 = errors.windows(2).map(|w| w[0].dot(&w[1])).sum();
         with_next / errors.iter().map(|error| error.norm_squared()).sum::<f64>()
-    }
-
-    /// The predicted error of attitude in a piece, in radians.
-    pub fn step_predicted(&self) -> f64 {
-        super::intervals::predicted(&self.pieces)[0]
     }
 
     /// Errors of velocity and position over intervals of a length when the ground truth's own
@@ -179,43 +169,28 @@ impl Pieces {
     }
 }
 
-/// Errors of velocity or position, and what they are made of: as differences of mean squares.
-pub struct Shares {
-    /// Of a gravity that does not point along the world's z axis.
-    pub gravity: f64,
-    /// Of an attitude at the beginning and a gyroscope that disagree.
-    pub attitude: f64,
-    /// What is left when neither can contribute.
-    pub rest: f64,
-}
-
-/// Of velocity and position for each length.
-pub fn shares(flight: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) -> [[Shares; 2]; 4] {
+/// What errors of velocity and of position are made of for each length, as differences of mean
+/// squares: the shares of a gravity that does not point along the world's z axis, of an attitude at
+/// the beginning and a gyroscope that disagree, and what is left when neither can contribute.
+pub fn shares(flight: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) -> [[[f64; 3]; 2]; 4] {
+    let share = |all: f64, without: f64| (all * all - without * without).max(0.0).sqrt();
     LENGTHS.map(|seconds| {
         let intervals = flight.intervals(Rule::Midpoint, seconds, 0.0);
-        let seen = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
-        let level = sizes(intervals.iter().map(|interval| interval.residual(gravity)));
+        let [seen, level] = [&GRAVITY, gravity].map(|gravity| sizes(&intervals, gravity));
         let rest = pieces.without_attitude(seconds);
-        [0, 1].map(|part| {
-            let (seen, level, rest) = (seen[part + 1], level[part + 1], rest[part]);
-            let share = |all: f64, without: f64| (all * all - without * without).max(0.0).sqrt();
-            let (gravity, attitude) = (share(seen, level), share(level, rest));
-            Shares { gravity, attitude, rest }
-        })
+        [(1, rest[0]), (2, rest[1])]
+            .map(|(part, rest)| [share(seen[part], level[part]), share(level[part], rest), rest])
     })
 }
 
 /// The offset of the clocks in seconds at which errors of attitude are smallest, and how large
 /// they are there.
 pub fn best_offset(flight: &Flight, seconds: f64) -> (f64, f64) {
-    let error = |offset: f64| {
-        let intervals = flight.intervals(Rule::Midpoint, seconds, offset);
-        sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)))[0]
-    };
-    let step = 2.5e-4;
-    let errors: Vec<(f64, f64)> =
-        (-32..=32).map(|k| step * f64::from(k)).map(|offset| (offset, error(offset))).collect();
-    errors.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("offsets")
+    let errors = (-32..=32).map(|k| {
+        let offset = 2.5e-4 * f64::from(k);
+        (offset, sizes(&flight.intervals(Rule::Midpoint, seconds, offset), &GRAVITY)[0])
+    });
+    errors.min_by(|a, b| a.1.total_cmp(&b.1)).expect("offsets")
 }
 
 /// How many numbers a gyroscope is given to explain errors of attitude: a bias, a matrix of scales
@@ -229,30 +204,23 @@ pub fn explained_by_the_gyroscope(flight: &Flight) -> (f64, f64) {
         let flight = Flight { samples, truth: flight.truth.clone() };
         let intervals = flight.intervals(Rule::Midpoint, 1.0, 0.0);
         let errors = intervals.iter().map(|interval| interval.residual(&GRAVITY));
-        let numbers = errors.flat_map(|error| [error[0], error[1], error[2]]);
-        let numbers: Vec<f64> = numbers.collect();
-        DVector::from_vec(numbers)
+        DVector::from_vec(errors.flat_map(|error| [error[0], error[1], error[2]]).collect())
     };
     let seen = residuals(flight.samples.clone());
     let size = 1e-4;
-    let columns: Vec<DVector<f64>> = (0..GYRO_NUMBERS)
-        .map(|number| {
-            let samples = flight.samples.iter().map(|stamped| {
-                let mut stamped = *stamped;
-                let of = match number {
-                    0..3 => Vector3::repeat(1.0),
-                    3..12 => stamped.sample.gyro,
-                    _ => stamped.sample.accelerometer,
-                };
-                let (axis, by) =
-                    if number < 3 { (number, 0) } else { (number % 3, (number / 3) % 3) };
-                stamped.sample.gyro[axis] += size * of[by];
-                stamped
-            });
-            (residuals(samples.collect()) - &seen) / size
-        })
-        .collect();
-    let design = DMatrix::from_columns(&columns);
+    let columns = (0..GYRO_NUMBERS).map(|number| {
+        let mut samples = flight.samples.clone();
+        for StampedSample { sample, .. } in &mut samples {
+            let by = match number {
+                0..3 => 1.0,
+                3..12 => sample.gyro[(number / 3) % 3],
+                _ => sample.accelerometer[(number / 3) % 3],
+            };
+            sample.gyro[number % 3] += size * by;
+        }
+        (residuals(samples) - &seen) / size
+    });
+    let design = DMatrix::from_columns(&columns.collect::<Vec<_>>());
     let fitted = design.clone().svd(true, true).solve(&seen, 1e-12).expect("both factors");
     let left = &seen - design * fitted;
     let share = 1.0 - left.norm_squared() / seen.norm_squared();
@@ -318,23 +286,16 @@ pub fn truth_covariance(attitude: &Wander, velocity: &Wander, t: f64) -> SMatrix
     let rho = |t: f64| correlation(velocity.tau, t);
     let gains = |s: f64, u: f64| square * (rho((s - u).abs()) - rho(s) - rho(u) + 1.0);
     let count = 60;
-    let nodes = (0..count).map(|k| t * (f64::from(k) + 0.5) / f64::from(count));
-    let nodes: Vec<f64> = nodes.collect();
+    let nodes = || (0..count).map(|k| t * (f64::from(k) + 0.5) / f64::from(count));
     let weight = t / f64::from(count);
     put(2, 2, gains(t, t));
-    put(2, 3, nodes.iter().map(|s| weight * gains(*s, t)).sum());
-    let both = nodes.iter().flat_map(|s| nodes.iter().map(move |u| (*s, *u)));
+    put(2, 3, nodes().map(|s| weight * gains(s, t)).sum());
+    let both = nodes().flat_map(|s| nodes().map(move |u| (s, u)));
     put(3, 3, both.map(|(s, u)| weight * weight * gains(s, u)).sum());
     covariance
 }
 
-/// The covariance of a residual when the ground truth errs as well.
-pub fn with_truth(sums: &Preintegrated, of_truth: &SMatrix<f64, 12, 12>) -> Matrix9 {
-    let matrix = from_truth(&sums.deltas);
-    sums.covariance + matrix * of_truth * matrix.transpose()
-}
-
-/// The mean of the normalized error squared with that covariance.
+/// The mean of the normalized error squared when the ground truth errs as well.
 pub fn normalized_with_truth(
     intervals: &[Interval],
     gravity: &Vector3<f64>,
@@ -343,7 +304,8 @@ pub fn normalized_with_truth(
 ) -> f64 {
     let each = intervals.iter().map(|interval| {
         let of_truth = truth_covariance(attitude, velocity, interval.sums.duration);
-        let covariance = with_truth(&interval.sums, &of_truth);
+        let enters = from_truth(&interval.sums.deltas);
+        let covariance = interval.sums.covariance + enters * of_truth * enters.transpose();
         let residual = interval.residual(gravity);
         let solved = covariance.cholesky().expect("a covariance").solve(&residual);
         residual.dot(&solved)

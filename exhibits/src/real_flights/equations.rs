@@ -1,19 +1,19 @@
 //! The numbered equations of the section.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::iter::repeat;
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, SVector, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
-use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
-use vislam::preintegration::{Deltas, Preintegrator, imu_residual};
+use vislam::preintegration::{Deltas, Preintegrated, Rule, imu_residual};
 use vislam::simulation::Trajectory;
 
 use super::budget::{FromTruth, from_truth};
-use super::wander::{Wander, correlation};
+use super::wander::Wander;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
+use crate::preintegration::oracle::summed_by;
 
 /// Rotation into the first body frame and duration give what a wrong gravity leaves in velocity
 /// and position.
@@ -23,54 +23,30 @@ type Enters = fn(&Deltas) -> FromTruth;
 
 pub fn equations(chapter: &mut Chapter) {
     let gravity: &[(&str, LeftByGravity)] = &[
-        ("world frame", |_, off, t| [t * off, 0.5 * t * t * off]),
-        ("body to world", |body, off, t| {
-            let seen = body.transpose() * off;
-            [t * seen, 0.5 * t * t * seen]
-        }),
+        ("world frame", |_, off, t| left_by_gravity(&Matrix3::identity(), off, t)),
+        ("body to world", |body, off, t| left_by_gravity(&body.transpose(), off, t)),
         ("without the half", |body, off, t| [t * body * off, t * t * body * off]),
-        ("opposite sign", |body, off, t| [-t * body * off, -0.5 * t * t * body * off]),
+        ("opposite sign", |body, off, t| left_by_gravity(body, &-off, t)),
     ];
     chapter.equation("flight-gravity", flight_gravity, left_by_gravity, gravity);
     let wander: &[(&str, Spread)] = &[
-        ("forgets by an exponential alone", |sigma, tau, t| {
-            6.0 * sigma * sigma * (1.0 - (-t / tau).exp())
-        }),
-        ("one end only", |sigma, tau, t| 3.0 * sigma * sigma * (1.0 - correlation(tau, t))),
-        ("one axis only", |sigma, tau, t| 2.0 * sigma * sigma * (1.0 - correlation(tau, t))),
-        ("rate for time", |sigma, tau, t| 6.0 * sigma * sigma * (1.0 - correlation(1.0 / tau, t))),
-        ("opposite sign in the bracket", |sigma, tau, t| {
-            6.0 * sigma * sigma * (1.0 - (1.0 - t / tau) * (-t / tau).exp())
+        ("forgets by an exponential alone", |s, tau, t| 6.0 * s * s * (1.0 - (-t / tau).exp())),
+        ("one end only", |s, tau, t| spread(s, tau, t) / 2.0),
+        ("one axis only", |s, tau, t| spread(s, tau, t) / 3.0),
+        ("rate for time", |s, tau, t| spread(s, 1.0 / tau, t)),
+        ("opposite sign in the bracket", |s, tau, t| {
+            6.0 * s * s * (1.0 - (1.0 - t / tau) * (-t / tau).exp())
         }),
     ];
     chapter.equation("flight-wander", flight_wander, spread, wander);
     let enters: &[(&str, Enters)] = &[
-        ("opposite sign of the first attitude", |deltas| {
-            let mut matrix = from_truth(deltas);
-            matrix.fixed_view_mut::<3, 3>(0, 0).neg_mut();
-            matrix
-        }),
+        ("opposite sign of the first attitude", |deltas| scaled(deltas, &[0], -1.0)),
         ("rotation not transposed", |deltas| {
-            let mut matrix = from_truth(deltas);
-            matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&-deltas.rotation.matrix());
-            matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(deltas.rotation.matrix());
-            matrix
+            from_truth(&Deltas { rotation: deltas.rotation.inverse(), ..*deltas })
         }),
-        ("no leak into velocity", |deltas| {
-            let mut matrix = from_truth(deltas);
-            matrix.fixed_view_mut::<3, 3>(3, 0).fill(0.0);
-            matrix
-        }),
-        ("leak with the opposite sign", |deltas| {
-            let mut matrix = from_truth(deltas);
-            matrix.fixed_view_mut::<6, 3>(3, 0).neg_mut();
-            matrix
-        }),
-        ("no leak into position", |deltas| {
-            let mut matrix = from_truth(deltas);
-            matrix.fixed_view_mut::<3, 3>(6, 0).fill(0.0);
-            matrix
-        }),
+        ("no leak into velocity", |deltas| scaled(deltas, &[3], 0.0)),
+        ("leak with the opposite sign", |deltas| scaled(deltas, &[3, 6], -1.0)),
+        ("no leak into position", |deltas| scaled(deltas, &[6], 0.0)),
     ];
     chapter.equation("flight-truth", flight_truth, from_truth, enters);
 }
@@ -88,94 +64,86 @@ fn spread(sigma: f64, tau: f64, t: f64) -> f64 {
     Wander { sigma, tau }.spread(t)
 }
 
+/// With blocks in the first column, which begin in these rows, times a factor.
+fn scaled(deltas: &Deltas, rows: &[usize], factor: f64) -> FromTruth {
+    let mut matrix = from_truth(deltas);
+    for row in rows {
+        matrix.fixed_view_mut::<3, 3>(*row, 0).scale_mut(factor);
+    }
+    matrix
+}
+
+/// The sums of perfect readings on the figure-eight, in so many steps of `dt` seconds between these times.
+fn perfect(
+    gravity: &Vector3<f64>,
+    steps: u32,
+    dt: f64,
+    time: impl Fn(f64) -> f64,
+) -> Preintegrated {
+    let motion = Trajectory::figure_eight();
+    let read = |k: u32| motion.at(time(f64::from(k))).sample(gravity);
+    let samples: Vec<_> = (0..=steps).map(read).collect();
+    summed_by(Rule::Midpoint, &samples, repeat(dt), &ImuNoise::euroc())
+}
+
 /// Perfect readings of a flight in a gravity that is not the one assumed.
 fn flight_gravity(formula: LeftByGravity) -> Comparison {
-    let mut comparison = Comparison::relative("a simulated flight in another gravity", 1e-4);
-    let mut random = Random::new(11);
-    for _ in 0..30 {
+    Comparison::relative("a simulated flight in another gravity", 1e-4).over(30, 11, |random| {
         let off = random.direction(0.3);
         let (start, t) = (random.uniform(0.0..20.0), random.uniform(0.3..1.5));
+        let dt = t / 2000.0;
+        let sums = perfect(&(GRAVITY + off), 2000, dt, |k| start + k * dt);
         let motion = Trajectory::figure_eight();
-        let steps = 2000;
-        let dt = t / f64::from(steps);
-        let read = |k: i32| motion.at(start + f64::from(k) * dt).sample(&(GRAVITY + off));
-        let bias = ImuBias::default();
-        let mut sums = Preintegrator::new(&bias, &ImuNoise::euroc()).expect("a sensor");
-        for k in 0..steps {
-            sums.integrate_midpoint(&read(k), &read(k + 1), dt).expect("good readings");
-        }
-        let sums = sums.finish().expect("readings");
         let (first, last) = (motion.at(start).state, motion.at(start + t).state);
-        let residual = imu_residual(&sums, &first, &last, &GRAVITY, &bias);
-        let [velocity, position] = formula(first.world_from_body.inverse().matrix(), &off, t);
-        let said = [velocity.as_slice(), position.as_slice()].concat();
-        comparison.add(&said, &residual.as_slice()[3..9]);
-    }
-    comparison
+        let residual = imu_residual(&sums, &first, &last, &GRAVITY, &ImuBias::default());
+        let found = formula(first.world_from_body.inverse().matrix(), &off, t);
+        (found, residual.fixed_rows::<6>(3).into_owned())
+    })
 }
 
 /// The power that a critically damped filter passes of white noise, summed over frequencies: those
 /// are the rate times the tangent of an angle.
 fn flight_wander(formula: Spread) -> Comparison {
-    let mut comparison = Comparison::relative("the sum over the spectrum of a damped filter", 1e-3);
-    let mut random = Random::new(12);
-    for _ in 0..40 {
+    const NODES: u32 = 40_000;
+    let against = "the sum over the spectrum of a damped filter";
+    Comparison::relative(against, 1e-3).over(40, 12, |random| {
         let sigma = random.logarithmic(1e-4..1.0);
         let tau = random.logarithmic(0.2..5.0);
         let t = tau * random.logarithmic(0.1..8.0);
-        let nodes = 40_000;
-        let width = FRAC_PI_2 / f64::from(nodes);
-        let power = (0..nodes).map(|k| {
+        let width = FRAC_PI_2 / f64::from(NODES);
+        let power = (0..NODES).map(|k| {
             let angle = (f64::from(k) + 0.5) * width;
             angle.cos().powi(2) * (1.0 - (angle.tan() * t / tau).cos())
         });
         let of_axis = 2.0 * sigma * sigma * 4.0 / PI * width * power.sum::<f64>();
-        comparison.add(&[formula(sigma, tau, t)], &[3.0 * of_axis]);
-    }
-    comparison
+        (formula(sigma, tau, t), 3.0 * of_axis)
+    })
 }
 
 /// Central differences of the residual by errors of the states.
 fn flight_truth(formula: Enters) -> Comparison {
-    let mut comparison = Comparison::relative("differences of the residual", 1e-6);
-    let mut random = Random::new(13);
-    let motion = Trajectory::figure_eight();
-    for _ in 0..25 {
+    const STEP: f64 = 1e-4;
+    Comparison::relative("differences of the residual", 1e-6).over(25, 13, |random| {
         let (start, t) = (random.uniform(0.0..20.0), random.uniform(0.2..1.0));
-        let samples: Vec<_> = (0..=400)
-            .map(|k| motion.at(start + t * f64::from(k) / 400.0).sample(&GRAVITY))
-            .collect();
-        let bias = ImuBias::default();
-        let mut sums = Preintegrator::new(&bias, &ImuNoise::euroc()).expect("a sensor");
-        for pair in samples.windows(2) {
-            sums.integrate_midpoint(&pair[0], &pair[1], t / 400.0).expect("good readings");
-        }
-        let sums = sums.finish().expect("readings");
-        let first = motion.at(start).state;
+        let sums = perfect(&GRAVITY, 400, t / 400.0, |k| start + t * k / 400.0);
+        let (first, bias) = (Trajectory::figure_eight().at(start).state, ImuBias::default());
         // The end that fits the readings, so that the residual is zero.
         let last = sums.predict(&first, &GRAVITY, &bias);
-        // Errors of velocity and position are seen from the first body frame, where they differ.
-        let turn = *first.world_from_body.matrix();
-        let residual = |step: &[f64; 12]| {
-            let part = |at: usize| Vector3::new(step[at], step[at + 1], step[at + 2]);
-            let (velocity, position) = (turn * part(6), turn * part(9));
-            let mut moved = last.retract(&[0.0; 9]);
-            let seen_last = sums.deltas.rotation.inverse() * part(3);
-            moved.world_from_body = so3::retract(&last.world_from_body, &seen_last);
-            moved.velocity += velocity;
-            moved.position += position;
-            let mut from = first;
+        let residual = |errors: SVector<f64, 12>| {
+            let part = |at: usize| errors.fixed_rows::<3>(at).into_owned();
+            let (mut from, mut to) = (first, last);
             from.world_from_body = so3::retract(&first.world_from_body, &part(0));
-            imu_residual(&sums, &from, &moved, &GRAVITY, &bias)
+            let seen_last = sums.deltas.rotation.inverse() * part(3);
+            to.world_from_body = so3::retract(&last.world_from_body, &seen_last);
+            // Errors of velocity and position are seen from the first body frame, where they differ.
+            to.velocity += first.world_from_body * part(6);
+            to.position += first.world_from_body * part(9);
+            imu_residual(&sums, &from, &to, &GRAVITY, &bias)
         };
-        let size = 1e-4;
-        let mut slopes = SMatrix::<f64, 9, 12>::zeros();
-        for column in 0..12 {
-            let (mut up, mut down) = ([0.0; 12], [0.0; 12]);
-            (up[column], down[column]) = (size, -size);
-            slopes.set_column(column, &((residual(&up) - residual(&down)) / (2.0 * size)));
-        }
-        comparison.add(formula(&sums.deltas).as_slice(), slopes.as_slice());
-    }
-    comparison
+        let slopes = std::array::from_fn::<_, 12, _>(|column| {
+            let error = SVector::ith(column, STEP);
+            (residual(error) - residual(-error)) / (2.0 * STEP)
+        });
+        (formula(&sums.deltas), FromTruth::from_columns(&slopes))
+    })
 }

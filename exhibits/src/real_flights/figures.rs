@@ -1,15 +1,16 @@
 //! The figures of the section, from the accepted record.
 
-use plotters::coord::combinators::{IntoLogRange, LogCoord};
-use plotters::element::{EmptyElement, PathElement, Text};
-use plotters::style::{Color, RGBColor};
+use plotters::coord::combinators::IntoLogRange;
+use plotters::style::RGBColor;
 use vislam::inertial::ImuNoise;
 
 use super::intervals::LENGTHS;
 use super::live::faults;
-use super::record::{ATTITUDE, LATER, LEICA, POSITION, SHARES, VELOCITY, accepted_value};
+use super::record::{LATER, accepted_value};
 use crate::chapter::Chapter;
-use crate::figure::{self, Chart, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
+use crate::figure::{
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, letters_right_of,
+};
 
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("errors", flight_errors);
@@ -17,14 +18,18 @@ pub fn figures(chapter: &mut Chapter) {
     chapter.figure("leica", flight_leica);
 }
 
-/// Values of the record for each length.
-fn of(names: [&'static str; 4]) -> Vec<(f64, f64)> {
-    LENGTHS.into_iter().zip(names.map(accepted_value)).collect()
+/// The value of the record for each length.
+fn of(name: &str) -> Vec<(f64, f64)> {
+    let value = |index: usize| (LENGTHS[index], accepted_value(&format!("{name}_{index}")));
+    (0..LENGTHS.len()).map(value).collect()
 }
 
-type LogChart<'a> = Chart<'a, LogCoord<f64>, LogCoord<f64>>;
+/// The same as cells.
+fn cells(name: &str) -> Vec<String> {
+    decimals(3, of(name).into_iter().map(|(_, value)| value))
+}
 
-/// Marks of a series, or a line, with its name and where that stands, in shares of the panel.
+/// A line through points, marks at them or both, and their name if they have one.
 struct Entry {
     name: &'static str,
     points: Vec<(f64, f64)>,
@@ -37,36 +42,16 @@ fn marks(name: &'static str, series: usize, points: Vec<(f64, f64)>) -> Entry {
     Entry { name, points, marks: Some(series), colour: SERIES[series], width: 0 }
 }
 
-/// A line with marks on it.
-fn share(name: &'static str, series: usize, points: Vec<(f64, f64)>) -> Entry {
-    Entry { width: 4, ..marks(name, series, points) }
-}
-
-fn unnamed(entry: Entry) -> Entry {
-    Entry { name: "", ..entry }
-}
-
 fn line(name: &'static str, colour: RGBColor, width: u32, points: Vec<(f64, f64)>) -> Entry {
     Entry { name, points, marks: None, colour, width }
 }
 
 impl Entry {
-    /// A line through points, if the entry has one.
-    fn line(&self, chart: &mut LogChart, points: &[(f64, f64)]) -> Drawn {
+    fn draw(&self, chart: &mut impl Draw, line: &[(f64, f64)], marks: &[(f64, f64)]) -> Drawn {
         if self.width > 0 {
-            let style = self.colour.stroke_width(self.width);
-            chart.draw_series([PathElement::new(points, style)])?;
+            chart.line(line.iter().copied(), self.colour, self.width)?;
         }
-        Ok(())
-    }
-
-    /// Marks at points, if the entry has some.
-    fn marks(&self, chart: &mut LogChart, points: &[(f64, f64)]) -> Drawn {
-        if let Some(series) = self.marks {
-            let marks = points.iter().map(|at| EmptyElement::at(*at) + marker(series));
-            chart.draw_series(marks)?;
-        }
-        Ok(())
+        self.marks.map_or(Ok(()), |series| chart.marks(marks.iter().copied(), series))
     }
 }
 
@@ -83,166 +68,124 @@ fn panel(
     let at = |range: [f64; 2], share: f64| range[0] * (range[1] / range[0]).powf(share);
     for (row, entry) in entries.iter().filter(|entry| !entry.name.is_empty()).enumerate() {
         let height = at(values, 0.94 - 0.095 * row as f64);
-        let sample: &[f64] = if entry.width > 0 { &[0.01, 0.04, 0.07] } else { &[0.04] };
-        let sample: Vec<(f64, f64)> =
-            sample.iter().map(|share| (at(times, *share), height)).collect();
-        let middle = [sample[sample.len() / 2]];
-        entry.line(&mut chart, &sample)?;
-        entry.marks(&mut chart, &middle)?;
-        let beside = (at(times, 0.10), height);
-        chart.draw_series([Text::new(entry.name, beside, letters_right_of(entry.colour))])?;
+        let sample = [0.01, 0.04, 0.07].map(|share| (at(times, share), height));
+        entry.draw(&mut chart, &sample, &sample[1..2])?;
+        chart.write(entry.name, (at(times, 0.10), height), letters_right_of(entry.colour))?;
     }
-    for entry in entries {
-        entry.line(&mut chart, &entry.points)?;
-        entry.marks(&mut chart, &entry.points)?;
-    }
-    Ok(())
+    entries.iter().try_for_each(|entry| entry.draw(&mut chart, &entry.points, &entry.points))
 }
+
+const LENGTH: &str = "length of the intervals (s)";
+/// Seconds that are shown where the lengths are those of the record.
+const SHOWN: [f64; 2] = [0.08, 2.5];
 
 /// Errors of one flight, and what they are made of.
 fn flight_errors() -> Figure {
-    let kinds = [ATTITUDE, VELOCITY, POSITION];
-    let rows = LENGTHS.into_iter().enumerate().map(|(index, seconds)| {
-        let errors = kinds.iter().flatten().map(|names| accepted_value(names[index]));
-        let mut row = vec![format!("{seconds}")];
-        row.extend(errors.map(|error| format!("{error:.3}")));
-        let shares = SHARES.iter().flatten().map(|names| accepted_value(names[index]));
-        row.extend(shares.map(|share| format!("{share:.3}")));
-        row
-    });
-    Figure {
-        columns: vec![
-            "length of the intervals (s)",
-            "attitude by the Euler rule (mrad)",
-            "by the midpoint rule (mrad)",
-            "predicted (mrad)",
-            "velocity by the Euler rule (cm/s)",
-            "by the midpoint rule (cm/s)",
-            "predicted (cm/s)",
-            "position by the Euler rule (cm)",
-            "by the midpoint rule (cm)",
-            "predicted (cm)",
-            "velocity: tilted world (cm/s)",
-            "attitude (cm/s)",
-            "rest (cm/s)",
-            "position: tilted world (cm)",
-            "attitude (cm)",
-            "rest (cm)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1980, |drawing| {
-            let (attitude, below) = drawing.split_vertically(660);
-            let (velocity, position) = below.split_vertically(640);
-            let wander = faults().attitude;
-            let steps = (0..=30).map(|k| 0.1 * 20_f64.powf(f64::from(k) / 30.0));
-            let wandering = steps.map(|t| (t, 1e3 * wander.spread(t).sqrt()));
-            let common = |names: [[&'static str; 4]; 3]| {
-                [
-                    marks("Euler rule", 0, of(names[0])),
-                    marks("midpoint rule", 1, of(names[1])),
-                    line("predicted from the readings", INK, 6, of(names[2])),
-                ]
-            };
-            let times = [0.08, 2.5];
-            let [euler, midpoint, predicted] = common(ATTITUDE);
-            let wandering = line("wander of the ground truth", SERIES[2], 5, wandering.collect());
-            panel(
-                &attitude,
-                ("", times),
-                ("attitude (mrad)", [0.05, 60.0]),
-                &[euler, midpoint, wandering, predicted],
-            )?;
-            let shares = |part: usize| {
-                [
-                    share("tilted world", 3, of(SHARES[part][0])),
-                    share("attitude", 4, of(SHARES[part][1])),
-                    share("rest", 2, of(SHARES[part][2])),
-                ]
-            };
-            let [euler, midpoint, predicted] = common(VELOCITY).map(unnamed);
-            let [tilted, turned, rest] = shares(0);
-            let entries = [tilted, turned, rest, predicted, euler, midpoint];
-            panel(&velocity, ("", times), ("velocity (cm/s)", [0.015, 60.0]), &entries)?;
-            let [euler, midpoint, predicted] = common(POSITION).map(unnamed);
-            let [tilted, turned, rest] = shares(1).map(unnamed);
-            let entries = [tilted, turned, rest, predicted, euler, midpoint];
-            let x_axis = ("length of the intervals (s)", times);
-            panel(&position, x_axis, ("position (cm)", [0.0004, 20.0]), &entries)
-        }),
-    }
+    let columns = vec![
+        (LENGTH, LENGTHS.map(|seconds| format!("{seconds}")).to_vec()),
+        ("attitude by the Euler rule (mrad)", cells("v1_attitude_euler")),
+        ("by the midpoint rule (mrad)", cells("v1_attitude")),
+        ("predicted (mrad)", cells("v1_attitude_predicted")),
+        ("velocity by the Euler rule (cm/s)", cells("v1_velocity_euler")),
+        ("by the midpoint rule (cm/s)", cells("v1_velocity")),
+        ("predicted (cm/s)", cells("v1_velocity_predicted")),
+        ("position by the Euler rule (cm)", cells("v1_position_euler")),
+        ("by the midpoint rule (cm)", cells("v1_position")),
+        ("predicted (cm)", cells("v1_position_predicted")),
+        ("velocity: tilted world (cm/s)", cells("v1_velocity_gravity")),
+        ("attitude (cm/s)", cells("v1_velocity_attitude")),
+        ("rest (cm/s)", cells("v1_velocity_rest")),
+        ("position: tilted world (cm)", cells("v1_position_gravity")),
+        ("attitude (cm)", cells("v1_position_attitude")),
+        ("rest (cm)", cells("v1_position_rest")),
+    ];
+    Figure::new(1980, columns, |drawing| {
+        let (attitude, below) = drawing.split_vertically(660);
+        let (velocity, position) = below.split_vertically(640);
+        let wander = faults().attitude;
+        let wandering = geometric(0.1, 20.0, 30).map(|t| (t, 1e3 * wander.spread(t).sqrt()));
+        let entries = [
+            marks("Euler rule", 0, of("v1_attitude_euler")),
+            marks("midpoint rule", 1, of("v1_attitude")),
+            line("wander of the ground truth", SERIES[2], 5, wandering.collect()),
+            line("predicted from the readings", INK, 6, of("v1_attitude_predicted")),
+        ];
+        panel(&attitude, ("", SHOWN), ("attitude (mrad)", [0.05, 60.0]), &entries)?;
+        let share = |name: &'static str, series: usize, points| Entry {
+            width: 4,
+            ..marks(name, series, points)
+        };
+        let entries = |part: &str| {
+            let of = |kind: &str| of(&format!("v1_{part}{kind}"));
+            [
+                share("tilted world", 3, of("_gravity")),
+                share("attitude", 4, of("_attitude")),
+                share("rest", 2, of("_rest")),
+                line("", INK, 6, of("_predicted")),
+                marks("", 0, of("_euler")),
+                marks("", 1, of("")),
+            ]
+        };
+        let velocity_axis = ("velocity (cm/s)", [0.015, 60.0]);
+        panel(&velocity, ("", SHOWN), velocity_axis, &entries("velocity"))?;
+        let unnamed = entries("position").map(|entry| Entry { name: "", ..entry });
+        panel(&position, (LENGTH, SHOWN), ("position (cm)", [0.0004, 20.0]), &unnamed)
+    })
 }
 
 /// The error of attitude from a twentieth of a second to a minute.
 fn flight_wander() -> Figure {
-    let early = of(ATTITUDE[1]);
     let later = LATER.map(|(seconds, name)| (seconds, accepted_value(name)));
-    let mut seen = [early, later.to_vec()].concat();
+    let mut seen = [of("v1_attitude"), later.to_vec()].concat();
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let wander = faults().attitude;
     let model = |t: f64| 1e3 * wander.spread(t).sqrt();
     let white = |t: f64| 1e3 * ImuNoise::euroc().gyro * (3.0 * t).sqrt();
-    let rows = seen.iter().map(|(seconds, error)| {
-        vec![
-            format!("{seconds}"),
-            format!("{error:.3}"),
-            format!("{:.3}", model(*seconds)),
-            format!("{:.3}", white(*seconds)),
-        ]
-    });
-    Figure {
-        columns: vec![
-            "time (s)",
-            "error of attitude (mrad)",
-            "wander fitted to it (mrad)",
-            "predicted from the readings (mrad)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(780, |drawing| {
-            let steps = (0..=60).map(|k| 0.04 * 2000_f64.powf(f64::from(k) / 60.0));
-            let curve = |f: &dyn Fn(f64) -> f64| steps.clone().map(|t| (t, f(t))).collect();
-            let entries = [
-                line("wander of the ground truth", SERIES[2], 5, curve(&model)),
-                line("predicted from the readings", INK, 6, curve(&white)),
-                marks("seen", 1, seen.clone()),
-            ];
-            let x_axis = ("length of the intervals (s)", [0.035, 100.0]);
-            panel(drawing, x_axis, ("attitude (mrad)", [0.02, 60.0]), &entries)
-        }),
-    }
+    let columns = vec![
+        ("time (s)", seen.iter().map(|(t, _)| format!("{t}")).collect()),
+        ("error of attitude (mrad)", decimals(3, seen.iter().map(|(_, error)| *error))),
+        ("wander fitted to it (mrad)", decimals(3, seen.iter().map(|(t, _)| model(*t)))),
+        ("predicted from the readings (mrad)", decimals(3, seen.iter().map(|(t, _)| white(*t)))),
+    ];
+    let times = geometric(0.04, 2000.0, 60);
+    let entries = [
+        line(
+            "wander of the ground truth",
+            SERIES[2],
+            5,
+            times.clone().map(|t| (t, model(t))).collect(),
+        ),
+        line("predicted from the readings", INK, 6, times.map(|t| (t, white(t))).collect()),
+        marks("seen", 1, seen),
+    ];
+    Figure::new(780, columns, |drawing| {
+        panel(drawing, (LENGTH, [0.035, 100.0]), ("attitude (mrad)", [0.02, 60.0]), &entries)
+    })
 }
 
 /// Velocity and position of both flights.
 fn flight_leica() -> Figure {
-    let rows = LENGTHS.into_iter().enumerate().map(|(index, seconds)| {
-        let names = [LEICA[0], VELOCITY[1], VELOCITY[2], LEICA[1], POSITION[1], POSITION[2]];
-        let values = names.map(|names| format!("{:.3}", accepted_value(names[index])));
-        [vec![format!("{seconds}")], values.to_vec()].concat()
-    });
-    Figure {
-        columns: vec![
-            "length of the intervals (s)",
-            "velocity in MH_05 (cm/s)",
-            "in V1_01 (cm/s)",
-            "predicted (cm/s)",
-            "position in MH_05 (cm)",
-            "in V1_01 (cm)",
-            "predicted (cm)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1280, |drawing| {
-            let (above, below) = drawing.split_vertically(620);
-            let entries = |part: usize| {
-                let first = [VELOCITY, POSITION][part];
-                [
-                    marks("MH_05, laser tracker", 3, of(LEICA[part])),
-                    marks("V1_01, motion capture", 1, of(first[1])),
-                    line("predicted from the readings", INK, 6, of(first[2])),
-                ]
-            };
-            let times = [0.08, 2.5];
-            panel(&above, ("", times), ("velocity (cm/s)", [0.06, 60.0]), &entries(0))?;
-            let x_axis = ("length of the intervals (s)", times);
-            panel(&below, x_axis, ("position (cm)", [0.003, 100.0]), &entries(1))
-        }),
-    }
+    let columns = vec![
+        (LENGTH, LENGTHS.map(|seconds| format!("{seconds}")).to_vec()),
+        ("velocity in MH_05 (cm/s)", cells("mh_velocity")),
+        ("in V1_01 (cm/s)", cells("v1_velocity")),
+        ("predicted (cm/s)", cells("v1_velocity_predicted")),
+        ("position in MH_05 (cm)", cells("mh_position")),
+        ("in V1_01 (cm)", cells("v1_position")),
+        ("predicted (cm)", cells("v1_position_predicted")),
+    ];
+    let entries = |part: &str| {
+        [
+            marks("MH_05, laser tracker", 3, of(&format!("mh_{part}"))),
+            marks("V1_01, motion capture", 1, of(&format!("v1_{part}"))),
+            line("predicted from the readings", INK, 6, of(&format!("v1_{part}_predicted"))),
+        ]
+    };
+    Figure::new(1280, columns, |drawing| {
+        let (above, below) = drawing.split_vertically(620);
+        let velocity = ("velocity (cm/s)", [0.06, 60.0]);
+        panel(&above, ("", SHOWN), velocity, &entries("velocity"))?;
+        let position = ("position (cm)", [0.003, 100.0]);
+        panel(&below, (LENGTH, SHOWN), position, &entries("position"))
+    })
 }

@@ -7,6 +7,8 @@ use vislam::preintegration::{
     LONGEST_STEP, Preintegrated, Rule, Vector9, imu_residual, preintegrate_stamped,
 };
 
+use crate::preintegration::oracle::parts;
+
 /// Lengths of the intervals, in seconds.
 pub const LENGTHS: [f64; 4] = [0.1, 0.5, 1.0, 2.0];
 
@@ -32,20 +34,22 @@ impl Interval {
     }
 }
 
-/// Root mean squares of attitude, velocity and position, each the length of a vector of three, in
-/// radians, m/s and metres.
-pub fn sizes(residuals: impl Iterator<Item = Vector9>) -> [f64; 3] {
-    let (mut squares, mut count) = ([0.0; 3], 0.0);
-    for residual in residuals {
-        for (part, square) in squares.iter_mut().enumerate() {
-            *square += residual.fixed_rows::<3>(3 * part).norm_squared();
-        }
-        count += 1.0;
-    }
-    squares.map(|square| (square / count).sqrt())
+/// Root mean square residuals of attitude, velocity and position, each the length of a vector of
+/// three, in radians, m/s and metres.
+pub fn sizes(intervals: &[Interval], gravity: &Vector3<f64>) -> [f64; 3] {
+    let residuals = || intervals.iter().map(|interval| parts(&interval.residual(gravity)));
+    [0, 1, 2].map(|part| {
+        let square: f64 = residuals().map(|residual| residual[part].norm_squared()).sum();
+        (square / intervals.len() as f64).sqrt()
+    })
 }
 
 impl Flight {
+    /// From the first reading to the last.
+    pub fn seconds(&self) -> f64 {
+        self.samples[0].seconds_to(&self.samples[self.samples.len() - 1])
+    }
+
     /// Intervals of this length, one after the other. The ground truth's times are moved by
     /// `offset` seconds on the sensor's clock before the readings are looked up.
     pub fn intervals(&self, rule: Rule, seconds: f64, offset: f64) -> Vec<Interval> {
@@ -74,11 +78,10 @@ impl Flight {
 
 /// The same root mean squares as the covariances of the sums predict them.
 pub fn predicted(intervals: &[Interval]) -> [f64; 3] {
-    let variance = |part: usize| {
+    [0, 1, 2].map(|part| {
         let sum: f64 = intervals.iter().map(|i| 3.0 * i.sums.sigmas()[part].powi(2)).sum();
         (sum / intervals.len() as f64).sqrt()
-    };
-    [variance(0), variance(1), variance(2)]
+    })
 }
 
 /// The mean of the normalized error squared.

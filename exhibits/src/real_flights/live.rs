@@ -6,7 +6,7 @@ use vislam::preintegration::Rule;
 
 use super::budget::{Pieces, gravity_found, normalized_with_truth};
 use super::intervals::{LENGTHS, normalized, sizes};
-use super::record::{FOUND, accepted_value};
+use super::record::accepted_value;
 use super::simulated::{Faults, STEP, flight};
 use super::wander::Wander;
 use crate::chapter::Chapter;
@@ -18,11 +18,11 @@ const LENGTH_NAMES: [&str; 4] = ["length_0", "length_1", "length_2", "length_3"]
 
 /// What the record says is wrong with the ground truth of the real flight.
 pub fn faults() -> Faults {
-    let [attitude, attitude_tau, velocity, velocity_tau, x, y, z] = FOUND.map(accepted_value);
+    let found = |name| accepted_value(&format!("v1_{name}"));
     Faults {
-        attitude: Wander { sigma: 1e-3 * attitude, tau: attitude_tau },
-        velocity: Wander { sigma: 1e-2 * velocity, tau: velocity_tau },
-        gravity: 1e-2 * Vector3::new(x, y, z) - GRAVITY,
+        attitude: Wander { sigma: 1e-3 * found("attitude_sigma"), tau: found("attitude_tau") },
+        velocity: Wander { sigma: 1e-2 * found("velocity_sigma"), tau: found("velocity_tau") },
+        gravity: 1e-2 * Vector3::from(["gravity_x", "gravity_y", "gravity_z"].map(found)) - GRAVITY,
     }
 }
 
@@ -31,22 +31,21 @@ pub fn numbers(chapter: &mut Chapter) {
         chapter.number(name, seconds, "s", if seconds < 1.0 { 1 } else { 0 });
     }
     chapter.number("half_step", 0.5e3 * STEP, "ms", 1);
-    let second = |flight: &super::intervals::Flight| flight.intervals(Rule::Midpoint, 1.0, 0.0);
-    let (ideal, faults) = (flight(SECONDS, SEED, None), faults());
-    let spoilt = flight(SECONDS, SEED, Some(&faults));
-    let intervals = second(&ideal);
+    let ideal = flight(SECONDS, SEED, None);
+    let intervals = ideal.intervals(Rule::Midpoint, 1.0, 0.0);
     chapter.number("live_intervals", intervals.len() as f64, "", 0);
     chapter.number("live_normalized", normalized(&intervals, &GRAVITY), "", 1);
     // Three standard deviations of the mean of so many chi-square numbers of nine degrees.
     let scatter = 3.0 * (18.0 / intervals.len() as f64).sqrt();
     chapter.number("live_low", 9.0 - scatter, "", 1);
     chapter.number("live_high", 9.0 + scatter, "", 1);
-    let intervals = second(&spoilt);
+    let faults = faults();
+    let spoilt = flight(SECONDS, SEED, Some(&faults));
+    let intervals = spoilt.intervals(Rule::Midpoint, 1.0, 0.0);
     let (gravity, _) = gravity_found(&spoilt);
-    let pieces = Pieces::new(&spoilt, &gravity);
-    let attitude = pieces.attitude_wander();
+    let [attitude, _] = Pieces::new(&spoilt, &gravity).wanders();
     chapter.number("live_spoilt", normalized(&intervals, &GRAVITY), "", 0);
-    let [error, ..] = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
+    let [error, ..] = sizes(&intervals, &GRAVITY);
     chapter.number("live_attitude", 1e3 * error, "mrad", 2);
     chapter.number("live_gravity_x", 1e2 * gravity.x, "cm/s²", 1);
     chapter.number("live_sigma", 1e3 * attitude.sigma, "mrad", 1);

@@ -6,20 +6,18 @@ use vislam::inertial::{GRAVITY, ImuNoise};
 use vislam::preintegration::Rule;
 
 use super::budget::{
-    Pieces, Shares, best_offset, explained_by_the_gyroscope, gravity_beside_a_bias, gravity_found,
-    lean, normalized_with_truth, roughness, shares, with_steady_bias,
+    Pieces, best_offset, explained_by_the_gyroscope, gravity_beside_a_bias, gravity_found, lean,
+    normalized_with_truth, roughness, shares, with_steady_bias,
 };
-use super::intervals::{Flight, Interval, LENGTHS, predicted, sizes};
+use super::intervals::{Flight, LENGTHS, predicted, sizes};
 use super::wander::Wander;
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
+use crate::inertial::rest;
 use crate::record::{RecordValue, accepted};
 
 const FILES: [DataFile; 4] = [
-    DataFile {
-        path: "euroc/V1_01_imu0.csv",
-        sha256: "4cef78a5cf7c8ee52016a160de4b50184da2a216d615feb7ebbbb3bc99efa89e",
-    },
+    rest::FILE,
     DataFile {
         path: "euroc/V1_01_groundtruth_20hz.csv",
         sha256: "16543952bf69f3fb886008a26cc21d3c552deca8fa06087f0bc329c09d7fcbe3",
@@ -34,46 +32,6 @@ const FILES: [DataFile; 4] = [
     },
 ];
 
-/// A name for each length.
-macro_rules! each_length {
-    ($name:literal) => {
-        [concat!($name, "_0"), concat!($name, "_1"), concat!($name, "_2"), concat!($name, "_3")]
-    };
-}
-
-pub const ATTITUDE: [[&str; 4]; 3] = [
-    each_length!("v1_attitude_euler"),
-    each_length!("v1_attitude"),
-    each_length!("v1_attitude_predicted"),
-];
-pub const VELOCITY: [[&str; 4]; 3] = [
-    each_length!("v1_velocity_euler"),
-    each_length!("v1_velocity"),
-    each_length!("v1_velocity_predicted"),
-];
-pub const POSITION: [[&str; 4]; 3] = [
-    each_length!("v1_position_euler"),
-    each_length!("v1_position"),
-    each_length!("v1_position_predicted"),
-];
-/// Gravity's, the attitude's and the rest's shares of the errors of velocity and position.
-pub const SHARES: [[[&str; 4]; 3]; 2] = [
-    [
-        each_length!("v1_velocity_gravity"),
-        each_length!("v1_velocity_attitude"),
-        each_length!("v1_velocity_rest"),
-    ],
-    [
-        each_length!("v1_position_gravity"),
-        each_length!("v1_position_attitude"),
-        each_length!("v1_position_rest"),
-    ],
-];
-const ATTITUDE_MODEL: [&str; 4] = each_length!("v1_attitude_wander");
-const VELOCITY_MODEL: [&str; 4] = each_length!("v1_velocity_wander");
-const NORMALIZED: [&str; 4] = each_length!("v1_normalized_truth");
-const OFFSETS: [&str; 4] = each_length!("v1_offset");
-pub const LEICA: [[&str; 4]; 2] = [each_length!("mh_velocity"), each_length!("mh_position")];
 /// Seconds, and the error of attitude over them.
 pub const LATER: [(f64, &str); 6] = [
     (0.05, "v1_attitude_after_005"),
@@ -82,16 +40,6 @@ pub const LATER: [(f64, &str); 6] = [
     (20.0, "v1_attitude_after_20"),
     (40.0, "v1_attitude_after_40"),
     (60.0, "v1_attitude_after_60"),
-];
-/// What a fault of the simulated flights is set to, as the record of the real ones found it.
-pub const FOUND: [&str; 7] = [
-    "v1_attitude_sigma",
-    "v1_attitude_tau",
-    "v1_velocity_sigma",
-    "v1_velocity_tau",
-    "v1_gravity_x",
-    "v1_gravity_y",
-    "v1_gravity_z",
 ];
 
 pub fn records(chapter: &mut Chapter) {
@@ -106,22 +54,22 @@ pub fn accepted_value(name: &str) -> f64 {
 }
 
 /// The flight of two files.
-fn flight(files: &[DataFile]) -> Result<Flight, NotMade> {
-    let [imu, truth] = files else { return Err(NotMade::Failed("a flight has two files".into())) };
+fn flight(imu: &DataFile, truth: &DataFile) -> Result<Flight, NotMade> {
     let failed =
         |file: &DataFile, error: String| NotMade::Failed(format!("{}: {error}", file.path));
     let samples = read_imu(&imu.read()?).map_err(|error| failed(imu, error.to_string()))?;
-    let truth_text = truth.read()?;
-    let truth = read_ground_truth(&truth_text).map_err(|error| failed(truth, error.to_string()))?;
+    let states = read_ground_truth(&truth.read()?);
+    let truth = states.map_err(|error| failed(truth, error.to_string()))?;
     Ok(Flight { samples, truth })
 }
 
 fn flights() -> Result<Vec<RecordValue>, NotMade> {
-    let (vicon, leica) = (flight(&FILES[..2])?, flight(&FILES[2..])?);
+    let [vicon_imu, vicon_truth, leica_imu, leica_truth] = &FILES;
+    let (vicon, leica) = (flight(vicon_imu, vicon_truth)?, flight(leica_imu, leica_truth)?);
     let mut values = Values(Vec::new());
     let (gravity, _) = gravity_found(&vicon);
     let pieces = Pieces::new(&vicon, &gravity);
-    let wanders = [pieces.attitude_wander(), pieces.velocity_wander()];
+    let wanders = pieces.wanders();
     values.flight(&vicon);
     values.errors(&vicon);
     values.gravity(&vicon);
@@ -140,13 +88,14 @@ const CM: f64 = 1e2;
 struct Values(Vec<RecordValue>);
 
 impl Values {
-    fn add(&mut self, name: &'static str, value: f64, unit: &'static str, decimals: usize) {
+    fn add(&mut self, name: impl Into<String>, value: f64, unit: &'static str, decimals: usize) {
+        // A record names its values for as long as the program runs.
+        let name = name.into().leak();
         self.0.push(RecordValue { name, value, unit, decimals, within: 1e-6 });
     }
 
     fn flight(&mut self, vicon: &Flight) {
-        let seconds = vicon.samples[0].seconds_to(&vicon.samples[vicon.samples.len() - 1]);
-        self.add("v1_seconds", seconds, "s", 0);
+        self.add("v1_seconds", vicon.seconds(), "s", 0);
         self.add("v1_readings", vicon.samples.len() as f64, "", 0);
         self.add("v1_states", vicon.truth.len() as f64, "", 0);
     }
@@ -155,15 +104,15 @@ impl Values {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
             let [euler, midpoint] =
                 [Rule::Euler, Rule::Midpoint].map(|rule| vicon.intervals(rule, seconds, 0.0));
-            let size = |intervals: &[Interval]| {
-                sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)))
-            };
-            let of = [size(&euler), size(&midpoint), predicted(&midpoint)];
-            for (kind, of) in of.into_iter().enumerate() {
-                self.add(ATTITUDE[kind][index], MRAD * of[0], "mrad", 2);
-                self.add(VELOCITY[kind][index], CM * of[1], "cm/s", 2);
+            for (kind, [attitude, velocity, position]) in [
+                ("_euler", sizes(&euler, &GRAVITY)),
+                ("", sizes(&midpoint, &GRAVITY)),
+                ("_predicted", predicted(&midpoint)),
+            ] {
+                self.add(format!("v1_attitude{kind}_{index}"), MRAD * attitude, "mrad", 2);
+                self.add(format!("v1_velocity{kind}_{index}"), CM * velocity, "cm/s", 2);
                 let decimals = if index == 0 { 3 } else { 2 };
-                self.add(POSITION[kind][index], CM * of[2], "cm", decimals);
+                self.add(format!("v1_position{kind}_{index}"), CM * position, "cm", decimals);
             }
         }
     }
@@ -175,9 +124,8 @@ impl Values {
         self.add("v1_gravity_z", CM * gravity.z, "cm/s²", 1);
         self.add("v1_gravity_size", gravity.norm(), "m/s²", 3);
         self.add("v1_gravity_sigma", sigma.z, "m/s²", 4);
-        let tilt = gravity.xy().norm().atan2(-gravity.z);
-        self.add("v1_tilt_mrad", MRAD * tilt, "mrad", 1);
-        self.add("v1_tilt_deg", tilt.to_degrees(), "°", 2);
+        self.add("v1_tilt_mrad", MRAD * tilt(&gravity), "mrad", 1);
+        self.add("v1_tilt_deg", tilt(&gravity).to_degrees(), "°", 2);
         // The first axis of the body is the one that points up most.
         let free = gravity_beside_a_bias(vicon);
         self.add("v1_free_x", CM * free.gravity.x, "cm/s²", 2);
@@ -196,9 +144,9 @@ impl Values {
         self.add("v1_velocity_sigma", CM * velocity.sigma, "cm/s", 2);
         self.add("v1_velocity_tau", velocity.tau, "s", 2);
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
-            let model = [attitude, velocity].map(|wander| wander.spread(seconds).sqrt());
-            self.add(ATTITUDE_MODEL[index], MRAD * model[0], "mrad", 2);
-            self.add(VELOCITY_MODEL[index], CM * model[1], "cm/s", 2);
+            let [attitude, velocity] = [attitude, velocity].map(|of| of.spread(seconds).sqrt());
+            self.add(format!("v1_attitude_wander_{index}"), MRAD * attitude, "mrad", 2);
+            self.add(format!("v1_velocity_wander_{index}"), CM * velocity, "cm/s", 2);
         }
         for (seconds, name) in LATER {
             let decimals = if seconds < 0.1 { 2 } else { 1 };
@@ -211,12 +159,13 @@ impl Values {
     }
 
     fn shares(&mut self, vicon: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) {
-        for (index, of) in shares(vicon, gravity, pieces).into_iter().enumerate() {
-            for (part, Shares { gravity, attitude, rest }) in of.into_iter().enumerate() {
-                let unit = ["cm/s", "cm"][part];
-                let decimals = if part == 1 && index == 0 { 3 } else { 2 };
-                for (kind, share) in [gravity, attitude, rest].into_iter().enumerate() {
-                    self.add(SHARES[part][kind][index], CM * share, unit, decimals);
+        for (index, parts) in shares(vicon, gravity, pieces).into_iter().enumerate() {
+            for (shares, (part, unit)) in
+                parts.into_iter().zip([("velocity", "cm/s"), ("position", "cm")])
+            {
+                let decimals = if part == "position" && index == 0 { 3 } else { 2 };
+                for (kind, share) in ["gravity", "attitude", "rest"].into_iter().zip(shares) {
+                    self.add(format!("v1_{part}_{kind}_{index}"), CM * share, unit, decimals);
                 }
             }
         }
@@ -224,8 +173,7 @@ impl Values {
         let (gravity, _) = gravity_found(&steady);
         let [velocity, _] = Pieces::new(&steady, &gravity).without_attitude(1.0);
         self.add("v1_velocity_steady", CM * velocity, "cm/s", 2);
-        let seconds = vicon.samples[0].seconds_to(&vicon.samples[vicon.samples.len() - 1]);
-        let walk = ImuNoise::euroc().accelerometer_walk * seconds.sqrt();
+        let walk = ImuNoise::euroc().accelerometer_walk * vicon.seconds().sqrt();
         self.add("v1_bias_walk", CM * walk, "cm/s²", 1);
     }
 
@@ -238,30 +186,31 @@ impl Values {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
             let intervals = vicon.intervals(Rule::Midpoint, seconds, 0.0);
             let of = normalized_with_truth(&intervals, gravity, attitude, velocity);
-            self.add(NORMALIZED[index], of, "", 1);
+            self.add(format!("v1_normalized_truth_{index}"), of, "", 1);
         }
     }
 
     /// What was suspected, and how much of the errors it can be.
     fn excluded(&mut self, vicon: &Flight, pieces: &Pieces, attitude: &Wander) {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
-            self.add(OFFSETS[index], 1e3 * best_offset(vicon, seconds).0, "ms", 2);
+            let (offset, _) = best_offset(vicon, seconds);
+            self.add(format!("v1_offset_{index}"), 1e3 * offset, "ms", 2);
         }
         self.add("v1_offset_gain", MRAD * best_offset(vicon, 1.0).1, "mrad", 2);
         let (share, chance) = explained_by_the_gyroscope(vicon);
         self.add("v1_gyro_share", 1e2 * share, "%", 0);
         self.add("v1_gyro_chance", 1e2 * chance, "%", 0);
         // Whatever a minute shows beyond the wander, as if white noise had done it.
-        let beyond = pieces.attitude_after(60.0).powi(2) - attitude.spread(60.0);
-        let density = (beyond.max(0.0) / 180.0).sqrt();
-        self.add("v1_density_limit", density / ImuNoise::euroc().gyro, "", 1);
-        self.add("v1_density_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        let beyond = |error: f64| error.powi(2) - attitude.spread(60.0);
+        let density = |error: f64| (beyond(error).max(0.0) / 180.0).sqrt();
+        let limit = density(pieces.attitude_after(60.0));
+        self.add("v1_density_limit", limit / ImuNoise::euroc().gyro, "", 1);
+        self.add("v1_density_second", MRAD * 3_f64.sqrt() * limit, "mrad", 2);
         // The same when the ground truth's bias may not follow a drift of the gyroscope.
         let steady = Pieces::new(&with_steady_bias(vicon), &GRAVITY).attitude_after(60.0);
-        let density = ((steady.powi(2) - attitude.spread(60.0)).max(0.0) / 180.0).sqrt();
         self.add("v1_steady_after_60", MRAD * steady, "mrad", 1);
-        self.add("v1_steady_limit", density / ImuNoise::euroc().gyro, "", 1);
-        self.add("v1_steady_second", MRAD * 3_f64.sqrt() * density, "mrad", 2);
+        self.add("v1_steady_limit", density(steady) / ImuNoise::euroc().gyro, "", 1);
+        self.add("v1_steady_second", MRAD * 3_f64.sqrt() * density(steady), "mrad", 2);
         // Three axes whose biases walk, integrated once.
         let walked = ImuNoise::euroc().gyro_walk * 60_f64.powf(1.5);
         self.add("v1_walk_60", MRAD * walked, "mrad", 1);
@@ -273,21 +222,23 @@ impl Values {
         let fresh = (1.0 - correlation).sqrt() * pieces.attitude_after(0.05);
         self.add("v1_step_correlation", correlation, "", 2);
         self.add("v1_step_fresh", MRAD * fresh, "mrad", 3);
-        self.add("v1_step_predicted", MRAD * pieces.step_predicted(), "mrad", 3);
+        self.add("v1_step_predicted", MRAD * predicted(&pieces.pieces)[0], "mrad", 3);
     }
 
     fn leica(&mut self, leica: &Flight) {
         for (index, seconds) in LENGTHS.into_iter().enumerate() {
             let intervals = leica.intervals(Rule::Midpoint, seconds, 0.0);
-            let of = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
-            self.add(LEICA[0][index], CM * of[1], "cm/s", 2);
-            self.add(LEICA[1][index], CM * of[2], "cm", 2);
+            let [_, velocity, position] = sizes(&intervals, &GRAVITY);
+            self.add(format!("mh_velocity_{index}"), CM * velocity, "cm/s", 2);
+            self.add(format!("mh_position_{index}"), CM * position, "cm", 2);
         }
-        let intervals = leica.intervals(Rule::Midpoint, 0.1, 0.0);
-        let of = sizes(intervals.iter().map(|interval| interval.residual(&GRAVITY)));
-        self.add("mh_attitude_0", MRAD * of[0], "mrad", 2);
-        let (gravity, _) = gravity_found(leica);
-        let tilt = gravity.xy().norm().atan2(-gravity.z);
-        self.add("mh_tilt_mrad", MRAD * tilt, "mrad", 2);
+        let [attitude, ..] = sizes(&leica.intervals(Rule::Midpoint, 0.1, 0.0), &GRAVITY);
+        self.add("mh_attitude_0", MRAD * attitude, "mrad", 2);
+        self.add("mh_tilt_mrad", MRAD * tilt(&gravity_found(leica).0), "mrad", 2);
     }
+}
+
+/// The angle between gravity and the world's z axis, in radians.
+fn tilt(gravity: &Vector3<f64>) -> f64 {
+    gravity.xy().norm().atan2(-gravity.z)
 }

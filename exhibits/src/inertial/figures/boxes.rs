@@ -6,7 +6,9 @@ use plotters::style::Color;
 use vislam::inertial::GRAVITY;
 use vislam::simulation::{EulerAngles, Trajectory};
 
-use crate::figure::{self, Drawing, Drawn, Figure, GRID, INK, MEASURED, SERIES, letters_around};
+use crate::figure::{
+    Drawing, Drawn, Figure, GRID, INK, MEASURED, SERIES, decimals, letters_around,
+};
 
 /// What happens to the box, and its acceleration upward in m/s².
 const CASES: [(&str, f64); 3] = [("on a table", 0.0), ("falling", -9.81), ("a lift starts", 3.0)];
@@ -18,29 +20,26 @@ const HALF: i32 = 150;
 const SAG: f64 = 6.0;
 
 pub fn boxes() -> Figure {
-    let read = CASES.map(|(_, up)| reading(up));
-    let rows = CASES.iter().zip(read).map(|((name, up), read)| {
-        vec![(*name).to_owned(), format!("{up:.2}"), format!("{read:.2}")]
-    });
-    Figure {
-        columns: vec!["case", "acceleration upward (m/s²)", "reading upward (m/s²)"],
-        rows: rows.collect(),
-        svg: figure::draw(600, |drawing| {
-            for (index, ((name, up), read)) in CASES.iter().zip(read).enumerate() {
-                one(drawing, 230 + 410 * index as i32, name, *up, read)?;
-            }
-            Ok(())
-        }),
-    }
+    let columns = vec![
+        ("case", CASES.map(|(name, _)| name.to_owned()).to_vec()),
+        ("acceleration upward (m/s²)", decimals(2, CASES.map(|(_, up)| up))),
+        ("reading upward (m/s²)", decimals(2, CASES.map(|(_, up)| reading(up)))),
+    ];
+    Figure::new(600, columns, |drawing| {
+        for (index, (name, up)) in CASES.into_iter().enumerate() {
+            one(drawing, 230 + 410 * index as i32, name, up)?;
+        }
+        Ok(())
+    })
 }
 
 fn reading(up: f64) -> f64 {
-    let motion =
-        Trajectory::constant_acceleration(&Vector3::new(0.0, 0.0, up), EulerAngles::default());
+    let motion = Trajectory::constant_acceleration(&(up * Vector3::z()), EulerAngles::default());
     motion.at(0.0).sample(&GRAVITY).accelerometer.z
 }
 
-fn one(drawing: &Drawing, x: i32, name: &str, up: f64, read: f64) -> Drawn {
+fn one(drawing: &Drawing, x: i32, name: &str, up: f64) -> Drawn {
+    let read = reading(up);
     let sunk = MIDDLE + (SAG * read).round() as i32;
     drawing.draw(&PathElement::new([(x - 80, MIDDLE), (x + 80, MIDDLE)], GRID.stroke_width(4)))?;
     for (from, to) in [(MIDDLE - HALF, sunk - 28), (sunk + 28, MIDDLE + HALF)] {
@@ -53,8 +52,7 @@ fn one(drawing: &Drawing, x: i32, name: &str, up: f64, read: f64) -> Drawn {
     drawing.draw(&PathElement::new(walls, INK.stroke_width(6)))?;
     if up == 0.0 {
         let top = MIDDLE + HALF + 6;
-        let table = [(x - 190, top), (x + 190, top)];
-        drawing.draw(&PathElement::new(table, INK.stroke_width(12)))?;
+        drawing.draw(&PathElement::new([(x - 190, top), (x + 190, top)], INK.stroke_width(12)))?;
     } else {
         // A metre per second squared is ten units long.
         let tip = MIDDLE - (10.0 * up).round() as i32 - if up > 0.0 { 40 } else { -20 };

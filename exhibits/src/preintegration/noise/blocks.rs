@@ -1,6 +1,6 @@
 //! How the nine errors hang together, and what is lost when their blocks are kept apart.
 
-use nalgebra::{DMatrix, Matrix3, SymmetricEigen};
+use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use vislam::inertial::{GRAVITY, ImuNoise, ImuSample};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
 use vislam::simulation::Trajectory;
@@ -35,13 +35,11 @@ pub fn equations(chapter: &mut Chapter) {
 fn growth_correlation(formula: Correlations) -> Comparison {
     let against = "the recursion in many short steps at rest, for random sensors and times";
     const STEPS: usize = 4000;
-    let mut comparison = Comparison::absolute(against, 2e-3, "correlation");
-    let mut random = Random::new(451);
-    for _ in 0..25 {
+    Comparison::absolute(against, 2e-3, "correlation").over(25, 451, |random| {
         let density = random.logarithmic(1e-4..1e-1);
         let dt = random.logarithmic(1e-4..1e-2);
-        let force = random.uniform(1.0..20.0) * nalgebra::Vector3::z();
-        let reading = ImuSample { gyro: nalgebra::Vector3::zeros(), accelerometer: force };
+        let force = random.uniform(1.0..20.0) * Vector3::z();
+        let reading = ImuSample { gyro: Vector3::zeros(), accelerometer: force };
         let correlations = |gyro: f64, accelerometer: f64| {
             let noise = ImuNoise { gyro, accelerometer, ..ImuNoise::mems() };
             let covariance = of_readings(&[reading; STEPS], dt, &noise).covariance;
@@ -52,25 +50,20 @@ fn growth_correlation(formula: Correlations) -> Comparison {
         let own = correlations(0.0, density);
         let leaked = correlations(density, 0.0);
         // A turn about y, velocity and position along x.
-        let found = [own(3, 6), leaked(1, 3), leaked(1, 6), leaked(3, 6)];
-        comparison.add(&formula(), &found);
-    }
-    comparison
+        (formula(), [own(3, 6), leaked(1, 3), leaked(1, 6), leaked(3, 6)])
+    })
 }
 
 /// A second with a poor sensor, at rest and in a figure-eight.
 pub fn seconds() -> [(&'static str, Preintegrated); 2] {
-    let mems = ImuNoise::mems();
-    let flight = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
-    [
-        ("at rest", at_rest(&mems, DT, SECOND)),
-        ("figure-eight", by_rule(Rule::Midpoint, &flight, &mems)),
-    ]
+    let (mems, flight) = (ImuNoise::mems(), Trajectory::figure_eight());
+    let flight = by_rule(Rule::Midpoint, &flight.samples(&GRAVITY, DT, SECOND + 1), &mems);
+    [("at rest", at_rest(&mems, DT, SECOND)), ("figure-eight", flight)]
 }
 
 pub fn correlation(covariance: &Matrix9) -> Matrix9 {
-    let scale = covariance.diagonal().map(|variance| 1.0 / variance.sqrt());
-    let scale = Matrix9::from_diagonal(&scale);
+    let scale =
+        Matrix9::from_diagonal(&covariance.diagonal().map(|variance| 1.0 / variance.sqrt()));
     scale * covariance * scale
 }
 
@@ -116,8 +109,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("covariance_vp_level", of_rest[(3, 6)], "", 2);
     chapter.number("covariance_phi_v", of_rest[(1, 3)], "", 2);
     chapter.number("covariance_phi_p", of_rest[(1, 6)], "", 2);
-    let own = 3.0_f64.sqrt() / 2.0;
-    chapter.number("covariance_vp_own", own, "", 3);
+    chapter.number("covariance_vp_own", 3.0_f64.sqrt() / 2.0, "", 3);
     apart(chapter, &rest, &flight);
     let sure = position_given(&rest.covariance, &[3, 4, 5]);
     chapter.number("covariance_p_given_v", 1e2 * sure, "cm", 2);
@@ -127,18 +119,13 @@ pub fn numbers(chapter: &mut Chapter) {
 
 fn apart(chapter: &mut Chapter, rest: &Preintegrated, flight: &Preintegrated) {
     let [rest, flight] = [rest, flight].map(|sums| seen_apart(&sums.covariance));
-    let extremes = |matrix: &Matrix9| {
-        let eigenvalues = matrix.symmetric_eigenvalues();
-        (eigenvalues.min(), eigenvalues.max())
-    };
-    let (least, most) = extremes(&rest);
-    chapter.number("covariance_apart_least", 1.0 / least, "", 0);
-    chapter.number("covariance_apart_most", most, "", 2);
+    let eigenvalues = rest.symmetric_eigenvalues();
+    chapter.number("covariance_apart_least", 1.0 / eigenvalues.min(), "", 0);
+    chapter.number("covariance_apart_most", eigenvalues.max(), "", 2);
     let bits = |matrix: &Matrix9| -0.5 * matrix.determinant().log2();
     chapter.number("covariance_lost_bits", bits(&rest), "bits", 1);
     chapter.number("covariance_lost_bits_flight", bits(&flight), "bits", 1);
-    let volume = rest.determinant().sqrt();
-    chapter.number("covariance_volume_ratio", 1.0 / volume, "", 0);
+    chapter.number("covariance_volume_ratio", 1.0 / rest.determinant().sqrt(), "", 0);
     let bound = chi_square_quantile(0.95, 9.0);
     chapter.number("covariance_bound", bound, "", 1);
     chapter.number("covariance_apart_beyond", 100.0 * beyond(&rest, bound), "%", 0);

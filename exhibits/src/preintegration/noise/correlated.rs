@@ -1,16 +1,17 @@
 //! Noise that remembers, and other things that a density does not say.
 
+use nalgebra::Vector3;
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::Rule;
 use vislam::simulation::Trajectory;
 
-use super::growth::G;
-use super::runs::{DT, SECOND, at_rest, by_rule, errors, rest};
+use super::growth::{G, sigma};
+use super::runs::{DT, SECOND, at_rest, rest, whitened_errors};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::oracle::STATES;
 use crate::random::Random;
 
-const STATES: usize = 500;
 const RUNS: usize = 500;
 /// Seconds over which the noise of the worked example forgets.
 pub const MEMORY: f64 = 0.02;
@@ -41,16 +42,13 @@ pub fn equations(chapter: &mut Chapter) {
 
 fn noise_correlated(formula: Sum) -> Comparison {
     let against = "the sum over all pairs of readings";
-    let mut comparison = Comparison::relative(against, 1e-10);
-    let mut random = Random::new(461);
-    for _ in 0..STATES {
+    Comparison::relative(against, 1e-10).over(STATES, 461, |random| {
         let readings = random.uniform(2.0..80.0) as usize;
         let rho = random.uniform(0.1..0.98);
         let pairs = (0..readings).flat_map(|i| (0..readings).map(move |j| i.abs_diff(j) as i32));
         let oracle: f64 = pairs.map(|apart| rho.powi(apart)).sum();
-        comparison.add(&[formula(readings, rho)], &[oracle]);
-    }
-    comparison
+        (formula(readings, rho), oracle)
+    })
 }
 
 /// Correlation of neighbouring readings when the noise forgets over `memory` seconds.
@@ -65,23 +63,18 @@ pub fn too_sure(readings: usize, memory: f64) -> f64 {
 }
 
 /// Six channels of noise with a memory, and the deviation of a reading that white noise has.
-pub struct Remembering {
+struct Remembering {
     rho: f64,
     state: [f64; 6],
 }
 
 impl Remembering {
-    pub fn new(memory: f64, random: &mut Random) -> Self {
+    fn new(memory: f64, random: &mut Random) -> Self {
         Self { rho: neighbours(memory), state: [(); 6].map(|()| random.normal(1.0)) }
     }
 
     /// The reading with the noise of this moment.
-    pub fn corrupt(
-        &mut self,
-        sample: &ImuSample,
-        noise: &ImuNoise,
-        random: &mut Random,
-    ) -> ImuSample {
+    fn corrupt(&mut self, sample: &ImuSample, noise: &ImuNoise, random: &mut Random) -> ImuSample {
         let fresh = (1.0 - self.rho * self.rho).sqrt();
         for value in &mut self.state {
             *value = self.rho * *value + random.normal(fresh);
@@ -95,17 +88,13 @@ impl Remembering {
 /// The mean normalized square of a second's errors, by the covariance for white noise.
 fn mean_nees(memory: f64) -> f64 {
     let (noise, mut random) = (ImuNoise::mems(), Random::new(462));
-    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
-    let clean = by_rule(Rule::Euler, &samples, &noise);
-    let whiten = clean.sqrt_information().expect("after many steps everything varies");
-    let squares = (0..RUNS).map(|_| {
+    let noisy = |perfect: &[ImuSample]| {
         let mut remembering = Remembering::new(memory, &mut random);
-        let corrupt = |sample| remembering.corrupt(sample, &noise, &mut random);
-        let noisy: Vec<_> = samples.iter().map(corrupt).collect();
-        let run = by_rule(Rule::Euler, &noisy, &noise);
-        (whiten * errors(&clean.deltas, &run.deltas)).norm_squared()
-    });
-    squares.sum::<f64>() / RUNS as f64
+        perfect.iter().map(|sample| remembering.corrupt(sample, &noise, &mut random)).collect()
+    };
+    let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND + 1);
+    let errors = whitened_errors(Rule::Euler, samples, RUNS, noisy);
+    errors.map(|error| error.norm_squared()).sum::<f64>() / RUNS as f64
 }
 
 /// Root mean square angle of the attitude's error after each of these numbers of readings, in
@@ -116,13 +105,10 @@ pub fn attitude_runs(memory: f64, readings: &[usize], runs: usize) -> Vec<f64> {
     let mut squares = vec![0.0; readings.len()];
     for _ in 0..runs {
         let mut remembering = Remembering::new(memory, &mut random);
-        let samples: Vec<_> =
-            (0..last).map(|_| remembering.corrupt(&rest(), &noise, &mut random)).collect();
         // At rest the small turns add up.
-        let mut turned = nalgebra::Vector3::zeros();
-        let mut next = 0;
-        for (index, sample) in samples.iter().enumerate() {
-            turned += DT * sample.gyro;
+        let (mut turned, mut next) = (Vector3::zeros(), 0);
+        for index in 0..last {
+            turned += DT * remembering.corrupt(&rest(), &noise, &mut random).gyro;
             if readings.get(next) == Some(&(index + 1)) {
                 squares[next] += turned.norm_squared() / 3.0 / runs as f64;
                 next += 1;
@@ -149,10 +135,10 @@ fn other_errors(chapter: &mut Chapter) {
     let scale = 0.005;
     chapter.number("noise_scale_percent", 100.0 * scale, "%", 1);
     chapter.number("noise_scale_v", 1e2 * scale * G, "cm/s", 1);
-    let up = 1e2 * super::growth::sigma(&at_rest(&mems, DT, SECOND), 5);
+    let up = 1e2 * sigma(&at_rest(&mems, DT, SECOND), 5);
     chapter.number("noise_scale_sigmas", 1e2 * scale * G / up, "", 1);
-    let walk = |walk: f64, white: f64| 3.0_f64.sqrt() * white / walk;
-    chapter.number("noise_walk_gyro_s", walk(mems.gyro_walk, mems.gyro), "s", 0);
-    let force = walk(mems.accelerometer_walk, mems.accelerometer);
+    let gyro = 3.0_f64.sqrt() * mems.gyro / mems.gyro_walk;
+    chapter.number("noise_walk_gyro_s", gyro, "s", 0);
+    let force = 3.0_f64.sqrt() * mems.accelerometer / mems.accelerometer_walk;
     chapter.number("noise_walk_accelerometer_s", force, "s", 1);
 }

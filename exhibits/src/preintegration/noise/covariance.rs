@@ -6,12 +6,13 @@ use vislam::preintegration::{
     ErrorDynamics, Matrix9, Matrix9x6, Preintegrator, Rule, error_dynamics,
 };
 
-use super::growth::G;
-use super::oracle::{noisy, nothing, readings, slopes, summed};
+use super::blocks::correlation;
+use super::growth::{G, exchanged};
+use super::oracle::{densities, noisy, readings, slopes, summed};
 use super::runs::{DT, at_rest, rest};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
+use crate::preintegration::oracle::nothing;
 
 const STATES: usize = 100;
 
@@ -19,7 +20,7 @@ const STATES: usize = 100;
 type Recursion = fn(&Matrix9, &ErrorDynamics, &ImuNoise, f64) -> Matrix9;
 
 /// One step, given the covariance of a reading.
-pub fn step(before: &Matrix9, step: &ErrorDynamics, reading: &Matrix6<f64>) -> Matrix9 {
+fn step(before: &Matrix9, step: &ErrorDynamics, reading: &Matrix6<f64>) -> Matrix9 {
     let ErrorDynamics { from_errors: a, from_reading: b } = step;
     a * before * a.transpose() + b * reading * b.transpose()
 }
@@ -39,8 +40,7 @@ pub fn equations(chapter: &mut Chapter) {
         }),
         ("no new noise", |before, of, noise, dt| step(before, of, &(0.0 * noise.discrete(dt)))),
         ("sensors exchanged", |before, of, noise, dt| {
-            let (gyro, accelerometer) = (noise.accelerometer, noise.gyro);
-            step(before, of, &ImuNoise { gyro, accelerometer, ..*noise }.discrete(dt))
+            step(before, of, &exchanged(noise).discrete(dt))
         }),
     ];
     chapter.equation("covariance-recursion", covariance_recursion, formula, &mutants);
@@ -48,16 +48,10 @@ pub fn equations(chapter: &mut Chapter) {
 
 fn covariance_recursion(formula: Recursion) -> Comparison {
     let against = "the derivatives of the last deltas by every single reading, by differences";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(411);
-    for _ in 0..STATES {
-        let samples = readings(&mut random, 12);
+    Comparison::relative(against, 1e-6).over(STATES, 411, |random| {
+        let samples = readings(random, 12);
         let dt = random.logarithmic(0.005..0.1);
-        let noise = ImuNoise {
-            gyro: random.logarithmic(1e-3..1e-1),
-            accelerometer: random.logarithmic(1e-3..1e-1),
-            ..ImuNoise::mems()
-        };
+        let noise = densities(random, 1e-3..1e-1, 1e-3..1e-1);
         let (mut found, mut deltas) = (Matrix9::zeros(), nothing());
         let mut oracle = Matrix9::zeros();
         for (k, sample) in samples.iter().enumerate() {
@@ -73,9 +67,8 @@ fn covariance_recursion(formula: Recursion) -> Comparison {
             let reading = Vector6::from_fn(|i, _| variances[i / 3]);
             oracle += by_reading * Matrix6::from_diagonal(&reading) * by_reading.transpose();
         }
-        comparison.add(found.as_slice(), oracle.as_slice());
-    }
-    comparison
+        (found, oracle)
+    })
 }
 
 /// Deviation of the attitude after a second at rest, in mrad, for whoever takes densities for the
@@ -92,14 +85,9 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("noise_rate", 1.0 / DT, "Hz", 0);
     chapter.number("noise_twice_rate", 2.0 / DT, "Hz", 0);
     chapter.number("noise_tilt_leak", 1e-3 * G * 1e3, "mm/s²", 2);
-    let reading = mems.discrete(DT)[(0, 0)].sqrt();
-    chapter.number("noise_gyro_reading", 1e3 * reading, "mrad/s", 1);
-    chapter.number(
-        "noise_gyro_reading_twice",
-        1e3 * mems.discrete(0.5 * DT)[(0, 0)].sqrt(),
-        "mrad/s",
-        1,
-    );
+    let reading = |dt| mems.discrete(dt)[(0, 0)].sqrt();
+    chapter.number("noise_gyro_reading", 1e3 * reading(DT), "mrad/s", 1);
+    chapter.number("noise_gyro_reading_twice", 1e3 * reading(0.5 * DT), "mrad/s", 1);
     chapter.number("noise_trap_factor", 1.0 / DT.sqrt(), "", 1);
     chapter.number("noise_trap_half_rate", attitude_by_mistake(2.0 * DT), "mrad", 2);
     chapter.number("noise_trap_rate", attitude_by_mistake(DT), "mrad", 2);
@@ -119,16 +107,10 @@ fn one_step(chapter: &mut Chapter) {
         integrator.integrate(&rest(), DT).expect("the reading is finite");
         let sums = integrator.finish().expect("there is a step");
         assert_eq!(sums.sqrt_information().is_ok(), sums.steps > 1, "a whitener");
-        rank(&sums.covariance)
+        // How many directions vary, after each error was measured by its own deviation.
+        let eigenvalues = correlation(&sums.covariance).symmetric_eigenvalues();
+        eigenvalues.iter().filter(|value| **value > 1e-9).count()
     });
     chapter.number("covariance_first_rank", first as f64, "", 0);
     chapter.number("covariance_second_rank", second as f64, "", 0);
-}
-
-/// How many directions vary, after each error was measured by its own deviation.
-fn rank(covariance: &Matrix9) -> usize {
-    let scale = covariance.diagonal().map(|variance| 1.0 / variance.sqrt());
-    let scale = Matrix9::from_diagonal(&scale);
-    let eigenvalues = (scale * covariance * scale).symmetric_eigenvalues();
-    eigenvalues.iter().filter(|value| **value > 1e-9).count()
 }

@@ -9,7 +9,6 @@ mod hinge;
 
 use crate::chapter::Chapter;
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("covariance_eigenvalues", eigenvalues::eigenvalues);
     chapter.figure("growth_hinge", hinge::hinge);

@@ -1,17 +1,18 @@
 //! How deviations grow with time.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
+use vislam::inertial::{ImuNoise, ImuSample};
 use vislam::manifold::so3;
-use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Preintegrator, Rule};
+use vislam::preintegration::{Deltas, Matrix9, Preintegrated, Rule};
 
-use super::oracle::{nothing, readings, slopes, summed};
+use super::oracle::{densities, readings, slopes, summed};
 use super::runs::{DT, SECOND, at_rest, of_readings};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::inertial::rules::exponent;
+use crate::preintegration::oracle::{STATES, nothing, summed_by};
 use crate::random::Random;
 
-const STATES: usize = 500;
 /// The error of attitude in the figure of the hinge, in radians, far larger than any worth having.
 pub const HINGE_ANGLE: f64 = 0.35;
 /// Strength of gravity, in m/s².
@@ -28,58 +29,43 @@ pub fn equations(chapter: &mut Chapter) {
 type Hinge = fn(&Deltas, &Deltas, f64) -> [Matrix3<f64>; 2];
 
 fn hinge(chapter: &mut Chapter) {
-    let formula: Hinge = |at, end, time| {
-        let velocity = end.velocity - at.velocity;
-        let position = end.position - at.position - time * at.velocity;
-        [-so3::hat(&velocity), -so3::hat(&position)]
-    };
     let mutants: [(_, Hinge); 4] = [
-        ("sign", |at, end, time| {
-            let position = end.position - at.position - time * at.velocity;
-            [so3::hat(&(end.velocity - at.velocity)), so3::hat(&position)]
-        }),
-        ("hinge at the beginning", |_, end, _| {
-            [-so3::hat(&end.velocity), -so3::hat(&end.position)]
-        }),
-        ("velocity at the hinge turned too", |at, end, _| {
-            let position = end.position - at.position;
-            [-so3::hat(&(end.velocity - at.velocity)), -so3::hat(&position)]
-        }),
+        ("sign", |at, end, time| hinged(at, end, time).map(|by_theta| -by_theta)),
+        ("hinge at the beginning", |_, end, time| hinged(&nothing(), end, time)),
+        ("velocity at the hinge turned too", |at, end, _| hinged(at, end, 0.0)),
         ("in the body", |at, end, time| {
-            let back = at.rotation.inverse();
-            let position = end.position - at.position - time * at.velocity;
-            let velocity = end.velocity - at.velocity;
-            [-so3::hat(&(back * velocity)), -so3::hat(&(back * position))]
+            let back = *at.rotation.inverse().matrix();
+            hinged(at, end, time).map(|by_theta| back * by_theta * back.transpose())
         }),
     ];
-    chapter.equation("growth-hinge", growth_hinge, formula, &mutants);
+    chapter.equation("growth-hinge", growth_hinge, hinged, &mutants);
     chapter.counterexample("growth-hinge", "small", turned_by, [1e-4, HINGE_ANGLE]);
+}
+
+fn hinged(at: &Deltas, end: &Deltas, time: f64) -> [Matrix3<f64>; 2] {
+    let position = end.position - at.position - time * at.velocity;
+    [-so3::hat(&(end.velocity - at.velocity)), -so3::hat(&position)]
 }
 
 /// The hinge for a turn of this angle.
 fn turned_by(angle: f64) -> Comparison {
     let against = "readings summed on from a body that was turned by hand";
-    let mut comparison = Comparison::relative(against, 1e-3);
     let mut random = Random::new(445);
-    for _ in 0..STATES {
+    let states = (0..STATES).flat_map(|_| {
         let after = readings(&mut random, 15);
         let (at, theta, dt) = (nothing(), random.direction(angle), 0.02);
         let turned = Deltas { rotation: Rotation3::new(theta), ..at };
         let [end, moved] = [at, turned].map(|start| summed(&start, &after, dt));
         let found = [theta.cross(&end.velocity), theta.cross(&end.position)];
-        let errors = [moved.velocity - end.velocity, moved.position - end.position];
-        for (found, error) in found.iter().zip(&errors) {
-            comparison.add(found.as_slice(), error.as_slice());
-        }
-    }
-    comparison
+        found.into_iter().zip([moved.velocity - end.velocity, moved.position - end.position])
+    });
+    Comparison::relative(against, 1e-3).each(states, |both| both)
 }
 
 fn growth_hinge(formula: Hinge) -> Comparison {
     let against = "readings summed on from a body that was turned by hand, by differences";
-    let mut comparison = Comparison::relative(against, 1e-7);
     let mut random = Random::new(441);
-    for _ in 0..STATES {
+    let states = (0..STATES).flat_map(|_| {
         let dt = random.logarithmic(0.005..0.1);
         let before = readings(&mut random, 10);
         let after = readings(&mut random, 15);
@@ -89,13 +75,10 @@ fn growth_hinge(formula: Hinge) -> Comparison {
             let rotation = Rotation3::new(*theta) * at.rotation;
             summed(&Deltas { rotation, ..at }, &after, dt)
         });
-        let [velocity, position] = formula(&at, &end, dt * after.len() as f64);
-        comparison
-            .add(velocity.as_slice(), by_theta.fixed_view::<3, 3>(3, 0).clone_owned().as_slice());
-        comparison
-            .add(position.as_slice(), by_theta.fixed_view::<3, 3>(6, 0).clone_owned().as_slice());
-    }
-    comparison
+        let found = formula(&at, &end, dt * after.len() as f64);
+        found.into_iter().zip([3, 6].map(|row| by_theta.fixed_rows::<3>(row).into_owned()))
+    });
+    Comparison::relative(against, 1e-7).each(states, |both| both)
 }
 
 /// Takes the density, the number of steps and their length. Gives the variance of a component of
@@ -134,6 +117,11 @@ fn gyroscope_with(
     ]
 }
 
+/// As if steps were many and short.
+fn many_steps(leak: &Matrix3<f64>, density: f64, steps: usize, dt: f64) -> [Matrix3<f64>; 3] {
+    gyroscope_with(leak, density, steps as f64 * dt, 1.0, 1.0)
+}
+
 fn leak(force: &Vector3<f64>) -> Matrix3<f64> {
     so3::hat(force) * so3::hat(force).transpose()
 }
@@ -163,20 +151,12 @@ fn single_sources(chapter: &mut Chapter) {
     chapter.counterexample("growth-accelerometer", "equal", own_noise, [kept, uneven]);
 
     let mutants: [(_, Gyroscope); 5] = [
-        ("finite steps forgotten", |f, s, n, dt| {
-            gyroscope_with(&leak(f), s, n as f64 * dt, 1.0, 1.0)
-        }),
-        ("along the force", |f, s, n, dt| {
-            gyroscope_with(&(f * f.transpose()), s, n as f64 * dt, 1.0, 1.0)
-        }),
+        ("finite steps forgotten", |f, s, n, dt| many_steps(&leak(f), s, n, dt)),
+        ("along the force", |f, s, n, dt| many_steps(&(f * f.transpose()), s, n, dt)),
         ("in all directions", |f, s, n, dt| {
-            let leak = f.norm_squared() * Matrix3::identity();
-            gyroscope_with(&leak, s, n as f64 * dt, 1.0, 1.0)
+            many_steps(&(f.norm_squared() * Matrix3::identity()), s, n, dt)
         }),
-        ("no leak", |f, s, n, dt| {
-            let [phi, ..] = gyroscope_law(f, s, n, dt);
-            [phi, Matrix3::zeros(), Matrix3::zeros()]
-        }),
+        ("no leak", |_, s, n, dt| many_steps(&Matrix3::zeros(), s, n, dt)),
         ("position like velocity", |f, s, n, dt| {
             let [phi, velocity, _] = gyroscope_law(f, s, n, dt);
             [phi, velocity, velocity]
@@ -200,40 +180,39 @@ fn steps_of(dt: f64, share: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| if k % 2 == 0 { dt * (1.0 + share) } else { dt * (1.0 - share) })
 }
 
-/// The library's covariance of readings at the ends of steps.
-fn covariance_of(rule: Rule, samples: &[ImuSample], steps: &[f64], noise: &ImuNoise) -> Matrix9 {
-    let mut sums = Preintegrator::new(&ImuBias::default(), noise).expect("densities of a sensor");
-    for (pair, dt) in samples.windows(2).zip(steps) {
-        match rule {
-            Rule::Euler => sums.integrate(&pair[0], *dt),
-            Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], *dt),
-        }
-        .expect("the readings are finite");
-    }
-    sums.finish().expect("there are steps").covariance
+/// What the law of the accelerometer says of three blocks of a covariance, and what they are.
+fn own_blocks(law: [f64; 3], covariance: &Matrix9) -> [(Matrix3<f64>, Matrix3<f64>); 3] {
+    let law = law.map(|value| value * Matrix3::identity());
+    [(0, 3, 3), (1, 3, 6), (2, 6, 6)].map(|(k, i, j)| (law[k], block(covariance, i, j)))
+}
+
+/// What the law of the gyroscope says of the three diagonal blocks, and what they are.
+fn leaked_blocks(
+    law: [Matrix3<f64>; 3],
+    covariance: &Matrix9,
+) -> [(Matrix3<f64>, Matrix3<f64>); 3] {
+    [0, 1, 2].map(|k| (law[k], block(covariance, 3 * k, 3 * k)))
+}
+
+fn block(covariance: &Matrix9, row: usize, column: usize) -> Matrix3<f64> {
+    covariance.fixed_view::<3, 3>(row, column).into_owned()
 }
 
 /// The law of the accelerometer, by both rules, with a noise of the gyroscope and with uneven steps.
 fn own_noise((gyro, uneven): (f64, f64)) -> Comparison {
     let against = "the recursion over readings that turn and accelerate at random, by both rules";
-    let mut comparison = Comparison::relative(against, 1e-11);
     let (mut random, count, dt) = (Random::new(446), 20, 0.02);
     let noise = ImuNoise { gyro, ..ImuNoise::mems() };
-    let steps: Vec<f64> = steps_of(dt, uneven, count).collect();
-    for rule in [Rule::Euler, Rule::Midpoint] {
+    let states = [Rule::Euler, Rule::Midpoint].into_iter().flat_map(|rule| {
         let samples = readings(&mut random, count + 1);
-        let covariance = covariance_of(rule, &samples, &steps, &noise);
-        let law = accelerometer_law(noise.accelerometer, count, dt);
-        for (value, at) in law.into_iter().zip([(3, 3), (3, 6), (6, 6)]) {
-            let found = covariance.fixed_view::<3, 3>(at.0, at.1).clone_owned();
-            comparison.add((value * Matrix3::identity()).as_slice(), found.as_slice());
-        }
-    }
-    comparison
+        let sums = summed_by(rule, &samples, steps_of(dt, uneven, count), &noise);
+        own_blocks(accelerometer_law(noise.accelerometer, count, dt), &sums.covariance)
+    });
+    Comparison::relative(against, 1e-11).each(states, |both| both)
 }
 
-/// A sensor that should lie still: the rule and its steps, the accelerometer's noise, its turn in rad/s, and by what share of
-/// itself the force grows in a second.
+/// A sensor that should lie still: the rule and its steps, the accelerometer's noise, its turn in
+/// rad/s, and by what share of itself the force grows in a second.
 #[derive(Clone, Copy)]
 struct Table {
     rule: Rule,
@@ -246,7 +225,6 @@ struct Table {
 /// The law of the gyroscope on such a sensor.
 fn leaked_noise(table: Table) -> Comparison {
     let against = "the recursion over the readings of the sensor";
-    let mut comparison = Comparison::relative(against, 1e-11);
     let (count, dt) = (20, 0.02);
     let noise = ImuNoise { accelerometer: table.accelerometer, ..ImuNoise::mems() };
     let force = Vector3::new(1.0, -2.0, G);
@@ -254,38 +232,29 @@ fn leaked_noise(table: Table) -> Comparison {
         let accelerometer = (1.0 + table.push * dt * k as f64) * force;
         ImuSample { gyro: table.turn * Vector3::x(), accelerometer }
     });
-    let steps: Vec<f64> = steps_of(dt, table.uneven, count).collect();
-    let covariance = covariance_of(table.rule, &samples.collect::<Vec<_>>(), &steps, &noise);
-    for (block, at) in gyroscope_law(&force, noise.gyro, count, dt).into_iter().zip([0, 3, 6]) {
-        let found = covariance.fixed_view::<3, 3>(at, at).clone_owned();
-        comparison.add(block.as_slice(), found.as_slice());
-    }
-    comparison
+    let (samples, steps) = (samples.collect::<Vec<_>>(), steps_of(dt, table.uneven, count));
+    let sums = summed_by(table.rule, &samples, steps, &noise);
+    let states = leaked_blocks(gyroscope_law(&force, noise.gyro, count, dt), &sums.covariance);
+    Comparison::relative(against, 1e-11).each(states, |both| both)
 }
 
 fn growth_accelerometer(formula: Accelerometer) -> Comparison {
     let against = "the recursion over readings that turn and accelerate at random";
-    let mut comparison = Comparison::relative(against, 1e-11);
     let mut random = Random::new(442);
-    for _ in 0..STATES {
+    let states = (0..STATES).flat_map(|_| {
         let density = random.logarithmic(1e-4..1e-1);
         let noise = ImuNoise { gyro: 0.0, accelerometer: density, ..ImuNoise::mems() };
         let (steps, dt) = (random.uniform(2.0..60.0) as usize, random.logarithmic(0.001..0.09));
         let sums = of_readings(&readings(&mut random, steps), dt, &noise);
-        let blocks = formula(density, steps, dt);
-        for (value, at) in blocks.into_iter().zip([(3, 3), (3, 6), (6, 6)]) {
-            let found = sums.covariance.fixed_view::<3, 3>(at.0, at.1).clone_owned();
-            comparison.add((value * Matrix3::identity()).as_slice(), found.as_slice());
-        }
-    }
-    comparison
+        own_blocks(formula(density, steps, dt), &sums.covariance)
+    });
+    Comparison::relative(against, 1e-11).each(states, |both| both)
 }
 
 fn growth_gyroscope(formula: Gyroscope) -> Comparison {
     let against = "the recursion over equal readings of a body that does not turn";
-    let mut comparison = Comparison::relative(against, 1e-11);
     let mut random = Random::new(443);
-    for _ in 0..STATES {
+    let states = (0..STATES).flat_map(|_| {
         let density = random.logarithmic(1e-5..1e-2);
         let noise = ImuNoise { gyro: density, accelerometer: 0.0, ..ImuNoise::mems() };
         let (steps, dt) = (random.uniform(3.0..60.0) as usize, random.logarithmic(0.001..0.09));
@@ -293,13 +262,9 @@ fn growth_gyroscope(formula: Gyroscope) -> Comparison {
         let accelerometer = random.direction(strength);
         let reading = ImuSample { gyro: Vector3::zeros(), accelerometer };
         let sums = of_readings(&vec![reading; steps], dt, &noise);
-        let blocks = formula(&accelerometer, density, steps, dt);
-        for (block, at) in blocks.into_iter().zip([0, 3, 6]) {
-            let found = sums.covariance.fixed_view::<3, 3>(at, at).clone_owned();
-            comparison.add(block.as_slice(), found.as_slice());
-        }
-    }
-    comparison
+        leaked_blocks(formula(&accelerometer, density, steps, dt), &sums.covariance)
+    });
+    Comparison::relative(against, 1e-11).each(states, |both| both)
 }
 
 /// Times at which the gyroscope's part of the deviations of velocity and position, root mean square
@@ -313,45 +278,36 @@ pub fn crossovers(noise: &ImuNoise, force: f64) -> [f64; 2] {
 
 fn crossover(chapter: &mut Chapter) {
     let mutants: [(_, Crossover); 4] = [
-        ("exchanged", |noise, g| {
-            let [v, p] = crossovers(noise, g);
-            [p, v]
-        }),
+        ("exchanged", |noise, g| [crossovers(noise, g)[1], crossovers(noise, g)[0]]),
         ("without gravity", |noise, _| crossovers(noise, 1.0)),
         ("squared", |noise, g| crossovers(noise, g).map(|t| t * t)),
-        ("sensors exchanged", |noise, g| {
-            let (gyro, accelerometer) = (noise.accelerometer, noise.gyro);
-            crossovers(&ImuNoise { gyro, accelerometer, ..*noise }, g)
-        }),
+        ("sensors exchanged", |noise, g| crossovers(&exchanged(noise), g)),
     ];
     chapter.equation("growth-crossover", growth_crossover, crossovers, &mutants);
+}
+
+/// The noise of each sensor with the density of the other.
+pub fn exchanged(noise: &ImuNoise) -> ImuNoise {
+    ImuNoise { gyro: noise.accelerometer, accelerometer: noise.gyro, ..*noise }
 }
 
 fn growth_crossover(formula: Crossover) -> Comparison {
     let against = "the ratio of the two parts at that time, by the recursion in many short steps";
     const STEPS: usize = 4000;
-    let mut comparison = Comparison::absolute(against, 2e-3, "ratio");
-    let mut random = Random::new(444);
-    for _ in 0..25 {
-        let noise = ImuNoise {
-            gyro: random.logarithmic(1e-4..1e-2),
-            accelerometer: random.logarithmic(1e-3..1e-1),
-            ..ImuNoise::mems()
-        };
+    Comparison::absolute(against, 2e-3, "ratio").over(25, 444, |random| {
+        let noise = densities(random, 1e-4..1e-2, 1e-3..1e-1);
         let force = random.uniform(1.0..20.0);
         let reading = ImuSample { gyro: Vector3::zeros(), accelerometer: force * Vector3::z() };
         let ratio = |time: f64, quantity: usize| {
             // A step longer than a gap would be refused.
             let dt = (time / STEPS as f64).min(0.099);
-            let sigma =
-                |noise: &ImuNoise| of_readings(&[reading; STEPS], dt, noise).sigmas()[quantity];
-            let [own, leaked, _] = sources(&noise).map(|(_, noise)| sigma(&noise));
+            let sums = |noise| of_readings(&[reading; STEPS], dt, &noise);
+            let [own, leaked, _] = sources(&noise).map(|(_, noise)| sums(noise).sigmas()[quantity]);
             leaked / own
         };
         let [velocity, position] = formula(&noise, force);
-        comparison.add(&[ratio(velocity, 1), ratio(position, 2)], &[1.0, 1.0]);
-    }
-    comparison
+        ([ratio(velocity, 1), ratio(position, 2)], [1.0, 1.0])
+    })
 }
 
 /// A source of noise: what it is called, and the sensor that has only this one.
@@ -365,26 +321,15 @@ pub fn sources(noise: &ImuNoise) -> [(&'static str, ImuNoise); 3] {
 
 /// The slope of the straight line through the logarithms of the deviations after every step
 /// between two times.
-pub fn exponent(noise: &ImuNoise, quantity: usize, from: f64, to: f64) -> f64 {
+fn fitted(noise: &ImuNoise, quantity: usize, from: f64, to: f64) -> f64 {
     let steps = |time: f64| (time / DT).round() as usize;
-    let places = (steps(from)..=steps(to)).map(|n| {
-        let sigma = at_rest(noise, DT, n).sigmas()[quantity];
-        ((n as f64 * DT).ln(), sigma.ln())
-    });
-    slope(&places.collect::<Vec<_>>())
-}
-
-pub fn slope(places: &[(f64, f64)]) -> f64 {
-    let count = places.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| places.iter().map(of).sum::<f64>() / count;
-    let (x, y) = (mean(|place| place.0), mean(|place| place.1));
-    let above: f64 = places.iter().map(|place| (place.0 - x) * (place.1 - y)).sum();
-    let below: f64 = places.iter().map(|place| (place.0 - x).powi(2)).sum();
-    above / below
+    let sigma = |n: usize| (n as f64 * DT, at_rest(noise, DT, n).sigmas()[quantity]);
+    let (times, sigmas): (Vec<_>, Vec<_>) = (steps(from)..=steps(to)).map(sigma).unzip();
+    exponent(&times, &sigmas)
 }
 
 /// Between these times, in seconds, exponents are fitted.
-pub const FITTED: [f64; 2] = [0.5, 2.0];
+const FITTED: [f64; 2] = [0.5, 2.0];
 
 pub fn numbers(chapter: &mut Chapter) {
     table(chapter);
@@ -424,14 +369,12 @@ fn table(chapter: &mut Chapter) {
     chapter.number("growth_euroc_v_up", v_up, "cm/s", 3);
     chapter.number("growth_euroc_p_level", p_level, "cm", 3);
     chapter.number("growth_euroc_p_up", p_up, "cm", 3);
-    for (name, density) in [("growth_mems_gyro", mems.gyro), ("growth_euroc_gyro", euroc.gyro)] {
-        chapter.number(name, 1e3 * density, "mrad/s/√Hz", 2);
-    }
+    chapter.number("growth_mems_gyro", 1e3 * mems.gyro, "mrad/s/√Hz", 2);
+    chapter.number("growth_euroc_gyro", 1e3 * euroc.gyro, "mrad/s/√Hz", 2);
     chapter.number("growth_mems_accelerometer", 1e2 * mems.accelerometer, "cm/s²/√Hz", 1);
     chapter.number("growth_euroc_accelerometer", 1e2 * euroc.accelerometer, "cm/s²/√Hz", 1);
     // By hand, without what finite steps take away.
-    let leaked = G * mems.gyro / 3.0_f64.sqrt();
-    chapter.number("growth_leak_v", 1e2 * leaked, "cm/s", 2);
+    chapter.number("growth_leak_v", 1e2 * (G * mems.gyro / 3.0_f64.sqrt()), "cm/s", 2);
     chapter.number("growth_leak_p", 1e2 * G * mems.gyro / 20.0_f64.sqrt(), "cm", 2);
     chapter.number("growth_own_v", 1e2 * mems.accelerometer, "cm/s", 2);
     chapter.number("growth_own_p", 1e2 * mems.accelerometer / 3.0_f64.sqrt(), "cm", 2);
@@ -440,7 +383,7 @@ fn table(chapter: &mut Chapter) {
 fn exponents(chapter: &mut Chapter) {
     let [accelerometer, gyro, both] = sources(&ImuNoise::mems()).map(|(_, noise)| noise);
     let [from, to] = FITTED;
-    let fit = |noise: &ImuNoise, quantity| exponent(noise, quantity, from, to);
+    let fit = |noise: &ImuNoise, quantity| fitted(noise, quantity, from, to);
     chapter.number("growth_fit_from", from, "s", 1);
     chapter.number("growth_fit_to", to, "s", 0);
     chapter.number("growth_fit_accelerometer_v", fit(&accelerometer, 1), "", 2);
@@ -453,8 +396,8 @@ fn exponents(chapter: &mut Chapter) {
     let euroc = ImuNoise::euroc();
     chapter.number("growth_fit_euroc_v", fit(&euroc, 1), "", 2);
     chapter.number("growth_fit_euroc_p", fit(&euroc, 2), "", 2);
-    let early = |quantity| exponent(&both, quantity, 0.1, 0.2);
-    let late = |quantity| exponent(&both, quantity, 9.0, 10.0);
+    let early = |quantity| fitted(&both, quantity, 0.1, 0.2);
+    let late = |quantity| fitted(&both, quantity, 9.0, 10.0);
     chapter.number("growth_early_v", early(1), "", 2);
     chapter.number("growth_late_v", late(1), "", 2);
     chapter.number("growth_early_p", early(2), "", 2);
@@ -475,6 +418,6 @@ fn times(chapter: &mut Chapter) {
     chapter.number("growth_twice_p", double(2), "", 2);
     chapter.number("growth_twice_accelerometer", 8.0_f64.sqrt(), "", 2);
     chapter.number("growth_twice_gyro", 32.0_f64.sqrt(), "", 2);
-    let minute = at_rest(&ImuNoise::mems(), DT, 60 * SECOND).sigmas();
-    chapter.number("growth_minute_p", minute[2], "m", 0);
+    let [.., minute] = at_rest(&ImuNoise::mems(), DT, 60 * SECOND).sigmas();
+    chapter.number("growth_minute_p", minute, "m", 0);
 }

@@ -1,9 +1,13 @@
 //! Deltas by the definition, without the library, and how they move.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3, Vector6};
-use vislam::inertial::ImuSample;
+use std::ops::Range;
+
+use nalgebra::{Rotation3, SMatrix, Vector6};
+use vislam::inertial::{ImuNoise, ImuSample};
 use vislam::preintegration::{Deltas, Rule, Vector9};
 
+use crate::manifold::oracle::small_vector;
+use crate::preintegration::oracle::{stack, stepped};
 use crate::random::Random;
 
 /// A turned body with a reading, and how long the reading holds.
@@ -17,11 +21,8 @@ pub struct Instant {
 impl Instant {
     /// With steps long enough for the right Jacobian to differ from the identity.
     pub fn random(random: &mut Random) -> Self {
-        let deltas = Deltas {
-            rotation: random.rotation(3.0),
-            velocity: random.direction(5.0),
-            position: random.direction(5.0),
-        };
+        let (rotation, velocity) = (random.rotation(3.0), random.direction(5.0));
+        let deltas = Deltas { rotation, velocity, position: random.direction(5.0) };
         Self { deltas, sample: reading(random), dt: random.logarithmic(0.02..0.4) }
     }
 }
@@ -31,29 +32,15 @@ pub fn reading(random: &mut Random) -> ImuSample {
     ImuSample { gyro: random.direction(turn), accelerometer: random.direction(force) }
 }
 
+/// White noise with densities from these ranges.
+pub fn densities(random: &mut Random, gyro: Range<f64>, accelerometer: Range<f64>) -> ImuNoise {
+    let (gyro, accelerometer) = (random.logarithmic(gyro), random.logarithmic(accelerometer));
+    ImuNoise { gyro, accelerometer, ..ImuNoise::mems() }
+}
+
 /// Readings that have nothing to do with one another.
 pub fn readings(random: &mut Random, count: usize) -> Vec<ImuSample> {
     (0..count).map(|_| reading(random)).collect()
-}
-
-pub fn nothing() -> Deltas {
-    let (velocity, position) = (Vector3::zeros(), Vector3::zeros());
-    Deltas { rotation: Rotation3::identity(), velocity, position }
-}
-
-/// The deltas one reading later; with the midpoint rule the reading is the mean of two.
-pub fn stepped(rule: Rule, deltas: &Deltas, sample: &ImuSample, dt: f64) -> Deltas {
-    let turned = |time: f64| deltas.rotation * Rotation3::new(time * sample.gyro);
-    let along = match rule {
-        Rule::Euler => deltas.rotation,
-        Rule::Midpoint => turned(0.5 * dt),
-    };
-    let force = along * sample.accelerometer;
-    Deltas {
-        rotation: turned(dt),
-        velocity: deltas.velocity + dt * force,
-        position: deltas.position + dt * deltas.velocity + 0.5 * dt * dt * force,
-    }
 }
 
 /// The deltas of readings by the Euler rule.
@@ -78,17 +65,10 @@ pub fn noisy(sample: &ImuSample, noise: &Vector6<f64>) -> ImuSample {
     }
 }
 
-/// The small vector of a small rotation: its odd part, right but for third order.
-fn small_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    let odd = 0.5 * (rotation - rotation.transpose());
-    Vector3::new(odd.m32, odd.m13, odd.m21)
-}
-
 /// The errors (φ, v, p) that lead from one to the other, when they are small.
-pub fn errors(from: &Deltas, to: &Deltas) -> Vector9 {
+fn errors(from: &Deltas, to: &Deltas) -> Vector9 {
     let phi = small_vector((from.rotation.inverse() * to.rotation).matrix());
-    let (v, p) = (to.velocity - from.velocity, to.position - from.position);
-    Vector9::from_iterator(phi.iter().chain(v.iter()).chain(p.iter()).copied())
+    stack(&phi, &(to.velocity - from.velocity), &(to.position - from.position))
 }
 
 /// The derivative of deltas by `N` numbers at zero, by central differences.
@@ -97,12 +77,9 @@ pub fn slopes<const N: usize>(
 ) -> SMatrix<f64, 9, N> {
     const STEP: f64 = 1e-4;
     let zero = deltas(&SMatrix::zeros());
-    let mut columns = SMatrix::<f64, 9, N>::zeros();
-    for axis in 0..N {
-        let mut at = SMatrix::<f64, N, 1>::zeros();
-        at[axis] = STEP;
-        let difference = errors(&zero, &deltas(&at)) - errors(&zero, &deltas(&-at));
-        columns.set_column(axis, &(difference / (2.0 * STEP)));
-    }
-    columns
+    let columns = std::array::from_fn::<_, N, _>(|axis| {
+        let at = SMatrix::from_fn(|k, _| if k == axis { STEP } else { 0.0 });
+        (errors(&zero, &deltas(&at)) - errors(&zero, &deltas(&-at))) / (2.0 * STEP)
+    });
+    SMatrix::from_columns(&columns)
 }

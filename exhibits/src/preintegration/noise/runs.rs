@@ -3,13 +3,11 @@
 use std::sync::LazyLock;
 
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
-use vislam::manifold::so3;
-use vislam::preintegration::{
-    Deltas, Matrix9, Preintegrated, Preintegrator, Rule, Vector9, preintegrate,
-};
+use vislam::preintegration::{Matrix9, Preintegrated, Rule, Vector9, preintegrate};
 use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
+use crate::preintegration::oracle::{errors, summed_by};
 use crate::random::Random;
 
 /// Seconds between two readings.
@@ -39,23 +37,7 @@ pub fn of_readings(samples: &[ImuSample], dt: f64, noise: &ImuNoise) -> Preinteg
 
 /// The sums of readings at the ends of all steps, by either rule.
 pub fn by_rule(rule: Rule, samples: &[ImuSample], noise: &ImuNoise) -> Preintegrated {
-    let mut integrator = Preintegrator::new(&ImuBias::default(), noise)
-        .expect("the densities are those of a sensor");
-    for pair in samples.windows(2) {
-        let added = match rule {
-            Rule::Euler => integrator.integrate(&pair[0], DT),
-            Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], DT),
-        };
-        added.expect("the readings are finite");
-    }
-    integrator.finish().expect("there are steps")
-}
-
-/// The errors (φ, v, p) that lead from one to the other.
-pub fn errors(from: &Deltas, to: &Deltas) -> Vector9 {
-    let phi = so3::local(&from.rotation, &to.rotation);
-    let (v, p) = (to.velocity - from.velocity, to.position - from.position);
-    Vector9::from_iterator(phi.iter().chain(v.iter()).chain(p.iter()).copied())
+    summed_by(rule, samples, std::iter::repeat(DT), noise)
 }
 
 /// The readings with white noise.
@@ -76,19 +58,29 @@ pub const CASES: [Case; 3] = [
 
 /// Eigenvalues of the scatter of a second's whitened errors, in rising order, and the mean of their
 /// squared lengths.
-pub fn whitened(rule: Rule, motion: &Trajectory, runs: usize, seed: u64) -> (Vec<f64>, f64) {
-    let noise = ImuNoise::mems();
-    let samples = motion.samples(&GRAVITY, DT, SECOND + 1);
-    let clean = by_rule(rule, &samples, &noise);
-    let whiten = clean.sqrt_information().expect("after many steps everything varies");
-    let mut random = Random::new(seed);
+fn whitened(rule: Rule, motion: &Trajectory, seed: u64) -> (Vec<f64>, f64) {
+    let (noise, mut random) = (ImuNoise::mems(), Random::new(seed));
     let mut scatter = Matrix9::zeros();
-    for _ in 0..runs {
-        let run = by_rule(rule, &noisy(&samples, &noise, &mut random), &noise);
-        let error = whiten * errors(&clean.deltas, &run.deltas);
-        scatter += error * error.transpose() / runs as f64;
+    let samples = motion.samples(&GRAVITY, DT, SECOND + 1);
+    let noisy = |perfect: &[ImuSample]| noisy(perfect, &noise, &mut random);
+    for error in whitened_errors(rule, samples, RUNS, noisy) {
+        scatter += error * error.transpose() / RUNS as f64;
     }
     (sorted_eigenvalues(&scatter), scatter.trace())
+}
+
+/// Errors of perfect readings' sums by their covariance, one for each run with the noise it makes.
+pub fn whitened_errors(
+    rule: Rule,
+    samples: Vec<ImuSample>,
+    runs: usize,
+    mut noisy: impl FnMut(&[ImuSample]) -> Vec<ImuSample>,
+) -> impl Iterator<Item = Vector9> {
+    let noise = ImuNoise::mems();
+    let clean = by_rule(rule, &samples, &noise);
+    let whiten = clean.sqrt_information().expect("after many steps everything varies");
+    let run = move |_| by_rule(rule, &noisy(&samples), &noise).deltas;
+    (0..runs).map(run).map(move |deltas| whiten * errors(&clean.deltas, &deltas))
 }
 
 /// Errors after a second at rest, one for each run.
@@ -114,7 +106,7 @@ pub static WHITENED: LazyLock<[(Vec<f64>, f64); 3]> = LazyLock::new(|| {
     let mut seed = 423;
     CASES.map(|(_, rule, motion)| {
         seed += 1;
-        whitened(rule, &motion(), RUNS, seed)
+        whitened(rule, &motion(), seed)
     })
 });
 
@@ -133,8 +125,10 @@ pub static NORMAL: LazyLock<[Vec<f64>; 9]> = LazyLock::new(|| {
             rank.push(value);
         }
     }
-    by_rank.each_mut().iter_mut().for_each(|rank| rank.sort_by(f64::total_cmp));
-    by_rank
+    by_rank.map(|mut rank| {
+        rank.sort_by(f64::total_cmp);
+        rank
+    })
 });
 
 /// Where the eigenvalues of the scatter of so many draws of nine normal numbers end, when both
@@ -156,10 +150,9 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("covariance_most", all().fold(0.0_f64, |a, b| a.max(*b)), "", 2);
     chapter.number("covariance_nees_rest", WHITENED[0].1, "", 2);
     chapter.number("covariance_nees_flight", WHITENED[1].1, "", 2);
-    let experiments = NORMAL[0].iter().zip(&NORMAL[8]).len();
-    chapter.number("covariance_experiments", experiments as f64, "", 0);
+    chapter.number("covariance_experiments", EXPERIMENTS as f64, "", 0);
     chapter.number("covariance_normal_least", NORMAL[0][0], "", 2);
-    chapter.number("covariance_normal_most", NORMAL[8][experiments - 1], "", 2);
+    chapter.number("covariance_normal_most", NORMAL[8][EXPERIMENTS - 1], "", 2);
     let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, SECOND);
     let swept: f64 = samples.iter().map(|sample| DT * sample.gyro.norm()).sum();
     chapter.number("covariance_flight_swept_deg", swept.to_degrees(), "°", 0);

@@ -1,22 +1,23 @@
 //! How the sums follow the biases, and how well.
 
-use nalgebra::{Matrix3, Matrix3x6, Rotation3, Vector3};
+use nalgebra::{Matrix3, Matrix3x6, Rotation3, Vector3, Vector6};
 use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::manifold::so3;
 use vislam::preintegration::{
-    self as theory, BiasWalk, Deltas, LinearizationErrorBound, Matrix9, Matrix9x6, Preintegrated,
-    Rule, error_dynamics,
+    self as theory, BiasWalk, Deltas, ErrorDynamics, LinearizationErrorBound, Matrix9, Matrix9x6,
+    Preintegrated,
 };
 
-use super::oracle::{Readings, bias, bias_slopes, difference, slopes, stack, summed};
+use super::oracle::{Readings, bias, bias_slopes, difference, gyro_bias, slopes};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::noise::dynamics::{
+    euler, leak, leaking, not_turned, turned_forward, with_left_jacobian, without_jacobian,
+};
+use crate::preintegration::noise::oracle::Instant;
+use crate::preintegration::oracle::{STATES, nothing, sizes};
 use crate::random::Random;
 
-/// Random readings at which an equation is compared.
-const STATES: usize = 500;
-
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     recursion(chapter);
     blocks(chapter);
@@ -40,142 +41,82 @@ fn recursion(chapter: &mut Chapter) {
 }
 
 fn bias_recursion(formula: Recursion) -> Comparison {
-    let mut comparison = Comparison::relative("central differences of walking again", 1e-6);
-    let mut random = Random::new(31);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
-        let (mut jacobian, mut rotation) = (Matrix9x6::zeros(), Rotation3::identity());
-        for sample in &readings.samples {
-            let reading = sample.corrected(&readings.bias);
-            let step = error_dynamics(Rule::Euler, &rotation, &reading, readings.dt);
-            jacobian = formula(&jacobian, &step.from_errors, &step.from_reading);
-            rotation *= Rotation3::new(readings.dt * reading.gyro);
-        }
-        comparison.add(jacobian.as_slice(), bias_slopes(&readings).as_slice());
+    Comparison::relative("central differences of walking again", 1e-6).over(STATES, 31, |random| {
+        let readings = Readings::random(random);
+        let step = |j: &Matrix9x6, of: ErrorDynamics| formula(j, &of.from_errors, &of.from_reading);
+        (recursed(&readings, |at, jacobian| step(jacobian, euler(at))), bias_slopes(&readings))
+    })
+}
+
+/// The Jacobian after all readings, by a step that takes the instant and the Jacobian before it.
+fn recursed(readings: &Readings, step: impl Fn(&Instant, &Matrix9x6) -> Matrix9x6) -> Matrix9x6 {
+    let (mut jacobian, mut deltas, dt) = (Matrix9x6::zeros(), nothing(), readings.dt);
+    for sample in &readings.samples {
+        let sample = sample.corrected(&readings.bias);
+        jacobian = step(&Instant { deltas, sample, dt }, &jacobian);
+        deltas.rotation *= Rotation3::new(dt * sample.gyro);
     }
-    comparison
+    jacobian
 }
 
 /// Takes readings and gives the derivative of one of the deltas by both biases.
 type Block = fn(&Readings) -> Matrix3x6<f64>;
 
-/// What the sums of the blocks are made of, at each step.
-struct Term {
-    /// The rotation so far, at the beginning of the step.
-    rotation: Matrix3<f64>,
-    force: Vector3<f64>,
-    turn: Vector3<f64>,
-    /// Derivative of the rotation so far by the gyroscope's bias.
-    by_gyro: Matrix3<f64>,
-}
-
-fn terms(readings: &Readings) -> Vec<Term> {
-    let (mut rotation, mut by_gyro) = (Matrix3::identity(), Matrix3::zeros());
-    let mut terms = Vec::new();
-    for sample in &readings.samples {
-        let reading = sample.corrected(&readings.bias);
-        let turn = readings.dt * reading.gyro;
-        terms.push(Term { rotation, force: reading.accelerometer, turn, by_gyro });
-        let step = so3::exp(&turn);
-        by_gyro = step.matrix().transpose() * by_gyro - readings.dt * so3::right_jacobian(&turn);
-        rotation *= step.matrix();
-    }
-    terms
-}
-
-fn side_by_side(by_gyro: &Matrix3<f64>, by_accelerometer: &Matrix3<f64>) -> Matrix3x6<f64> {
-    let mut both = Matrix3x6::zeros();
-    both.fixed_columns_mut::<3>(0).copy_from(by_gyro);
-    both.fixed_columns_mut::<3>(3).copy_from(by_accelerometer);
-    both
-}
-
-/// Minus the sum of the turned right Jacobians; `turned` is given the rotation from the end of the
-/// interval to the end of the step.
-fn rotation_block(
+/// Three rows of the Jacobian, by the recursion with these blocks of a step.
+fn rows_by(
     readings: &Readings,
-    turned: impl Fn(&Matrix3<f64>, &Vector3<f64>) -> Matrix3<f64>,
+    row: usize,
+    blocks: impl Fn(&Instant) -> ErrorDynamics,
 ) -> Matrix3x6<f64> {
-    let (mut back, mut sum) = (Matrix3::identity(), Matrix3::zeros());
-    for term in terms(readings).iter().rev() {
-        sum -= readings.dt * turned(&back, &term.turn);
-        back *= so3::exp(&-term.turn).matrix();
-    }
-    side_by_side(&sum, &Matrix3::zeros())
+    let step = |at: &Instant, jacobian: &Matrix9x6| {
+        let ErrorDynamics { from_errors, from_reading } = blocks(at);
+        from_errors * jacobian - from_reading
+    };
+    recursed(readings, step).fixed_rows::<3>(row).into()
 }
 
-/// The velocity's derivatives at the beginning of each step and at the end of all.
-fn velocity_blocks(
-    readings: &Readings,
-    by_gyro: impl Fn(&Term) -> Matrix3<f64>,
-) -> Vec<Matrix3x6<f64>> {
-    let mut sums = vec![Matrix3x6::zeros()];
-    for term in terms(readings) {
-        let gain = side_by_side(&by_gyro(&term), &term.rotation);
-        sums.push(sums[sums.len() - 1] - readings.dt * gain);
-    }
-    sums
-}
-
-fn tilted(term: &Term) -> Matrix3<f64> {
-    term.rotation * so3::hat(&term.force) * term.by_gyro
-}
-
-/// The position's, where half of the gain in velocity counts `half` times a half.
-fn position_block(
-    readings: &Readings,
-    by_gyro: impl Fn(&Term) -> Matrix3<f64>,
-    half: f64,
-) -> Matrix3x6<f64> {
-    let velocity = velocity_blocks(readings, by_gyro);
-    let steps = velocity.windows(2).map(|pair| pair[0] + 0.5 * half * (pair[1] - pair[0]));
-    readings.dt * steps.sum::<Matrix3x6<f64>>()
+/// The blocks of a step that moves the position by so many halves of what velocity gains.
+fn with_halves(at: &Instant, halves: f64) -> ErrorDynamics {
+    let mut of = euler(at);
+    of.from_errors.fixed_view_mut::<3, 3>(6, 0).scale_mut(halves);
+    of.from_reading.fixed_rows_mut::<3>(6).scale_mut(halves);
+    of
 }
 
 fn rows(readings: &Readings, row: usize) -> Matrix3x6<f64> {
     readings.summed().bias_jacobian.fixed_rows::<3>(row).into()
 }
 
+fn force_hat(at: &Instant) -> Matrix3<f64> {
+    so3::hat(&at.sample.accelerometer)
+}
+
 fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Block); 4] = [
-        ("not turned to the last frame", |readings| {
-            rotation_block(readings, |_, turn| so3::right_jacobian(turn))
-        }),
-        ("turned the other way", |readings| {
-            rotation_block(readings, |back, turn| back.transpose() * so3::right_jacobian(turn))
-        }),
-        ("right Jacobian dropped", |readings| rotation_block(readings, |back, _| *back)),
-        ("left Jacobian", |readings| {
-            rotation_block(readings, |back, turn| back * so3::left_jacobian(turn))
-        }),
+        ("not turned to the last frame", |r| rows_by(r, 0, not_turned)),
+        ("turned the other way", |r| rows_by(r, 0, turned_forward)),
+        ("right Jacobian dropped", |r| rows_by(r, 0, without_jacobian)),
+        ("left Jacobian", |r| rows_by(r, 0, with_left_jacobian)),
     ];
     chapter.equation("bias-rotation-block", bias_rotation_block, |r| rows(r, 0), &mutants);
 
     let mutants: [(_, Block); 4] = [
-        ("sign of the tilt", |readings| last(velocity_blocks(readings, |term| -tilted(term)))),
-        ("force not turned", |readings| {
-            last(velocity_blocks(readings, |term| so3::hat(&term.force) * term.by_gyro))
-        }),
-        ("tilt dropped", |readings| last(velocity_blocks(readings, |_| Matrix3::zeros()))),
-        ("order of the tilt", |readings| {
-            last(velocity_blocks(readings, |term| {
-                term.rotation * term.by_gyro * so3::hat(&term.force)
-            }))
+        ("sign of the tilt", |r| rows_by(r, 3, |at| leaking(at, -leak(at)))),
+        ("force not turned", |r| rows_by(r, 3, |at| leaking(at, -force_hat(at)))),
+        ("tilt dropped", |r| rows_by(r, 3, |at| leaking(at, Matrix3::zeros()))),
+        ("order of the tilt", |r| {
+            rows_by(r, 3, |at| leaking(at, -force_hat(at) * at.deltas.rotation.matrix()))
         }),
     ];
     chapter.equation("bias-velocity-blocks", bias_velocity_blocks, |r| rows(r, 3), &mutants);
 
     let mutants: [(_, Block); 4] = [
-        ("half of the gain dropped", |readings| position_block(readings, tilted, 0.0)),
-        ("whole gain", |readings| position_block(readings, tilted, 2.0)),
-        ("sign of the tilt", |readings| position_block(readings, |term| -tilted(term), 1.0)),
-        ("tilt dropped", |readings| position_block(readings, |_| Matrix3::zeros(), 1.0)),
+        ("half of the gain dropped", |r| rows_by(r, 6, |at| with_halves(at, 0.0))),
+        ("whole gain", |r| rows_by(r, 6, |at| with_halves(at, 2.0))),
+        ("sign of the tilt", |r| rows_by(r, 6, |at| leaking(at, -leak(at)))),
+        ("tilt dropped", |r| rows_by(r, 6, |at| leaking(at, Matrix3::zeros()))),
     ];
     chapter.equation("bias-position-blocks", bias_position_blocks, |r| rows(r, 6), &mutants);
-}
-
-fn last(blocks: Vec<Matrix3x6<f64>>) -> Matrix3x6<f64> {
-    blocks[blocks.len() - 1]
 }
 
 fn bias_rotation_block(formula: Block) -> Comparison {
@@ -191,14 +132,14 @@ fn bias_position_blocks(formula: Block) -> Comparison {
 }
 
 fn bias_rows(formula: Block, row: usize, seed: u64) -> Comparison {
-    let mut comparison = Comparison::relative("central differences of walking again", 1e-6);
-    let mut random = Random::new(seed);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
-        let expected: Matrix3x6<f64> = bias_slopes(&readings).fixed_rows::<3>(row).into();
-        comparison.add(formula(&readings).as_slice(), expected.as_slice());
-    }
-    comparison
+    Comparison::relative("central differences of walking again", 1e-6).over(
+        STATES,
+        seed,
+        |random| {
+            let readings = Readings::random(random);
+            (formula(&readings), bias_slopes(&readings).fixed_rows::<3>(row).into_owned())
+        },
+    )
 }
 
 /// Takes sums and a bias.
@@ -239,56 +180,52 @@ fn update(chapter: &mut Chapter) {
     chapter.counterexample("bias-fixed-axis", "constant", turn_by_halves, [0.0, 0.5]);
 }
 
+/// Readings of a rate and a force that stay the same.
+fn steady(gyro: Vector3<f64>, accelerometer: Vector3<f64>, steps: usize, dt: f64) -> Readings {
+    let samples = vec![ImuSample { gyro, accelerometer }; steps];
+    Readings { samples, dt, bias: ImuBias::default() }
+}
+
 /// The matrix of a steady turn for one whose first half is slower and whose second half is faster by this share.
 fn turn_by_halves(share: f64) -> Comparison {
     const HALF: usize = 25;
-    let mut comparison = Comparison::relative("central differences of walking again", 1e-6);
-    let (mut random, dt) = (Random::new(37), 0.02);
-    for _ in 0..STATES {
+    const DT: f64 = 0.02;
+    Comparison::relative("central differences of walking again", 1e-6).over(STATES, 37, |random| {
         let mean = random.direction(1.5);
-        let part = |share: f64| {
-            let gyro = (1.0 + share) * mean;
-            vec![ImuSample { gyro, accelerometer: Vector3::zeros() }; HALF]
-        };
+        let part = |share: f64| steady((1.0 + share) * mean, Vector3::zeros(), HALF, DT).samples;
         let samples = [part(-share), part(share)].concat();
-        let t = dt * samples.len() as f64;
-        let readings = Readings { samples, dt, bias: ImuBias::default() };
-        let expected = bias_slopes(&readings).fixed_view::<3, 3>(0, 0).into_owned();
-        comparison.add((-t * so3::right_jacobian(&(t * mean))).as_slice(), expected.as_slice());
-    }
-    comparison
+        let t = DT * samples.len() as f64;
+        let readings = Readings { samples, dt: DT, bias: ImuBias::default() };
+        (-t * so3::right_jacobian(&(t * mean)), rotation_slopes(&readings))
+    })
 }
 
 fn bias_update(formula: Update) -> Comparison {
     let against = "how deltas change with the bias when readings are walked again";
-    let mut comparison = Comparison::relative(against, 1e-6);
-    let mut random = Random::new(35);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
+    Comparison::relative(against, 1e-6).over(STATES, 35, |random| {
+        let readings = Readings::random(random);
         let sums = readings.summed();
-        let direction = bias(&mut random, 1.0, 1.0).vector();
+        let direction = bias(random, 1.0, 1.0).vector();
         let moved = |h: f64| ImuBias::from_vector(&(sums.bias.vector() + h * direction));
-        let found = slopes::<1>(1e-3, |h| difference(&sums.deltas, &formula(&sums, &moved(h.x))));
-        let expected =
-            slopes::<1>(1e-3, |h| difference(&sums.deltas, &readings.deltas_with(&moved(h.x))));
-        comparison.add(found.as_slice(), expected.as_slice());
-    }
-    comparison
+        let slope = |deltas: &dyn Fn(&ImuBias) -> Deltas| {
+            slopes::<1>(1e-3, |h| difference(&sums.deltas, &deltas(&moved(h.x))))
+        };
+        (slope(&|bias| formula(&sums, bias)), slope(&|bias| readings.deltas_with(bias)))
+    })
+}
+
+/// The derivative of the rotation by the gyroscope's bias, by walking again.
+fn rotation_slopes(readings: &Readings) -> Matrix3<f64> {
+    bias_slopes(readings).fixed_view::<3, 3>(0, 0).into_owned()
 }
 
 fn bias_fixed_axis(formula: FixedAxis) -> Comparison {
-    let mut comparison = Comparison::relative("central differences of walking again", 1e-6);
-    let mut random = Random::new(36);
-    for _ in 0..STATES {
+    Comparison::relative("central differences of walking again", 1e-6).over(STATES, 36, |random| {
         let (steps, dt) = (random.uniform(20.0..60.0) as usize, 0.02);
         let gyro = random.direction(1.5);
-        let accelerometer = Vector3::zeros();
-        let samples = vec![ImuSample { gyro, accelerometer }; steps];
-        let readings = Readings { samples, dt, bias: ImuBias::default() };
-        let expected = bias_slopes(&readings).fixed_view::<3, 3>(0, 0).into_owned();
-        comparison.add(formula(&gyro, dt * steps as f64).as_slice(), expected.as_slice());
-    }
-    comparison
+        let readings = steady(gyro, Vector3::zeros(), steps, dt);
+        (formula(&gyro, dt * steps as f64), rotation_slopes(&readings))
+    })
 }
 
 /// Takes the specific force, the change of the gyroscope's bias and the time.
@@ -311,16 +248,12 @@ fn linearization_error(chapter: &mut Chapter) {
 
     let mutants: [(_, Bound); 4] = [
         ("rotation by a square of the rate only", |sums, bias| {
-            let bound = sums.linearization_error_bound(bias);
-            LinearizationErrorBound { rotation: 0.25 * squared_gyro(sums, bias), ..bound }
+            let rotation = 0.25 * squared_gyro(sums, bias);
+            LinearizationErrorBound { rotation, ..sums.linearization_error_bound(bias) }
         }),
         ("force dropped", |sums, bias| {
-            let bound = sums.linearization_error_bound(bias);
-            let t = sums.duration;
-            LinearizationErrorBound {
-                velocity: 0.25 * squared_gyro(sums, bias) * t.powi(3),
-                ..bound
-            }
+            let velocity = 0.25 * squared_gyro(sums, bias) * sums.duration.powi(3);
+            LinearizationErrorBound { velocity, ..sums.linearization_error_bound(bias) }
         }),
         ("both biases at once dropped", |sums, bias| {
             let gyro = ImuBias { accelerometer: sums.bias.accelerometer, ..*bias };
@@ -331,12 +264,8 @@ fn linearization_error(chapter: &mut Chapter) {
             LinearizationErrorBound { position: bound.position / 3.0, ..bound }
         }),
     ];
-    chapter.equation(
-        "correction-bound",
-        correction_bound,
-        Preintegrated::linearization_error_bound,
-        &mutants,
-    );
+    let formula: Bound = Preintegrated::linearization_error_bound;
+    chapter.equation("correction-bound", correction_bound, formula, &mutants);
 }
 
 fn squared_gyro(sums: &Preintegrated, bias: &ImuBias) -> f64 {
@@ -345,28 +274,23 @@ fn squared_gyro(sums: &Preintegrated, bias: &ImuBias) -> f64 {
 
 fn correction_error(formula: CorrectionError) -> Comparison {
     let against = "walking again, with a force and a rate about the bias that stay the same";
-    let mut comparison = Comparison::relative(against, 0.02);
-    let mut random = Random::new(37);
-    for _ in 0..STATES {
+    Comparison::relative(against, 0.02).over(STATES, 37, |random| {
         let t = random.uniform(0.5..1.5);
         let (steps, force) = (400, random.direction(10.0));
         let size = random.logarithmic(0.005..0.03);
         let step = random.direction(size);
-        let samples = vec![ImuSample { gyro: 2.0 * step, accelerometer: force }; steps];
-        let readings = Readings { samples, dt: t / steps as f64, bias: ImuBias::default() };
-        let moved = ImuBias { gyro: step, ..ImuBias::default() };
+        let readings = steady(2.0 * step, force, steps, t / steps as f64);
+        let moved = gyro_bias(step);
         let corrected = theory::correct_for_bias(&readings.summed(), &moved);
         let error = corrected.position - readings.deltas_with(&moved).position;
-        comparison.add(&[formula(&force, &step, t)], &[error.norm()]);
-    }
-    comparison
+        (formula(&force, &step, t), error.norm())
+    })
 }
 
 fn correction_bound(formula: Bound) -> Comparison {
     let against = "how far the error of the correction exceeds it, as a part of it, here nothing";
-    let mut comparison = Comparison::absolute(against, 0.01, "relative");
     let mut random = Random::new(38);
-    for state in 0..STATES {
+    Comparison::absolute(against, 0.01, "relative").each(0..STATES, |state| {
         let readings =
             if state % 2 == 0 { hard(&mut random) } else { Readings::random(&mut random) };
         let sums = readings.summed();
@@ -375,22 +299,18 @@ fn correction_bound(formula: Bound) -> Comparison {
             _ => random.direction(0.02),
         };
         // In every third case both biases, across one another.
-        let other = if state % 3 == 0 {
-            5.0 * step.cross(&random.direction(1.0))
-        } else {
-            Vector3::zeros()
+        let other = match state % 3 {
+            0 => 5.0 * step.cross(&random.direction(1.0)),
+            _ => Vector3::zeros(),
         };
         let moved =
             ImuBias { gyro: sums.bias.gyro + step, accelerometer: sums.bias.accelerometer + other };
         let corrected = theory::correct_for_bias(&sums, &moved);
-        let error = difference(&readings.deltas_with(&moved), &corrected);
+        let errors = sizes(&difference(&readings.deltas_with(&moved), &corrected));
         let LinearizationErrorBound { rotation, velocity, position } = formula(&sums, &moved);
-        let parts = [rotation, velocity, position];
-        let exceeding = [0, 1, 2]
-            .map(|part| (error.fixed_rows::<3>(3 * part).norm() / parts[part] - 1.0).max(0.0));
-        comparison.add(&exceeding, &[0.0; 3]);
-    }
-    comparison
+        let bounds = [rotation, velocity, position];
+        ([0, 1, 2].map(|part| (errors[part] / bounds[part] - 1.0).max(0.0)), [0.0; 3])
+    })
 }
 
 /// Readings that come near the bounds: half a turn about the vertical, or none, under a steady
@@ -399,22 +319,15 @@ fn hard(random: &mut Random) -> Readings {
     let (steps, dt) = (100, 0.01 * random.uniform(0.5..1.5));
     let half_turn = if random.uniform(0.0..1.0) < 0.5 { 3.1 } else { 0.0 };
     let gyro = Vector3::z() * half_turn / (steps as f64 * dt);
-    let accelerometer = 4.0 * Vector3::z();
-    let samples = vec![ImuSample { gyro, accelerometer }; steps];
-    Readings { samples, dt, bias: ImuBias::default() }
+    steady(gyro, 4.0 * Vector3::z(), steps, dt)
 }
 
 /// Takes densities, a time, the first bias and the second.
-type Walk = fn(&ImuNoise, f64, &ImuBias, &ImuBias) -> nalgebra::Vector6<f64>;
+type Walk = fn(&ImuNoise, f64, &ImuBias, &ImuBias) -> Vector6<f64>;
 
-fn walked_bias(
-    noise: &ImuNoise,
-    t: f64,
-    first: &ImuBias,
-    second: &ImuBias,
-) -> nalgebra::Vector6<f64> {
-    BiasWalk::new(noise, t)
-        .map_or(nalgebra::Vector6::repeat(f64::NAN), |walk| walk.linearize(first, second).residual)
+fn walked_bias(noise: &ImuNoise, t: f64, first: &ImuBias, second: &ImuBias) -> Vector6<f64> {
+    let walk = BiasWalk::new(noise, t);
+    walk.map_or(Vector6::repeat(f64::NAN), |walk| walk.linearize(first, second).residual)
 }
 
 fn walk(chapter: &mut Chapter) {
@@ -429,9 +342,7 @@ fn walk(chapter: &mut Chapter) {
 
 fn bias_walk_factor(formula: Walk) -> Comparison {
     let against = "Monte Carlo, the variance of 4,000 walks of eight uneven steps for each state";
-    let mut comparison = Comparison::absolute(against, 0.12, "");
-    let mut random = Random::new(39);
-    for _ in 0..24 {
+    Comparison::absolute(against, 0.12, "").over(24, 39, |random| {
         let noise = ImuNoise {
             gyro_walk: random.logarithmic(1e-5..1e-3),
             accelerometer_walk: random.logarithmic(1e-3..1e-1),
@@ -439,24 +350,13 @@ fn bias_walk_factor(formula: Walk) -> Comparison {
         };
         let steps: Vec<f64> = (0..8).map(|_| random.logarithmic(0.02..0.1)).collect();
         let t = steps.iter().sum();
-        let first = bias(&mut random, 0.1, 0.5);
-        let mut squares = nalgebra::Vector6::zeros();
+        let first = bias(random, 0.1, 0.5);
+        let mut squares = Vector6::zeros();
         for _ in 0..4000 {
             let second =
                 steps.iter().fold(first, |bias, dt| noise.walk(&bias, *dt, || random.normal(1.0)));
             squares += formula(&noise, t, &first, &second).map(|r| r * r / 4000.0);
         }
-        comparison.add(squares.as_slice(), &[1.0; 6]);
-    }
-    comparison
-}
-
-/// The position's error of a correction, and with it those of rotation and velocity.
-pub fn after_correction(readings: &Readings, moved: &ImuBias) -> [f64; 3] {
-    let corrected = theory::correct_for_bias(&readings.summed(), moved);
-    let again = summed(&readings.samples, readings.dt, moved).deltas;
-    let phi = so3::local(&again.rotation, &corrected.rotation);
-    let (v, p) = (corrected.velocity - again.velocity, corrected.position - again.position);
-    let error = stack(&phi, &v, &p);
-    [0, 3, 6].map(|at| error.fixed_rows::<3>(at).norm())
+        (squares, [1.0; 6])
+    })
 }

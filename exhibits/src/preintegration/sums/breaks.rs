@@ -2,16 +2,16 @@
 
 use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
-use vislam::preintegration::{Preintegrator, imu_residual};
+use vislam::preintegration::{Rule, imu_residual};
 use vislam::simulation::Trajectory;
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
 use crate::chapter::Chapter;
+use crate::preintegration::oracle::{sizes, summed_by};
 
 const DT: f64 = 0.005;
 const STEPS: usize = 200;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     order_of_updates(chapter);
     gravity(chapter);
@@ -62,43 +62,34 @@ fn order_of_updates(chapter: &mut Chapter) {
 fn gravity(chapter: &mut Chapter) {
     let (origin, rest) = (NavState::origin(), Trajectory::hover().at(0.0).sample(&GRAVITY));
     let sums = summed(&vec![rest; STEPS], DT, &ImuBias::default());
-    let forgotten = imu_residual(&sums, &origin, &origin, &Vector3::zeros(), &ImuBias::default());
+    let residual = |gravity: &Vector3<f64>| {
+        imu_residual(&sums, &origin, &origin, gravity, &ImuBias::default())
+    };
+    let forgotten = residual(&Vector3::zeros());
     chapter.number("forgotten_velocity", forgotten[5].abs(), "m/s", 2);
     chapter.number("forgotten_position", forgotten[8].abs(), "m", 1);
     let sigmas = forgotten[5].abs() / sums.sigmas()[1];
     chapter.number("forgotten_sigmas", sigmas, "", 0);
     // With gravity of another place on the Earth, 9.78 at the equator and 9.83 at the poles.
-    let elsewhere = imu_residual(
-        &sums,
-        &origin,
-        &origin,
-        &(GRAVITY + 0.02 * Vector3::z()),
-        &ImuBias::default(),
-    );
+    let elsewhere = residual(&(GRAVITY + 0.02 * Vector3::z()));
     chapter.number("elsewhere_sigmas", elsewhere[5].abs() / sums.sigmas()[1], "", 1);
 }
 
 fn clipping(chapter: &mut Chapter) {
     let limit = 0.6;
-    let motion = Trajectory::figure_eight();
-    let perfect = motion.samples(&GRAVITY, DT, STEPS);
-    let clipped: Vec<ImuSample> = perfect
-        .iter()
-        .map(|sample| ImuSample {
-            gyro: sample.gyro.map(|rate| rate.clamp(-limit, limit)),
-            ..*sample
-        })
-        .collect();
+    let perfect = Trajectory::figure_eight().samples(&GRAVITY, DT, STEPS);
+    let highest = perfect.iter().fold(0.0_f64, |most, sample| most.max(sample.gyro.amax()));
+    let mut clipped = perfect.clone();
+    for sample in &mut clipped {
+        sample.gyro = sample.gyro.map(|rate| rate.clamp(-limit, limit));
+    }
     let touched = perfect.iter().zip(&clipped).filter(|(a, b)| a != b).count();
     let [right, wrong] =
         [perfect, clipped].map(|samples| summed(&samples, DT, &ImuBias::default()));
-    let error = difference(&right.deltas, &wrong.deltas);
-    let highest =
-        motion.samples(&GRAVITY, DT, STEPS).iter().fold(0.0_f64, |m, s| m.max(s.gyro.amax()));
+    let [rotation, ..] = sizes(&difference(&right.deltas, &wrong.deltas));
     chapter.number("clip_limit", limit, "rad/s", 1);
     chapter.number("clip_highest", highest, "rad/s", 2);
     chapter.number("clip_percent", 100.0 * touched as f64 / STEPS as f64, "%", 0);
-    let rotation = error.fixed_rows::<3>(0).norm();
     chapter.number("clip_mrad", 1e3 * rotation, "mrad", 0);
     chapter.number("clip_sigmas", rotation / wrong.sigmas()[0], "", 0);
 }
@@ -110,23 +101,11 @@ fn with_a_gap(seconds: f64) -> [f64; 2] {
     let missing = (seconds / DT).round() as usize;
     let kept = (0..=STEPS).filter(|k| !(100 < *k && *k < 100 + missing));
     let times: Vec<f64> = kept.map(|k| DT * k as f64).collect();
-    let truth = true_deltas(&motion, 0.0, DT * STEPS as f64);
-    [false, true].map(|midpoint| {
-        let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems())
-            .expect("the noise is that of a sensor");
-        integrator.longest_step = 1.0;
-        for pair in times.windows(2) {
-            let [start, end] = [pair[0], pair[1]].map(|t| motion.at(t).sample(&GRAVITY));
-            let dt = pair[1] - pair[0];
-            if midpoint {
-                integrator.integrate_midpoint(&start, &end, dt)
-            } else {
-                integrator.integrate(&start, dt)
-            }
-            .expect("the readings are finite");
-        }
-        let found = integrator.finish().expect("there is a step").deltas;
-        (found.velocity - truth.velocity).norm()
+    let samples: Vec<_> = times.iter().map(|t| motion.at(*t).sample(&GRAVITY)).collect();
+    [Rule::Euler, Rule::Midpoint].map(|rule| {
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+        let found = summed_by(rule, &samples, steps, &ImuNoise::mems()).deltas;
+        (found.velocity - true_deltas(&motion).velocity).norm()
     })
 }
 

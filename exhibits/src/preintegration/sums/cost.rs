@@ -1,13 +1,13 @@
 //! What an optimizer pays for one interval: the readings again, or one factor.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::preintegration::{Preintegrated, imu_residual, linearize, preintegrate};
 use vislam::simulation::Trajectory;
 
 use crate::chapter::Chapter;
+use crate::preintegration::speed::timed;
 use crate::record::{RecordValue, accepted};
 
 /// Readings in an interval.
@@ -50,28 +50,19 @@ impl Interval {
         let bias = ImuBias::default();
         let of_factor =
             |sums: &Preintegrated| linearize(sums, &self.first, &self.second, &GRAVITY, &bias);
-        [
-            timed(times, || {
-                black_box(black_box(self).walked());
-            }),
-            timed(times, || {
-                let samples = &black_box(self).samples;
-                let sums = preintegrate(samples, DT, &bias, &ImuNoise::mems());
-                black_box(sums.map(|sums| of_factor(&sums)).ok());
-            }),
-            timed(EVALUATIONS, || {
-                black_box(of_factor(&black_box(self).sums));
-            }),
-        ]
+        let state = timed(times, |_| {
+            black_box(black_box(self).walked());
+        });
+        let again = timed(times, |_| {
+            let samples = &black_box(self).samples;
+            let sums = preintegrate(samples, DT, &bias, &ImuNoise::mems());
+            black_box(sums.map(|sums| of_factor(&sums)).ok());
+        });
+        let factor = timed(EVALUATIONS, |_| {
+            black_box(of_factor(&black_box(self).sums));
+        });
+        [state, again, factor].map(|seconds| 1e6 * seconds)
     }
-}
-
-fn timed(times: usize, mut run: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..times {
-        run();
-    }
-    1e6 * start.elapsed().as_secs_f64() / times as f64
 }
 
 /// The fastest times for each number of readings. The intervals take turns, so that whatever else the
@@ -134,34 +125,16 @@ pub fn numbers(chapter: &mut Chapter) {
 fn cost() -> Vec<RecordValue> {
     let measured = measured();
     // Times are those of a machine and an hour.
-    let time =
-        |name, value: f64, decimals| RecordValue {
-            name, value, unit: "µs", decimals, within: 3.0
-        };
-    let mut values = Vec::new();
-    for (names, times) in NAMES.iter().zip(&measured) {
-        for (name, value) in names.iter().zip(times) {
-            values.push(time(*name, *value, if *value < 3.0 { 2 } else { 1 }));
-        }
-    }
-    let last = measured[READINGS.len() - 1];
-    let per_reading = 1e3 * last[1] / READINGS[READINGS.len() - 1] as f64;
-    values.push(RecordValue {
-        name: "per_reading",
-        value: per_reading,
-        unit: "ns",
-        decimals: 0,
-        within: 3.0,
-    });
-    let at_200 = measured[3];
-    let ratio = at_200[1] / at_200[2];
-    values.push(RecordValue {
-        name: "ratio_200",
-        value: ratio,
-        unit: "",
-        decimals: 0,
-        within: 3.0,
-    });
+    let value =
+        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 3.0 };
+    let times = NAMES.as_flattened().iter().zip(measured.as_flattened());
+    let mut values: Vec<RecordValue> = times
+        .map(|(name, time)| value(*name, *time, "µs", if *time < 3.0 { 2 } else { 1 }))
+        .collect();
+    let last = READINGS.len() - 1;
+    let per_reading = 1e3 * measured[last][1] / READINGS[last] as f64;
+    values.push(value("per_reading", per_reading, "ns", 0));
+    values.push(value("ratio_200", measured[3][1] / measured[3][2], "", 0));
     values
 }
 

@@ -8,15 +8,14 @@ use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
 use vislam::preintegration::{LinearizedImu, Preintegrated, Vector9, imu_residual, linearize};
 
-use super::oracle::{Readings, bias, slopes, stack, state};
+use super::oracle::{Readings, bias, slopes, state};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::preintegration::oracle::{STATES, parts, stack};
 use crate::random::Random;
 
-/// Random trajectories at which an equation is compared.
-const STATES: usize = 500;
-
 /// Sums, two states and a bias at which a residual is linearized.
+#[derive(Clone, Copy)]
 struct Case {
     sums: Preintegrated,
     first: NavState,
@@ -44,15 +43,17 @@ impl Case {
         imu_residual(&self.sums, &self.first, &self.second, &GRAVITY, &self.bias)
     }
 
+    /// The residual's rotation.
     fn phi(&self) -> Vector3<f64> {
-        self.residual().fixed_rows::<3>(0).into()
+        parts(&self.residual())[0]
     }
 }
 
 /// Takes a case and gives one of the three Jacobians.
 type By<const N: usize> = fn(&Case) -> SMatrix<f64, 9, N>;
 
-fn with_block<const N: usize>(
+/// A Jacobian with the block that begins in this row and column changed.
+fn changed<const N: usize>(
     mut jacobian: SMatrix<f64, 9, N>,
     (row, column): (usize, usize),
     change: impl Fn(Matrix3<f64>) -> Matrix3<f64>,
@@ -62,129 +63,108 @@ fn with_block<const N: usize>(
     jacobian
 }
 
-/// Registers the equations.
+fn by_first(case: &Case) -> SMatrix<f64, 9, 9> {
+    case.linearized().by_first
+}
+
+fn by_second(case: &Case) -> SMatrix<f64, 9, 9> {
+    case.linearized().by_second
+}
+
+fn by_bias(case: &Case) -> SMatrix<f64, 9, 6> {
+    case.linearized().by_bias
+}
+
 pub fn exhibits(chapter: &mut Chapter) {
     by_states(chapter);
-    let formula: By<6> = |case| case.linearized().by_bias;
     let mutants: [(_, By<6>); 5] = [
-        ("sign", |case| -case.linearized().by_bias),
+        ("sign", |case| -by_bias(case)),
         ("right inverse for left", |case| {
             let change = so3::right_jacobian_inverse(&case.phi()) * so3::left_jacobian(&case.phi());
-            with_block(case.linearized().by_bias, (0, 0), |block| change * block)
+            changed(by_bias(case), (0, 0), |block| change * block)
         }),
         ("logarithm's Jacobian dropped", |case| {
-            let jacobian = so3::left_jacobian(&case.phi());
-            with_block(case.linearized().by_bias, (0, 0), |block| jacobian * block)
+            changed(by_bias(case), (0, 0), |block| so3::left_jacobian(&case.phi()) * block)
         }),
         ("Jacobian at the step dropped", |case| {
             let by_gyro = case.sums.bias_jacobian.fixed_view::<3, 3>(0, 0);
-            let inverse = so3::left_jacobian_inverse(&case.phi());
-            with_block(case.linearized().by_bias, (0, 0), |_| -inverse * by_gyro)
+            changed(by_bias(case), (0, 0), |_| -so3::left_jacobian_inverse(&case.phi()) * by_gyro)
         }),
         ("as if at the bias of the sums", |case| -case.sums.bias_jacobian),
     ];
-    chapter.equation("residual-by-bias", residual_by_bias, formula, &mutants);
+    chapter.equation("residual-by-bias", residual_by_bias, by_bias, &mutants);
 }
 
 fn by_states(chapter: &mut Chapter) {
-    let formula: By<9> = |case| case.linearized().by_first;
     let mutants: [(_, By<9>); 6] = [
-        ("sign of the turn", |case| with_block(case.linearized().by_first, (0, 0), |m| -m)),
+        ("sign of the turn", |case| changed(by_first(case), (0, 0), |m| -m)),
         ("not seen from the second body", |case| {
-            let inverse = so3::right_jacobian_inverse(&case.phi());
-            with_block(case.linearized().by_first, (0, 0), |_| -inverse)
+            changed(by_first(case), (0, 0), |_| -so3::right_jacobian_inverse(&case.phi()))
         }),
-        ("sign of the leaning velocity", |case| {
-            with_block(case.linearized().by_first, (3, 0), |m| -m)
-        }),
+        ("sign of the leaning velocity", |case| changed(by_first(case), (3, 0), |m| -m)),
         ("measured velocity leaning", |case| {
-            let measured = so3::hat(&case.sums.deltas.velocity);
-            with_block(case.linearized().by_first, (3, 0), |_| measured)
+            changed(by_first(case), (3, 0), |_| so3::hat(&case.sums.deltas.velocity))
         }),
-        ("first velocity not carried on", |case| {
-            with_block(case.linearized().by_first, (6, 3), |_| Matrix3::zeros())
-        }),
-        ("rotation transposed", |case| {
-            with_block(case.linearized().by_first, (6, 6), |m| m.transpose())
-        }),
+        ("first velocity not carried on", |case| changed(by_first(case), (6, 3), |m| 0.0 * m)),
+        ("rotation transposed", |case| changed(by_first(case), (6, 6), |m| m.transpose())),
     ];
-    chapter.equation("residual-by-first", residual_by_first, formula, &mutants);
+    chapter.equation("residual-by-first", residual_by_first, by_first, &mutants);
 
-    let formula: By<9> = |case| case.linearized().by_second;
     let mutants: [(_, By<9>); 4] = [
         ("logarithm's Jacobian dropped", |case| {
-            with_block(case.linearized().by_second, (0, 0), |_| Matrix3::identity())
+            changed(by_second(case), (0, 0), |_| Matrix3::identity())
         }),
-        ("left inverse for right", |case| {
-            with_block(case.linearized().by_second, (0, 0), |m| m.transpose())
-        }),
+        ("left inverse for right", |case| changed(by_second(case), (0, 0), |m| m.transpose())),
         ("velocity's rotation transposed", |case| {
-            with_block(case.linearized().by_second, (3, 3), |m| m.transpose())
+            changed(by_second(case), (3, 3), |m| m.transpose())
         }),
         ("by the second body", |case| {
             let turned = case.second.world_from_body.matrix().transpose();
-            with_block(case.linearized().by_second, (6, 6), |_| turned)
+            changed(by_second(case), (6, 6), |_| turned)
         }),
     ];
-    chapter.equation("residual-by-second", residual_by_second, formula, &mutants);
+    chapter.equation("residual-by-second", residual_by_second, by_second, &mutants);
     chapter.counterexample("residual-jacobians", "below-pi", at_angle, [3.0, PI]);
 }
 
 /// The derivative by the second state where states and readings contradict each other by an angle.
 fn at_angle(angle: f64) -> Comparison {
-    let mut comparison = Comparison::relative(AGAINST, 1e-6);
-    let mut random = Random::new(44);
-    for _ in 0..STATES {
-        let mut case = Case::random(&mut random);
+    let case = |random: &mut Random| {
+        let case = Case::random(random);
         let off = stack(&random.direction(angle), &Vector3::zeros(), &Vector3::zeros());
-        case.second = case.sums.predict(&case.first, &GRAVITY, &case.bias).retract(off.as_slice());
-        let slopes = by_second(&case);
-        comparison.add(case.linearized().by_second.as_slice(), slopes.as_slice());
-    }
-    comparison
+        let second = case.sums.predict(&case.first, &GRAVITY, &case.bias).retract(off.as_slice());
+        Case { second, ..case }
+    };
+    compared(44, by_second, case, second_moved)
 }
 
-fn by_second(case: &Case) -> SMatrix<f64, 9, 9> {
-    slopes::<9>(1e-3, |step| {
-        let second = case.second.retract(step.as_slice());
-        imu_residual(&case.sums, &case.first, &second, &GRAVITY, &case.bias)
-    })
+fn second_moved(case: &Case, step: &[f64]) -> Case {
+    Case { second: case.second.retract(step), ..*case }
 }
-
-const AGAINST: &str = "central differences of the residual";
 
 fn residual_by_first(formula: By<9>) -> Comparison {
-    compared(41, formula, |case| {
-        slopes::<9>(1e-3, |step| {
-            let first = case.first.retract(step.as_slice());
-            imu_residual(&case.sums, &first, &case.second, &GRAVITY, &case.bias)
-        })
-    })
+    let moved = |case: &Case, step: &[f64]| Case { first: case.first.retract(step), ..*case };
+    compared(41, formula, Case::random, moved)
 }
 
 fn residual_by_second(formula: By<9>) -> Comparison {
-    compared(42, formula, by_second)
+    compared(42, formula, Case::random, second_moved)
 }
 
 fn residual_by_bias(formula: By<6>) -> Comparison {
-    compared(43, formula, |case| {
-        slopes::<6>(1e-3, |step| {
-            let bias = ImuBias::from_vector(&(case.bias.vector() + step));
-            imu_residual(&case.sums, &case.first, &case.second, &GRAVITY, &bias)
-        })
-    })
+    let moved = |case: &Case, step: &[f64]| Case { bias: case.bias.retract(step), ..*case };
+    compared(43, formula, Case::random, moved)
 }
 
 fn compared<const N: usize>(
     seed: u64,
     formula: By<N>,
-    slopes: impl Fn(&Case) -> SMatrix<f64, 9, N>,
+    case: impl Fn(&mut Random) -> Case,
+    moved: impl Fn(&Case, &[f64]) -> Case,
 ) -> Comparison {
-    let mut comparison = Comparison::relative(AGAINST, 1e-6);
-    let mut random = Random::new(seed);
-    for _ in 0..STATES {
-        let case = Case::random(&mut random);
-        comparison.add(formula(&case).as_slice(), slopes(&case).as_slice());
-    }
-    comparison
+    let against = "central differences of the residual";
+    Comparison::relative(against, 1e-6).over(STATES, seed, |random| {
+        let case = case(random);
+        (formula(&case), slopes::<N>(1e-3, |step| moved(&case, step.as_slice()).residual()))
+    })
 }

@@ -11,7 +11,6 @@ use crate::chapter::Chapter;
 pub use correction::left_by;
 pub use guess::{TRUE_BIAS, at_guess, unaware};
 
-/// Registers the figures.
 pub fn figures(chapter: &mut Chapter) {
     chapter.figure("any_start", any_start::any_start);
     chapter.figure("cost", cost::cost);

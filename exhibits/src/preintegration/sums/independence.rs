@@ -2,19 +2,13 @@
 
 use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
-use vislam::preintegration::{self as theory, Deltas, Preintegrated, Vector9};
+use vislam::preintegration::{self as theory, Deltas, Preintegrated, Rule, Vector9};
 
-use super::oracle::{
-    Readings, deltas_of_states, difference, entries, rotation_vector, stack, state, summed,
-};
+use super::oracle::{Readings, deltas_of_states, difference, rotation_vector, state, summed};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
+use crate::preintegration::oracle::{STATES, nothing, parts, stack, stepped};
 
-/// Random states at which an equation is compared.
-const STATES: usize = 500;
-
-/// Registers the equations.
 pub fn exhibits(chapter: &mut Chapter) {
     sums(chapter);
     residual(chapter);
@@ -22,28 +16,20 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.counterexample("no-state", "gravity", no_state, [(true, 0.0), (true, 0.1)]);
 }
 
-const NO_DELTAS: fn() -> Deltas = || Deltas {
-    rotation: Rotation3::identity(),
-    velocity: Vector3::zeros(),
-    position: Vector3::zeros(),
-};
-
 /// Takes readings, their step and the bias.
 type Sums = fn(&[ImuSample], f64, &ImuBias) -> Deltas;
 
-/// Sums by a step that takes deltas, the turn, the force and the time.
+/// Sums with steps that go wrong: `spoilt` takes the deltas before a step and after it, and the reading.
 fn by_step(
     samples: &[ImuSample],
     dt: f64,
     bias: &ImuBias,
-    step: impl Fn(&mut Deltas, &Rotation3<f64>, &Vector3<f64>),
+    spoilt: impl Fn(&Deltas, Deltas, &ImuSample) -> Deltas,
 ) -> Deltas {
-    let mut deltas = NO_DELTAS();
-    for sample in samples {
+    samples.iter().fold(nothing(), |before, sample| {
         let reading = sample.corrected(bias);
-        step(&mut deltas, &Rotation3::new(dt * reading.gyro), &reading.accelerometer);
-    }
-    deltas
+        spoilt(&before, stepped(Rule::Euler, &before, &reading, dt), &reading)
+    })
 }
 
 fn sums(chapter: &mut Chapter) {
@@ -53,35 +39,27 @@ fn sums(chapter: &mut Chapter) {
             summed(samples, dt, &ImuBias::from_vector(&-bias.vector())).deltas
         }),
         ("velocity before position", |samples, dt, bias| {
-            by_step(samples, dt, bias, |deltas, turn, force| {
-                let gain = dt * (deltas.rotation * force);
-                deltas.velocity += gain;
-                deltas.position += dt * (deltas.velocity + 0.5 * gain);
-                deltas.rotation *= turn;
+            by_step(samples, dt, bias, |before, after, _| Deltas {
+                position: after.position + dt * (after.velocity - before.velocity),
+                ..after
             })
         }),
         ("rotation before velocity", |samples, dt, bias| {
-            by_step(samples, dt, bias, |deltas, turn, force| {
-                deltas.rotation *= turn;
-                let gain = dt * (deltas.rotation * force);
-                deltas.position += dt * (deltas.velocity + 0.5 * gain);
-                deltas.velocity += gain;
+            by_step(samples, dt, bias, |before, Deltas { rotation, .. }, reading| {
+                let turned = Deltas { rotation, ..*before };
+                Deltas { rotation, ..stepped(Rule::Euler, &turned, reading, dt) }
             })
         }),
         ("turns multiplied on the left", |samples, dt, bias| {
-            by_step(samples, dt, bias, |deltas, turn, force| {
-                let gain = dt * (deltas.rotation * force);
-                deltas.position += dt * (deltas.velocity + 0.5 * gain);
-                deltas.velocity += gain;
-                deltas.rotation = turn * deltas.rotation;
+            by_step(samples, dt, bias, |before, after, reading| {
+                let rotation = Rotation3::new(dt * reading.gyro) * before.rotation;
+                Deltas { rotation, ..after }
             })
         }),
         ("half of the gain dropped", |samples, dt, bias| {
-            by_step(samples, dt, bias, |deltas, turn, force| {
-                let gain = dt * (deltas.rotation * force);
-                deltas.position += dt * deltas.velocity;
-                deltas.velocity += gain;
-                deltas.rotation *= turn;
+            by_step(samples, dt, bias, |before, after, _| Deltas {
+                position: before.position + dt * before.velocity,
+                ..after
             })
         }),
     ];
@@ -108,29 +86,23 @@ fn sums(chapter: &mut Chapter) {
 
 fn preintegrated_sums(formula: Sums) -> Comparison {
     let against = "two states, one reached from the other in the world under any gravity";
-    let mut comparison = Comparison::relative(against, 1e-12);
-    let mut random = Random::new(21);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
-        let (first, gravity) = (state(&mut random), random.direction(12.0));
+    Comparison::relative(against, 1e-12).over(STATES, 21, |random| {
+        let readings = Readings::random(random);
+        let (first, gravity) = (state(random), random.direction(12.0));
         let second = readings.walked(&first, &gravity);
         let t = readings.dt * readings.samples.len() as f64;
         let found = formula(&readings.samples, readings.dt, &readings.bias);
-        let expected = deltas_of_states(&first, &second, &gravity, t);
-        comparison.add(&entries(&found), &entries(&expected));
-    }
-    comparison
+        (found, deltas_of_states(&first, &second, &gravity, t))
+    })
 }
 
 /// Walks with the velocity from before a step or from after it, under gravity that grows by a share of itself in a
 /// second.
 fn no_state((before, growth): (bool, f64)) -> Comparison {
     let against = "what two states say about each other when one walked to the other";
-    let mut comparison = Comparison::relative(against, 1e-11);
-    let mut random = Random::new(25);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
-        let (first, gravity) = (state(&mut random), random.direction(12.0));
+    Comparison::relative(against, 1e-11).over(STATES, 25, |random| {
+        let readings = Readings::random(random);
+        let (first, gravity) = (state(random), random.direction(12.0));
         let (mut at, mut t, dt) = (first, 0.0, readings.dt);
         for sample in &readings.samples {
             let reading = sample.corrected(&readings.bias);
@@ -142,10 +114,8 @@ fn no_state((before, growth): (bool, f64)) -> Comparison {
             at.world_from_body *= Rotation3::new(dt * reading.gyro);
             t += dt;
         }
-        let stated = deltas_of_states(&first, &at, &gravity, t);
-        comparison.add(&entries(&readings.summed().deltas), &entries(&stated));
-    }
-    comparison
+        (readings.summed().deltas, deltas_of_states(&first, &at, &gravity, t))
+    })
 }
 
 /// Takes the deltas of two intervals in a row and the duration of the second.
@@ -153,17 +123,14 @@ type Composition = fn(&Deltas, &Deltas, f64) -> Deltas;
 
 fn delta_composition(formula: Composition) -> Comparison {
     let against = "a walk without gravity through all readings at once";
-    let mut comparison = Comparison::relative(against, 1e-12);
-    let mut random = Random::new(22);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
+    Comparison::relative(against, 1e-12).over(STATES, 22, |random| {
+        let readings = Readings::random(random);
         let Readings { samples, dt, bias } = &readings;
         let (before, after) = samples.split_at(random.uniform(1.0..49.0) as usize);
         let [first, second] = [before, after].map(|part| summed(part, *dt, bias));
         let found = formula(&first.deltas, &second.deltas, second.duration);
-        comparison.add(&entries(&found), &entries(&readings.deltas_with(bias)));
-    }
-    comparison
+        (found, readings.deltas_with(bias))
+    })
 }
 
 /// Takes sums, two states, gravity and the bias.
@@ -171,36 +138,25 @@ type Residual = fn(&Preintegrated, &NavState, &NavState, &Vector3<f64>, &ImuBias
 
 fn residual(chapter: &mut Chapter) {
     let mutants: [(_, Residual); 6] = [
-        ("gravity dropped", |sums, first, second, _, bias| {
-            theory::imu_residual(sums, first, second, &Vector3::zeros(), bias)
+        ("gravity dropped", |s, i, j, _, bias| {
+            theory::imu_residual(s, i, j, &(0.0 * GRAVITY), bias)
         }),
-        ("gravity upwards", |sums, first, second, g, bias| {
-            theory::imu_residual(sums, first, second, &-g, bias)
-        }),
-        ("measured less stated", |sums, first, second, g, bias| {
-            -theory::imu_residual(sums, first, second, g, bias)
-        }),
+        ("gravity upwards", |s, i, j, g, bias| theory::imu_residual(s, i, j, &-g, bias)),
+        ("measured less stated", |s, i, j, g, bias| -theory::imu_residual(s, i, j, g, bias)),
         ("differences left in the world", |sums, first, second, g, bias| {
-            let mut residual = theory::imu_residual(sums, first, second, g, bias);
-            for at in [3, 6] {
-                let turned = first.world_from_body * residual.fixed_rows::<3>(at);
-                residual.fixed_rows_mut::<3>(at).copy_from(&turned);
-            }
-            residual
+            let [phi, v, p] = parts(&theory::imu_residual(sums, first, second, g, bias));
+            stack(&phi, &(first.world_from_body * v), &(first.world_from_body * p))
         }),
         ("first velocity not carried on", |sums, first, second, g, bias| {
             let still = NavState { velocity: Vector3::zeros(), ..*first };
-            let mut residual = theory::imu_residual(sums, first, second, g, bias);
-            let position = theory::imu_residual(sums, &still, second, g, bias);
-            residual.fixed_rows_mut::<3>(6).copy_from(&position.fixed_rows::<3>(6));
-            residual
+            let [phi, v, _] = parts(&theory::imu_residual(sums, first, second, g, bias));
+            let [.., p] = parts(&theory::imu_residual(sums, &still, second, g, bias));
+            stack(&phi, &v, &p)
         }),
         ("rotations exchanged", |sums, first, second, g, bias| {
-            let mut residual = theory::imu_residual(sums, first, second, g, bias);
+            let [_, v, p] = parts(&theory::imu_residual(sums, first, second, g, bias));
             let stated = first.world_from_body.transpose() * second.world_from_body;
-            let phi = rotation_vector(&(stated * sums.deltas.rotation.transpose()));
-            residual.fixed_rows_mut::<3>(0).copy_from(&phi);
-            residual
+            stack(&rotation_vector(&(stated * sums.deltas.rotation.transpose())), &v, &p)
         }),
     ];
     chapter.equation("imu-residual", imu_residual, theory::imu_residual, &mutants);
@@ -209,14 +165,12 @@ fn residual(chapter: &mut Chapter) {
         ("sign", |truth, measured| -at_truth(truth, measured)),
         ("error of the rotation in the first frame", |truth, measured| {
             let phi = rotation_vector(&(measured.rotation * truth.rotation.transpose()));
-            let mut residual = at_truth(truth, measured);
-            residual.fixed_rows_mut::<3>(0).copy_from(&-phi);
-            residual
+            let [_, v, p] = parts(&at_truth(truth, measured));
+            stack(&-phi, &v, &p)
         }),
         ("rotation of the other sign", |truth, measured| {
-            let mut residual = at_truth(truth, measured);
-            residual.fixed_rows_mut::<3>(0).neg_mut();
-            residual
+            let [phi, v, p] = parts(&at_truth(truth, measured));
+            stack(&-phi, &v, &p)
         }),
     ];
     chapter.equation("residual-at-truth", residual_at_truth, at_truth, &mutants);
@@ -224,27 +178,23 @@ fn residual(chapter: &mut Chapter) {
 
 fn imu_residual(formula: Residual) -> Comparison {
     let against = "the second state less the one that the readings reach, as the first sees it";
-    let mut comparison = Comparison::absolute(against, 1e-11, "rad, m/s, m");
-    let mut random = Random::new(23);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
-        let (first, gravity) = (state(&mut random), random.direction(12.0));
+    Comparison::absolute(against, 1e-11, "rad, m/s, m").over(STATES, 23, |random| {
+        let readings = Readings::random(random);
+        let (first, gravity) = (state(random), random.direction(12.0));
         let reached = readings.walked(&first, &gravity);
         let second = NavState {
             world_from_body: reached.world_from_body * random.rotation(2.5),
             velocity: reached.velocity + random.direction(1.0),
             position: reached.position + random.direction(1.0),
         };
-        let found = formula(&readings.summed(), &first, &second, &gravity, &readings.bias);
         let back = first.world_from_body.transpose();
         let expected = stack(
             &rotation_vector(&(reached.world_from_body.transpose() * second.world_from_body)),
             &(back * (second.velocity - reached.velocity)),
             &(back * (second.position - reached.position)),
         );
-        comparison.add(found.as_slice(), expected.as_slice());
-    }
-    comparison
+        (formula(&readings.summed(), &first, &second, &gravity, &readings.bias), expected)
+    })
 }
 
 /// Takes the deltas of what happened and of what was measured.
@@ -256,23 +206,17 @@ fn at_truth(truth: &Deltas, measured: &Deltas) -> Vector9 {
 
 fn residual_at_truth(formula: AtTruth) -> Comparison {
     let against = "the residual of noisy readings at states that perfect ones lead to";
-    let mut comparison = Comparison::absolute(against, 1e-11, "rad, m/s, m");
-    let mut random = Random::new(24);
     // Ten times the noise, so that first order would not do.
     let noise = ImuNoise { gyro: 3.5e-2, accelerometer: 0.2, ..ImuNoise::mems() };
-    for _ in 0..STATES {
-        let perfect = Readings::random(&mut random);
-        let noisy: Vec<ImuSample> = perfect
-            .samples
-            .iter()
-            .map(|s| noise.corrupt(s, &ImuBias::default(), perfect.dt, || random.normal(1.0)))
-            .collect();
+    Comparison::absolute(against, 1e-11, "rad, m/s, m").over(STATES, 24, |random| {
+        let perfect = Readings::random(random);
+        let corrupt =
+            |sample| noise.corrupt(sample, &ImuBias::default(), perfect.dt, || random.normal(1.0));
+        let noisy: Vec<ImuSample> = perfect.samples.iter().map(corrupt).collect();
         let measured = summed(&noisy, perfect.dt, &perfect.bias);
-        let first = state(&mut random);
+        let first = state(random);
         let second = perfect.walked(&first, &GRAVITY);
-        let found = formula(&perfect.deltas_with(&perfect.bias), &measured.deltas);
         let expected = theory::imu_residual(&measured, &first, &second, &GRAVITY, &perfect.bias);
-        comparison.add(found.as_slice(), expected.as_slice());
-    }
-    comparison
+        (formula(&perfect.deltas_with(&perfect.bias), &measured.deltas), expected)
+    })
 }

@@ -2,17 +2,17 @@
 //! estimates, and the rules.
 
 use nalgebra::{Matrix3, Vector3};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample};
+use vislam::inertial::{GRAVITY, ImuBias, ImuSample};
 use vislam::manifold::so3;
-use vislam::preintegration::{Preintegrated, Rule, correct_for_bias, preintegrate};
+use vislam::preintegration::{Rule, correct_for_bias};
 use vislam::simulation::Trajectory;
 
 use super::bias::correction_error_term;
-use super::figures::{at_guess, left_by, unaware};
+use super::figures::{TRUE_BIAS, at_guess, left_by, unaware};
+use super::oracle::{gyro_bias, summed};
 use super::rules::errors;
 use crate::chapter::Chapter;
 
-/// Registers the numbers.
 pub fn numbers(chapter: &mut Chapter) {
     by_hand(chapter);
     corrections(chapter);
@@ -26,20 +26,12 @@ const DURATION: f64 = 2.0;
 const SAMPLING: f64 = 200.0;
 const MOVE: f64 = 0.01;
 
-fn about_the_vertical(rate: f64) -> ImuBias {
-    ImuBias { gyro: rate * Vector3::z(), ..ImuBias::default() }
-}
-
 fn by_hand(chapter: &mut Chapter) {
-    let gyro = RATE * Vector3::z();
-    let accelerometer = -GRAVITY;
     let count = (DURATION * SAMPLING).round() as usize;
-    let samples = vec![ImuSample { gyro, accelerometer }; count];
-    let summed = |bias: &ImuBias| {
-        preintegrate(&samples, 1.0 / SAMPLING, bias, &ImuNoise::mems()).expect("numbers are finite")
-    };
+    let reading = ImuSample { gyro: RATE * Vector3::z(), accelerometer: -GRAVITY };
+    let summed = |bias: &ImuBias| summed(&vec![reading; count], 1.0 / SAMPLING, bias);
     let sums = summed(&ImuBias::default());
-    let corrected = correct_for_bias(&sums, &about_the_vertical(MOVE));
+    let corrected = correct_for_bias(&sums, &gyro_bias(MOVE * Vector3::z()));
     let jacobian: Matrix3<f64> = sums.bias_jacobian.fixed_view::<3, 3>(0, 0).into();
     chapter.number("hand_rate", RATE, "rad/s", 2);
     chapter.number("hand_time", DURATION, "s", 0);
@@ -53,7 +45,7 @@ fn by_hand(chapter: &mut Chapter) {
     chapter.number("hand_beside", jacobian[(1, 0)].abs(), "s", 2);
 
     // The same correction about an axis across that of the turn.
-    let across = ImuBias { gyro: MOVE * Vector3::x(), ..ImuBias::default() };
+    let across = gyro_bias(MOVE * Vector3::x());
     let truth = summed(&across).deltas.rotation;
     let right = so3::local(&truth, &correct_for_bias(&sums, &across).rotation).norm();
     let naive = so3::retract(&sums.deltas.rotation, &(-DURATION * across.gyro));
@@ -86,8 +78,7 @@ fn corrections(chapter: &mut Chapter) {
 }
 
 fn guesses(chapter: &mut Chapter) {
-    let sums: Preintegrated = unaware(1.0);
-    let bias = super::figures::TRUE_BIAS;
+    let (sums, bias) = (unaware(1.0), TRUE_BIAS);
     let [sigmas, squared] = at_guess(&sums, 0.0);
     chapter.number("guess_bias", bias, "rad/s", 2);
     chapter.number("guess_turn_mrad", 1e3 * bias, "mrad", 0);

@@ -2,9 +2,11 @@
 
 use nalgebra::{Rotation3, SMatrix, UnitQuaternion, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
-use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9, preintegrate};
+use vislam::preintegration::{Deltas, Preintegrated, Vector9, preintegrate};
 use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 
+use crate::comparison::Values;
+use crate::preintegration::oracle::stack;
 use crate::random::Random;
 
 /// Readings of equal steps and the bias that is subtracted from them.
@@ -33,12 +35,7 @@ impl Readings {
     }
 
     /// Where they lead from a state with another bias, in the world and with quaternions.
-    pub fn walked_with(
-        &self,
-        bias: &ImuBias,
-        first: &NavState,
-        gravity: &Vector3<f64>,
-    ) -> NavState {
+    fn walked_with(&self, bias: &ImuBias, first: &NavState, gravity: &Vector3<f64>) -> NavState {
         let NavState { world_from_body, mut velocity, mut position } = *first;
         let mut attitude = UnitQuaternion::from_rotation_matrix(&world_from_body);
         for sample in &self.samples {
@@ -63,20 +60,6 @@ pub fn summed(samples: &[ImuSample], dt: f64, bias: &ImuBias) -> Preintegrated {
     preintegrate(samples, dt, bias, &ImuNoise::mems()).expect("the readings are finite")
 }
 
-/// The library's sums of readings at both ends of every step.
-pub fn summed_by(rule: Rule, samples: &[ImuSample], dt: f64) -> Preintegrated {
-    let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems())
-        .expect("the noise is that of a sensor");
-    for pair in samples.windows(2) {
-        match rule {
-            Rule::Euler => integrator.integrate(&pair[0], dt),
-            Rule::Midpoint => integrator.integrate_midpoint(&pair[0], &pair[1], dt),
-        }
-        .expect("the readings are finite");
-    }
-    integrator.finish().expect("there is a step")
-}
-
 /// The left sides of the deltas, for two states that are `t` seconds apart.
 pub fn deltas_of_states(
     first: &NavState,
@@ -93,16 +76,15 @@ pub fn deltas_of_states(
     }
 }
 
-/// The deltas of a motion between two times, from its formulas and not from readings.
-pub fn true_deltas(motion: &Trajectory, from: f64, duration: f64) -> Deltas {
-    let (first, second) = (motion.at(from).state, motion.at(from + duration).state);
-    deltas_of_states(&first, &second, &GRAVITY, duration)
+/// The deltas of a motion's first second, from its formulas and not from readings.
+pub fn true_deltas(motion: &Trajectory) -> Deltas {
+    deltas_of_states(&motion.at(0.0).state, &motion.at(1.0).state, &GRAVITY, 1.0)
 }
 
-/// All entries of deltas.
-pub fn entries(deltas: &Deltas) -> Vec<f64> {
-    let Deltas { rotation, velocity, position } = deltas;
-    rotation.matrix().iter().chain(velocity).chain(position).copied().collect()
+impl Values for Deltas {
+    fn append_to(&self, numbers: &mut Vec<f64>) {
+        (self.rotation, self.velocity, self.position).append_to(numbers);
+    }
 }
 
 /// The rotation vector, by way of a quaternion.
@@ -116,10 +98,6 @@ pub fn difference(from: &Deltas, to: &Deltas) -> Vector9 {
     stack(&phi, &(to.velocity - from.velocity), &(to.position - from.position))
 }
 
-pub fn stack(phi: &Vector3<f64>, velocity: &Vector3<f64>, position: &Vector3<f64>) -> Vector9 {
-    Vector9::from_iterator(phi.iter().chain(velocity).chain(position).copied())
-}
-
 /// The derivative at zero of a function of `N` numbers, by central differences extrapolated to a
 /// step of zero.
 pub fn slopes<const N: usize>(
@@ -127,16 +105,11 @@ pub fn slopes<const N: usize>(
     function: impl Fn(&SMatrix<f64, N, 1>) -> Vector9,
 ) -> SMatrix<f64, 9, N> {
     let central = |axis: usize, h: f64| {
-        let mut at = SMatrix::<f64, N, 1>::zeros();
-        at[axis] = h;
+        let at = SMatrix::from_fn(|k, _| if k == axis { h } else { 0.0 });
         (function(&at) - function(&-at)) / (2.0 * h)
     };
-    let mut columns = SMatrix::<f64, 9, N>::zeros();
-    for axis in 0..N {
-        let extrapolated = (4.0 * central(axis, step) - central(axis, 2.0 * step)) / 3.0;
-        columns.set_column(axis, &extrapolated);
-    }
-    columns
+    let extrapolated = |axis| (4.0 * central(axis, step) - central(axis, 2.0 * step)) / 3.0;
+    SMatrix::from_columns(&std::array::from_fn::<_, N, _>(extrapolated))
 }
 
 /// The derivative of the deltas by the bias, by walking again.
@@ -163,6 +136,11 @@ pub fn motion(random: &mut Random) -> Trajectory {
     let position = [2.0, 2.0, 2.0].map(|size| coordinate(random, size));
     let [yaw, pitch, roll] = [0.8, 0.4, 0.8].map(|size| coordinate(random, size));
     Trajectory { position, angles: EulerAngles { yaw, pitch, roll } }
+}
+
+/// A bias of the gyroscope alone.
+pub fn gyro_bias(gyro: Vector3<f64>) -> ImuBias {
+    ImuBias { gyro, ..ImuBias::default() }
 }
 
 pub fn bias(random: &mut Random, gyro: f64, accelerometer: f64) -> ImuBias {

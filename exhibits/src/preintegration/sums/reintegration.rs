@@ -1,15 +1,16 @@
 //! When a first-order correction is no longer good enough.
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
 use vislam::least_squares::sqrt_information;
-use vislam::preintegration::{Matrix9, Preintegrated, Vector9, preintegrate};
+use vislam::preintegration::{Matrix9, Preintegrated, correct_for_bias, preintegrate};
 use vislam::simulation::Trajectory;
 
-use super::oracle::{Readings, bias, difference, stack};
+use super::oracle::{Readings, bias, difference, gyro_bias};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::preintegration::noise::blocks::correlation;
+use crate::preintegration::oracle::stack;
 use crate::random::Random;
 
 /// Random readings at which the bound is compared, and directions from which a search for the
@@ -20,30 +21,14 @@ const STARTS: usize = 4;
 /// The share of the mean of the squared error that a correction may add.
 const FRACTION: f64 = 0.01;
 
-/// Registers the equation and the numbers.
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Bound); 5] = [
-        ("each error by its own covariance", |sums, bias| {
-            let own = |block: usize| {
-                let covariance = sums.covariance.fixed_view::<3, 3>(3 * block, 3 * block);
-                sqrt_information(&covariance.into_owned())
-                    .map_or(f64::NAN, |root: Matrix3<f64>| root.singular_values().max())
-            };
-            let lengths = lengths(sums, bias);
-            (0..3).map(|block| (own(block) * lengths[block]).powi(2)).sum()
-        }),
-        ("squares added", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            (0..3).map(|block| (largest(sums, block) * lengths[block]).powi(2)).sum()
-        }),
-        ("the smallest singular value", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            let least = |block| columns(&whitener(sums), block).singular_values().min();
-            (0..3).map(|block| least(block) * lengths[block]).sum::<f64>().powi(2)
-        }),
+        ("each error by its own covariance", |sums, bias| whitened(sums, bias, own).norm_squared()),
+        ("squares added", |sums, bias| whitened(sums, bias, largest).norm_squared()),
+        ("the smallest singular value", |sums, bias| whitened(sums, bias, least).sum().powi(2)),
         ("velocity dropped", |sums, bias| {
-            let lengths = lengths(sums, bias);
-            [0, 2].map(|block| largest(sums, block) * lengths[block]).iter().sum::<f64>().powi(2)
+            let by_part = whitened(sums, bias, largest);
+            (by_part[0] + by_part[2]).powi(2)
         }),
         ("all columns at once", |sums, bias| {
             let longest = lengths(sums, bias).iter().sum::<f64>();
@@ -62,12 +47,29 @@ fn whitener(sums: &Preintegrated) -> Matrix9 {
     sums.sqrt_information().expect("after many steps everything varies")
 }
 
-fn columns(whitener: &Matrix9, block: usize) -> SMatrix<f64, 9, 3> {
-    whitener.fixed_columns::<3>(3 * block).into_owned()
+/// The three lengths, each times what whitening makes of a vector of length one in its block.
+fn whitened(
+    sums: &Preintegrated,
+    bias: &ImuBias,
+    of_block: fn(&Preintegrated, usize) -> f64,
+) -> Vector3<f64> {
+    let lengths = lengths(sums, bias);
+    Vector3::from_fn(|block, _| of_block(sums, block) * lengths[block])
 }
 
 fn largest(sums: &Preintegrated, block: usize) -> f64 {
-    columns(&whitener(sums), block).singular_values().max()
+    whitener(sums).fixed_columns::<3>(3 * block).singular_values().max()
+}
+
+fn least(sums: &Preintegrated, block: usize) -> f64 {
+    whitener(sums).fixed_columns::<3>(3 * block).singular_values().min()
+}
+
+/// By the covariance of the block alone.
+fn own(sums: &Preintegrated, block: usize) -> f64 {
+    let covariance = sums.covariance.fixed_view::<3, 3>(3 * block, 3 * block).into_owned();
+    let root = sqrt_information(&covariance);
+    root.map_or(f64::NAN, |root: Matrix3<f64>| root.singular_values().max())
 }
 
 fn lengths(sums: &Preintegrated, bias: &ImuBias) -> [f64; 3] {
@@ -78,8 +80,7 @@ fn lengths(sums: &Preintegrated, bias: &ImuBias) -> [f64; 3] {
 /// The greatest squared length of a whitened error whose three parts have these lengths, by ascent
 /// from several directions: each part turns to where the gradient points, until nothing grows.
 fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
-    let mut most = 0.0_f64;
-    for _ in 0..STARTS {
+    let ascents = (0..STARTS).map(|_| {
         let [phi, v, p] = lengths.map(|length| random.direction(length));
         let mut error = stack(&phi, &v, &p);
         for _ in 0..300 {
@@ -89,26 +90,23 @@ fn worst(random: &mut Random, whitener: &Matrix9, lengths: &[f64; 3]) -> f64 {
                 error.fixed_rows_mut::<3>(3 * block).copy_from(&(*length * uphill));
             }
         }
-        most = most.max((whitener * error).norm_squared());
-    }
-    most
+        (whitener * error).norm_squared()
+    });
+    ascents.fold(0.0, f64::max)
 }
 
 fn reintegration_bound(formula: Bound) -> Comparison {
     let against = "the worst directions of the three errors, found by ascent: how far they exceed \
                    it, here nothing, or stay below two thirds of it";
-    let mut comparison = Comparison::absolute(against, 1e-9, "relative");
-    let mut random = Random::new(41);
-    for _ in 0..STATES {
-        let readings = Readings::random(&mut random);
+    Comparison::absolute(against, 1e-9, "relative").over(STATES, 41, |random| {
+        let readings = Readings::random(random);
         let sums = readings.summed();
-        let step = bias(&mut random, 0.05, 0.2);
+        let step = bias(random, 0.05, 0.2);
         let moved = ImuBias::from_vector(&(sums.bias.vector() + step.vector()));
-        let worst = worst(&mut random, &whitener(&sums), &lengths(&sums, &moved));
+        let worst = worst(random, &whitener(&sums), &lengths(&sums, &moved));
         let part = worst / formula(&sums, &moved);
-        comparison.add(&[(part - 1.0).max(0.0), (2.0 / 3.0 - part).max(0.0)], &[0.0; 2]);
-    }
-    comparison
+        ([(part - 1.0).max(0.0), (2.0 / 3.0 - part).max(0.0)], [0.0; 2])
+    })
 }
 
 /// The sums of readings at rest, 200 in a second.
@@ -118,7 +116,7 @@ fn at_rest(noise: &ImuNoise, seconds: f64, bias: &ImuBias) -> Preintegrated {
 }
 
 fn about_level_axis(rate: f64) -> ImuBias {
-    ImuBias { gyro: rate * nalgebra::Vector3::x(), ..ImuBias::default() }
+    gyro_bias(rate * Vector3::x())
 }
 
 /// How far the gyroscope's bias may move about a level axis until readings at rest are summed again.
@@ -137,9 +135,8 @@ fn farthest(noise: &ImuNoise, seconds: f64) -> f64 {
 fn added(noise: &ImuNoise, rate: f64) -> f64 {
     let sums = at_rest(noise, 1.0, &ImuBias::default());
     let moved = about_level_axis(rate);
-    let corrected = vislam::preintegration::correct_for_bias(&sums, &moved);
-    let error: Vector9 = difference(&at_rest(noise, 1.0, &moved).deltas, &corrected);
-    (whitener(&sums) * error).norm_squared()
+    let again = at_rest(noise, 1.0, &moved).deltas;
+    (whitener(&sums) * difference(&again, &correct_for_bias(&sums, &moved))).norm_squared()
 }
 
 /// The least eigenvalue of the correlations of the nine errors.

@@ -1,21 +1,20 @@
 //! The rules of summing, against the continuous equations.
 
 use nalgebra::{Rotation3, Vector3};
-use vislam::inertial::{GRAVITY, ImuSample};
+use vislam::inertial::{GRAVITY, ImuNoise, ImuSample};
 use vislam::preintegration::{Deltas, Rule};
 use vislam::simulation::Trajectory;
 
-use super::oracle::{difference, motion, summed_by, true_deltas};
+use super::oracle::{difference, motion, true_deltas};
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
-use crate::random::Random;
+use crate::preintegration::oracle::{nothing, sizes, summed_by};
 
 /// Takes readings at both ends of all steps, and the step.
 type Midpoint = fn(&[ImuSample], f64) -> Deltas;
 
-/// Registers the equation.
 pub fn exhibits(chapter: &mut Chapter) {
-    let formula: Midpoint = |samples, dt| summed_by(Rule::Midpoint, samples, dt).deltas;
+    let formula: Midpoint = |samples, dt| summed(Rule::Midpoint, samples, dt);
     let mutants: [(_, Midpoint); 5] = [
         ("force not turned halfway", |samples, dt| by_part(samples, dt, 0.5, 0.0)),
         ("force turned all the way", |samples, dt| by_part(samples, dt, 0.5, 1.0)),
@@ -26,14 +25,14 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.equation("preint-midpoint", preint_midpoint, formula, &mutants);
 }
 
+fn summed(rule: Rule, samples: &[ImuSample], dt: f64) -> Deltas {
+    summed_by(rule, samples, std::iter::repeat(dt), &ImuNoise::mems()).deltas
+}
+
 /// Sums with the reading a part of the way from the first to the second, and the force turned by a
 /// part of the step.
 fn by_part(samples: &[ImuSample], dt: f64, reading: f64, turned: f64) -> Deltas {
-    let mut deltas = Deltas {
-        rotation: Rotation3::identity(),
-        velocity: Vector3::zeros(),
-        position: Vector3::zeros(),
-    };
+    let mut deltas = nothing();
     for pair in samples.windows(2) {
         let between = |a: Vector3<f64>, b: Vector3<f64>| a + reading * (b - a);
         let gyro = between(pair[0].gyro, pair[1].gyro);
@@ -49,24 +48,20 @@ fn by_part(samples: &[ImuSample], dt: f64, reading: f64, turned: f64) -> Deltas 
 
 fn preint_midpoint(formula: Midpoint) -> Comparison {
     let against = "two, the order in which errors against the motion's own formula must fall";
-    let mut comparison = Comparison::absolute(against, 0.1, "");
-    let mut random = Random::new(51);
-    for _ in 0..40 {
-        let motion = motion(&mut random);
+    Comparison::absolute(against, 0.1, "").over(40, 51, |random| {
+        let motion = motion(random);
         let error = |steps: usize| {
             let dt = 1.0 / steps as f64;
             let found = formula(&motion.samples(&GRAVITY, dt, steps + 1), dt);
-            difference(&true_deltas(&motion, 0.0, 1.0), &found).norm()
+            difference(&true_deltas(&motion), &found).norm()
         };
-        comparison.add(&[(error(400) / error(800)).log2()], &[2.0]);
-    }
-    comparison
+        ((error(400) / error(800)).log2(), 2.0)
+    })
 }
 
 /// Errors of rotation, velocity and position on the figure-eight after a second in so many steps.
 pub fn errors(rule: Rule, steps: usize) -> [f64; 3] {
     let (motion, dt) = (Trajectory::figure_eight(), 1.0 / steps as f64);
-    let found = summed_by(rule, &motion.samples(&GRAVITY, dt, steps + 1), dt).deltas;
-    let error = difference(&true_deltas(&motion, 0.0, 1.0), &found);
-    [0, 3, 6].map(|at| error.fixed_rows::<3>(at).norm())
+    let found = summed(rule, &motion.samples(&GRAVITY, dt, steps + 1), dt);
+    sizes(&difference(&true_deltas(&motion), &found))
 }

@@ -1,15 +1,17 @@
 //! Deviations of rotation, velocity and position over time, from each source and from both.
 
 use plotters::coord::combinators::IntoLogRange;
-use plotters::element::{EmptyElement, PathElement, Text};
-use plotters::series::LineSeries;
 use plotters::style::Color;
-use vislam::inertial::{ImuBias, ImuNoise};
+use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::{Deltas, Preintegrator};
 
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_right_of, marker};
-use crate::preintegration::noise::growth::{G, crossovers, slope, sources};
-use crate::preintegration::noise::runs::{DT, at_rest, errors, rest};
+use crate::figure::{
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, key, letters_right_of,
+};
+use crate::inertial::rules::exponent;
+use crate::preintegration::noise::growth::{G, crossovers, sources};
+use crate::preintegration::noise::runs::{DT, at_rest, rest};
+use crate::preintegration::oracle::{errors, parts};
 use crate::random::Random;
 
 /// Numbers of readings after which runs are looked at; each source in turn has a mark.
@@ -24,7 +26,7 @@ const QUANTITIES: [(&str, f64, f64, f64); 3] = [
 ];
 
 /// The deltas after each of the marks.
-fn deltas(readings: impl Iterator<Item = vislam::inertial::ImuSample>) -> Vec<Deltas> {
+fn deltas(readings: impl Iterator<Item = ImuSample>) -> Vec<Deltas> {
     let mut integrator = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems())
         .expect("the densities are those of a sensor");
     let mut found = Vec::new();
@@ -47,9 +49,8 @@ fn scatter(noise: &ImuNoise, seed: u64) -> Vec<[f64; 3]> {
         let bias = ImuBias::default();
         let noisy = (0..last).map(|_| noise.corrupt(&rest(), &bias, DT, || random.normal(1.0)));
         for ((squares, run), clean) in squares.iter_mut().zip(deltas(noisy)).zip(&clean) {
-            let error = errors(clean, &run);
-            for (quantity, square) in squares.iter_mut().enumerate() {
-                *square += error.fixed_rows::<3>(3 * quantity).norm_squared();
+            for (square, part) in squares.iter_mut().zip(parts(&errors(clean, &run))) {
+                *square += part.norm_squared();
             }
         }
     }
@@ -74,48 +75,44 @@ fn computed() -> [Source; 3] {
     let mut seed = 470;
     sources(&ImuNoise::mems()).map(|(name, noise)| {
         seed += 1;
-        let curve = (0..=24).map(|step| {
-            let steps = (10.0 * 200_f64.powf(f64::from(step) / 24.0)).round();
-            (steps * DT, at_rest(&noise, DT, steps as usize).sigmas())
-        });
+        let curve = geometric(10.0, 200.0, 24).map(f64::round);
+        let curve = curve.map(|n| (n * DT, at_rest(&noise, DT, n as usize).sigmas()));
         Source { name, noise, curve: curve.collect(), scatter: scatter(&noise, seed) }
     })
 }
 
 pub fn growth() -> Figure {
     let sources = computed();
-    let rows = sources.iter().enumerate().flat_map(|(index, source)| {
-        marks(index).map(move |mark| {
-            let steps = MARKS[mark];
-            let mut row = vec![source.name.to_owned(), format!("{:.3}", steps as f64 * DT)];
-            let formula = at_rest(&source.noise, DT, steps).sigmas();
-            for (quantity, (_, unit, ..)) in QUANTITIES.iter().enumerate() {
-                let scatter = unit * source.scatter[mark][quantity];
-                row.extend([format!("{:.4}", unit * formula[quantity]), format!("{scatter:.4}")]);
-            }
-            row
-        })
-    });
-    Figure {
-        columns: vec![
-            "source of noise",
-            "time (s)",
-            "rotation by the formula (mrad)",
-            "rotation in runs (mrad)",
-            "velocity by the formula (cm/s)",
-            "velocity in runs (cm/s)",
-            "position by the formula (cm)",
-            "position in runs (cm)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(2020, |drawing| {
-            let (rotation, rest) = drawing.split_vertically(520);
-            let (velocity, position) = rest.split_vertically(700);
-            panel(&rotation, &sources, 0, "")?;
-            panel(&velocity, &sources, 1, "")?;
-            panel(&position, &sources, 2, "time (s)")
-        }),
-    }
+    let each = || {
+        let of = |(index, source)| marks(index).map(move |mark| (source, mark));
+        sources.iter().enumerate().flat_map(of)
+    };
+    let time = |mark: usize| MARKS[mark] as f64 * DT;
+    let formula = |quantity: usize| {
+        let sigmas = each().map(|(of, mark)| at_rest(&of.noise, DT, MARKS[mark]).sigmas());
+        decimals(4, sigmas.map(|sigmas| QUANTITIES[quantity].1 * sigmas[quantity]))
+    };
+    let in_runs = |quantity: usize| {
+        let scatter = each().map(|(of, mark)| of.scatter[mark][quantity]);
+        decimals(4, scatter.map(|scatter| QUANTITIES[quantity].1 * scatter))
+    };
+    let columns = vec![
+        ("source of noise", each().map(|(of, _)| of.name.to_owned()).collect()),
+        ("time (s)", decimals(3, each().map(|(_, mark)| time(mark)))),
+        ("rotation by the formula (mrad)", formula(0)),
+        ("rotation in runs (mrad)", in_runs(0)),
+        ("velocity by the formula (cm/s)", formula(1)),
+        ("velocity in runs (cm/s)", in_runs(1)),
+        ("position by the formula (cm)", formula(2)),
+        ("position in runs (cm)", in_runs(2)),
+    ];
+    Figure::new(2020, columns, |drawing| {
+        let (rotation, rest) = drawing.split_vertically(520);
+        let (velocity, position) = rest.split_vertically(700);
+        panel(&rotation, &sources, 0, "")?;
+        panel(&velocity, &sources, 1, "")?;
+        panel(&position, &sources, 2, "time (s)")
+    })
 }
 
 /// Where the names of the sources stand, for each quantity.
@@ -133,45 +130,37 @@ fn panel(drawing: &Drawing, sources: &[Source; 3], quantity: usize, time: &str) 
         let cross = crossovers(&ImuNoise::mems(), G)[quantity - 1];
         let steps = (cross / DT).round() as usize;
         let sigma = unit * at_rest(&ImuNoise::mems(), DT, steps).sigmas()[quantity];
-        let line = [(cross, low), (cross, sigma)];
-        chart.draw_series([PathElement::new(line, INK.stroke_width(3))])?;
+        chart.line([(cross, low), (cross, sigma)], INK, 3)?;
         let place = (1.08 * cross, 2.2 * low);
-        chart.draw_series([Text::new(format!("{cross:.2} s"), place, letters_right_of(INK))])?;
+        chart.write(&format!("{cross:.2} s"), place, letters_right_of(INK))?;
         // Below the others, and wide enough to be seen beside them.
-        let both = LineSeries::new(curve(&sources[2]), SERIES[2].mix(0.35).stroke_width(18));
-        chart.draw_series(both)?;
+        chart.line(curve(&sources[2]), SERIES[2].mix(0.35), 18)?;
     } else {
         let place = (NAMES_FROM, NAMES[0][0]);
-        let remark = Text::new("accelerometer: nothing", place, letters_right_of(INK));
-        chart.draw_series([remark])?;
+        chart.write("accelerometer: nothing", place, letters_right_of(INK))?;
     }
     for (index, source) in sources.iter().enumerate() {
         if quantity == 0 && index != 1 {
             continue;
         }
-        let colour = SERIES[index];
         if index < 2 {
-            chart.draw_series(LineSeries::new(curve(source), colour.stroke_width(5)))?;
+            chart.line(curve(source), SERIES[index], 5)?;
         }
-        chart.draw_series(marks(index).map(|mark| {
-            let place = (MARKS[mark] as f64 * DT, unit * source.scatter[mark][quantity]);
-            EmptyElement::at(place) + marker(index)
-        }))?;
-        let place = (NAMES_FROM, NAMES[quantity][index]);
-        chart.draw_series([EmptyElement::at(place) + marker(index)])?;
-        let name = format!("{}: {}", source.name, exponent(source, quantity, index));
-        let beside = (1.12 * place.0, place.1);
-        chart.draw_series([Text::new(name, beside, letters_right_of(colour))])?;
+        let places = marks(index).map(|mark| (mark, unit * source.scatter[mark][quantity]));
+        chart.marks(places.map(|(mark, scatter)| (MARKS[mark] as f64 * DT, scatter)), index)?;
+        let name = format!("{}: {}", source.name, slope(source, quantity, index));
+        let mark = (NAMES_FROM, NAMES[quantity][index]);
+        key(&mut chart, index, &name, mark, 1.12 * NAMES_FROM)?;
     }
     Ok(())
 }
 
 /// The slope from one second on, where there is one.
-fn exponent(source: &Source, quantity: usize, index: usize) -> String {
+fn slope(source: &Source, quantity: usize, index: usize) -> String {
     if index == 2 {
         return "bends".to_owned();
     }
     let late = source.curve.iter().filter(|(t, _)| *t >= 1.0);
-    let places: Vec<_> = late.map(|(t, sigmas)| (t.ln(), sigmas[quantity].ln())).collect();
-    format!("slope {:.2}", slope(&places))
+    let (times, sigmas): (Vec<_>, Vec<_>) = late.map(|(t, sigmas)| (*t, sigmas[quantity])).unzip();
+    format!("slope {:.2}", exponent(&times, &sigmas))
 }

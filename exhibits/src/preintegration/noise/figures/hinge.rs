@@ -3,17 +3,17 @@
 use std::ops::Range;
 
 use nalgebra::{Rotation3, Vector3};
-use plotters::element::{Circle, PathElement, Text};
-use plotters::series::LineSeries;
+use plotters::element::Circle;
 use plotters::style::Color;
 use vislam::inertial::{GRAVITY, ImuSample};
 use vislam::preintegration::Deltas;
 use vislam::simulation::Trajectory;
 
-use crate::figure::{self, Drawing, Drawn, Figure, INK, SERIES, letters_around};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around};
 use crate::preintegration::noise::growth::HINGE_ANGLE;
-use crate::preintegration::noise::oracle::{nothing, summed};
+use crate::preintegration::noise::oracle::summed;
 use crate::preintegration::noise::runs::DT;
+use crate::preintegration::oracle::nothing;
 
 /// Readings in all, before the error, and between two rows of the table.
 const READINGS: usize = 600;
@@ -38,42 +38,37 @@ pub fn hinge() -> Figure {
     let at = right[HINGE];
     let rotation = Rotation3::new(HINGE_ANGLE * Vector3::z()) * at.rotation;
     let wrong = course(&Deltas { rotation, ..at }, &samples[HINGE..]);
-    let rows = (0..=READINGS).step_by(ROW).map(|k| {
-        let after = k.checked_sub(HINGE).map_or(right[k], |later| wrong[later]);
-        let values = [right[k].velocity, after.velocity, right[k].position, after.position];
-        let cells = values.into_iter().flat_map(|value| [value.x, value.y]);
-        let cells = std::iter::once(k as f64 * DT).chain(cells);
-        cells.map(|value| format!("{value:.2}")).collect()
-    });
-    let plane = |vector: &Vector3<f64>| (vector.x, vector.y);
-    let velocity_of = |deltas: &Deltas| plane(&deltas.velocity);
-    let position_of = |deltas: &Deltas| plane(&deltas.position);
-    let lines = |of: &dyn Fn(&Deltas) -> (f64, f64)| {
-        [&right, &wrong].map(|course| course.iter().map(of).collect::<Vec<_>>())
+    let with_error = |k: usize| k.checked_sub(HINGE).map_or(right[k], |later| wrong[later]);
+    let cells = |of: &dyn Fn(usize) -> f64| decimals(2, (0..=READINGS).step_by(ROW).map(of));
+    let columns = vec![
+        ("time (s)", cells(&|k| k as f64 * DT)),
+        ("velocity ahead (m/s)", cells(&|k| right[k].velocity.x)),
+        ("velocity to the left (m/s)", cells(&|k| right[k].velocity.y)),
+        ("with the error: ahead (m/s)", cells(&|k| with_error(k).velocity.x)),
+        ("to the left (m/s)", cells(&|k| with_error(k).velocity.y)),
+        ("position ahead (m)", cells(&|k| right[k].position.x)),
+        ("position to the left (m)", cells(&|k| right[k].position.y)),
+        ("with the error: ahead (m)", cells(&|k| with_error(k).position.x)),
+        ("to the left (m)", cells(&|k| with_error(k).position.y)),
+    ];
+    let lines = |of: fn(&Deltas) -> Vector3<f64>| {
+        [&right, &wrong].map(|course| course.iter().map(|deltas| plane(&of(deltas))).collect())
     };
+    let (velocities, positions) =
+        (lines(|deltas| deltas.velocity), lines(|deltas| deltas.position));
     let later = (READINGS - HINGE) as f64 * DT;
     let straight = [plane(&at.position), plane(&(at.position + later * at.velocity))];
-    Figure {
-        columns: vec![
-            "time (s)",
-            "velocity ahead (m/s)",
-            "velocity to the left (m/s)",
-            "with the error: ahead (m/s)",
-            "to the left (m/s)",
-            "position ahead (m)",
-            "position to the left (m)",
-            "with the error: ahead (m)",
-            "to the left (m)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(660, |drawing| {
-            let (left, right) = drawing.split_horizontally(640);
-            let velocity = ("ahead (m/s)", -4.9..1.2, "left (m/s)", -2.5..3.6);
-            panel(&left, "velocity", velocity, &lines(&velocity_of), None, (-2.2, 0.0))?;
-            let position = ("ahead (m)", -8.5..1.5, "left (m)", -0.6..6.0);
-            panel(&right, "position", position, &lines(&position_of), Some(straight), (-3.6, 1.3))
-        }),
-    }
+    Figure::new(660, columns, |drawing| {
+        let (left, right) = drawing.split_horizontally(640);
+        let velocity = ("ahead (m/s)", -4.9..1.2, "left (m/s)", -2.5..3.6);
+        panel(&left, "velocity", velocity, &velocities, None, (-2.2, 0.0))?;
+        let position = ("ahead (m)", -8.5..1.5, "left (m)", -0.6..6.0);
+        panel(&right, "position", position, &positions, Some(straight), (-3.6, 1.3))
+    })
+}
+
+fn plane(vector: &Vector3<f64>) -> (f64, f64) {
+    (vector.x, vector.y)
 }
 
 fn panel(
@@ -86,19 +81,19 @@ fn panel(
 ) -> Drawn {
     let (middle, top) = (0.5 * (x_range.start + x_range.end), 0.97 * y_range.end);
     let mut chart = figure::axes(drawing, (x_title, x_range, 4), (y_title, y_range, 5))?;
-    chart.draw_series([Text::new(name.to_owned(), (middle, top), letters_around(INK))])?;
+    chart.write(name, (middle, top), letters_around(INK))?;
     if let Some([from, to]) = straight {
+        let place = |k: i32| {
+            let share = f64::from(k) / 20.0;
+            (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
+        };
         for dash in (0..20).step_by(2) {
-            let part = |k: i32| f64::from(k) / 20.0;
-            let place = |s: f64| (from.0 + s * (to.0 - from.0), from.1 + s * (to.1 - from.1));
-            let ends = [place(part(dash)), place(part(dash + 1))];
-            chart.draw_series([PathElement::new(ends, INK.stroke_width(3))])?;
+            chart.line([place(dash), place(dash + 1)], INK, 3)?;
         }
     }
-    chart.draw_series(LineSeries::new(right.iter().copied(), INK.stroke_width(6)))?;
-    chart.draw_series(LineSeries::new(wrong.iter().copied(), SERIES[1].stroke_width(6)))?;
-    let wrongly = Text::new("wrong", beside, letters_around(SERIES[1]));
-    chart.draw_series([wrongly])?;
+    chart.line(right.iter().copied(), INK, 6)?;
+    chart.line(wrong.iter().copied(), SERIES[1], 6)?;
+    chart.write("wrong", beside, letters_around(SERIES[1]))?;
     chart.draw_series([Circle::new(wrong[0], 14, INK.filled())])?;
     Ok(())
 }

@@ -1,13 +1,12 @@
 //! The same readings from three first states, and what is left when these are taken off.
 
 use nalgebra::{Rotation3, Vector2, Vector3};
-use plotters::element::{EmptyElement, Text};
-use plotters::series::LineSeries;
-use plotters::style::Color;
 use vislam::inertial::{GRAVITY, ImuSample, NavState};
 use vislam::simulation::Trajectory;
 
-use crate::figure::{self, Drawing, Drawn, Figure, SERIES, letters, letters_right_of, marker};
+use crate::figure::{
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters, letters_right_of,
+};
 use crate::preintegration::sums::oracle::deltas_of_states;
 
 const DT: f64 = 0.005;
@@ -34,7 +33,9 @@ fn starts() -> [NavState; 3] {
 }
 
 /// Places seen from above at the beginning and after each step: in the world, and of the delta.
-fn path(first: &NavState, samples: &[ImuSample]) -> Vec<[Vector2<f64>; 2]> {
+type Path = Vec<[Vector2<f64>; 2]>;
+
+fn path(first: &NavState, samples: &[ImuSample]) -> Path {
     let mut state = *first;
     let mut path = vec![[first.position.xy(), Vector2::zeros()]];
     for (index, sample) in samples.iter().enumerate() {
@@ -48,52 +49,36 @@ fn path(first: &NavState, samples: &[ImuSample]) -> Vec<[Vector2<f64>; 2]> {
 pub fn any_start() -> Figure {
     let samples = Trajectory::figure_eight().samples(&GRAVITY, DT, STEPS);
     let paths = starts().map(|first| path(&first, &samples));
-    let rows = (0..=STEPS).step_by(EVERY).map(|step| {
-        let mut row = vec![format!("{:.1}", DT * step as f64)];
-        for side in 0..2 {
-            for path in &paths {
-                let place = path[step][side];
-                row.extend([format!("{:.3}", place.x), format!("{:.3}", place.y)]);
-            }
-        }
-        row
-    });
-    Figure {
-        columns: vec![
-            "time (s)",
-            "world x as it was (m)",
-            "world y as it was (m)",
-            "world x elsewhere (m)",
-            "world y elsewhere (m)",
-            "world x tilted (m)",
-            "world y tilted (m)",
-            "delta x as it was (m)",
-            "delta y as it was (m)",
-            "delta x elsewhere (m)",
-            "delta y elsewhere (m)",
-            "delta x tilted (m)",
-            "delta y tilted (m)",
-        ],
-        rows: rows.collect(),
-        svg: figure::draw(1500, |drawing| {
-            let (above, below) = drawing.split_vertically(760);
-            panel(&above, &paths, 0, "in the world, from above")?;
-            panel(&below, &paths, 1, "as the first body sees it, drift and fall taken off")
-        }),
-    }
+    let steps = || (0..=STEPS).step_by(EVERY);
+    let places = |side: usize, start: usize, axis: usize| {
+        decimals(3, steps().map(|step| paths[start][step][side][axis]))
+    };
+    let columns = vec![
+        ("time (s)", decimals(1, steps().map(|step| DT * step as f64))),
+        ("world x as it was (m)", places(0, 0, 0)),
+        ("world y as it was (m)", places(0, 0, 1)),
+        ("world x elsewhere (m)", places(0, 1, 0)),
+        ("world y elsewhere (m)", places(0, 1, 1)),
+        ("world x tilted (m)", places(0, 2, 0)),
+        ("world y tilted (m)", places(0, 2, 1)),
+        ("delta x as it was (m)", places(1, 0, 0)),
+        ("delta y as it was (m)", places(1, 0, 1)),
+        ("delta x elsewhere (m)", places(1, 1, 0)),
+        ("delta y elsewhere (m)", places(1, 1, 1)),
+        ("delta x tilted (m)", places(1, 2, 0)),
+        ("delta y tilted (m)", places(1, 2, 1)),
+    ];
+    Figure::new(1500, columns, |drawing| {
+        let (above, below) = drawing.split_vertically(760);
+        panel(&above, &paths, 0, "in the world, from above")?;
+        panel(&below, &paths, 1, "as the first body sees it, drift and fall taken off")
+    })
 }
 
-fn panel(
-    drawing: &Drawing,
-    paths: &[Vec<[Vector2<f64>; 2]>; 3],
-    side: usize,
-    title: &'static str,
-) -> Drawn {
-    let places = paths.iter().flatten().map(|place| place[side]);
-    let (mut low, mut high) = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));
-    for place in places {
-        (low, high) = (low.inf(&place), high.sup(&place));
-    }
+fn panel(drawing: &Drawing, paths: &[Path; 3], side: usize, title: &str) -> Drawn {
+    let places = || paths.iter().flatten().map(|place| place[side]);
+    let low = places().reduce(|low, place| low.inf(&place)).expect("places");
+    let high = places().reduce(|high, place| high.sup(&place)).expect("places");
     let room = 0.08 * (high - low);
     let (low, high) = (low - room, high + room);
     // Equal scales on both axes, for a panel twice as wide as it is tall.
@@ -103,21 +88,15 @@ fn panel(
     let y_axis = ("y (m)", y - half / 2.0..y + half / 2.0, 5);
     let mut chart = figure::axes(drawing, x_axis, y_axis)?;
     for (index, path) in paths.iter().enumerate() {
-        let line = path.iter().map(|place| (place[side].x, place[side].y));
-        let width = [12, 6, 3][index];
-        chart.draw_series(LineSeries::new(line, SERIES[index].stroke_width(width)))?;
+        let places = path.iter().map(|place| (place[side].x, place[side].y));
+        chart.line(places.clone(), SERIES[index], [12, 6, 3][index])?;
         // Marks take turns, so that none hides another where the paths are one.
-        let marks = path.iter().skip(20 * index).step_by(EVERY);
-        let marks = marks.map(|place| EmptyElement::at((place[side].x, place[side].y)));
-        chart.draw_series(marks.map(|at| at + marker(index)))?;
+        chart.marks(places.skip(20 * index).step_by(EVERY), index)?;
         if side == 0 {
             let end = path[[STEPS, 0, STEPS][index]][side];
             let beside = (end.x + 0.04 * half, end.y - [0.05, 0.0, 0.0][index] * half);
-            let name = Text::new(NAMES[index], beside, letters_right_of(SERIES[index]));
-            chart.draw_series([name])?;
+            chart.write(NAMES[index], beside, letters_right_of(SERIES[index]))?;
         }
     }
-    let corner = (x - 0.97 * half, y + 0.48 * half);
-    chart.draw_series([Text::new(title, corner, letters(figure::INK))])?;
-    Ok(())
+    chart.write(title, (x - 0.97 * half, y + 0.48 * half), letters(INK))
 }
