@@ -41,6 +41,10 @@ pub fn exhibits(chapter: &mut Chapter) {
     counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+}
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
     noise::record(chapter);
 }
 

@@ -30,3 +30,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     growth::numbers(chapter);
     figures::figures(chapter);
 }
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
+    consistency::record(chapter);
+    growth::record(chapter);
+}

@@ -108,7 +108,10 @@ pub struct Chapter {
 impl Chapter {
     /// The chapter `slug` with all that `register` adds to it, or a sentence about a name that it
     /// uses twice or a number that is not finite.
-    pub fn registered(slug: &'static str, register: fn(&mut Self)) -> Result<Self, String> {
+    pub fn registered(
+        slug: &'static str,
+        register: impl FnOnce(&mut Self),
+    ) -> Result<Self, String> {
         let mut chapter = Self {
             slug,
             equations: Vec::new(),

@@ -204,7 +204,7 @@ fn length(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// The inverse of a matrix, or of one that has none NaN, which no comparison accepts.
+/// The inverse of a matrix; NaN, which no comparison accepts, where it has none.
 pub fn inverse<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     matrix.try_inverse().unwrap_or(SMatrix::repeat(f64::NAN))
 }

@@ -28,7 +28,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     gravity::exhibits(chapter);
     noise::exhibits(chapter);
     averages::exhibits(chapter);
-    rest::record(chapter);
+    rest::numbers(chapter);
     sheet::exhibits(chapter);
     scale::numbers(chapter);
     strapdown::exhibits(chapter);
@@ -40,4 +40,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     calibration::numbers(chapter);
     conditions::counterexamples(chapter);
     figures::figures(chapter);
+}
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
+    rest::record(chapter);
 }

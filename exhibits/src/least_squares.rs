@@ -44,7 +44,12 @@ pub fn exhibits(chapter: &mut Chapter) {
     conditions::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
-    window::exhibits(chapter);
+    window::numbers(chapter);
+}
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
+    window::records(chapter);
 }
 
 fn sums_of_squares(chapter: &mut Chapter) {

@@ -35,19 +35,22 @@ use data::NotMade;
 /// Adds a chapter's exhibits to it.
 type Register = fn(&mut Chapter);
 
-/// Every chapter of the book by its slug.
-const CHAPTERS: &[(&str, Register)] = &[
-    ("bearing", bearing::exhibits),
-    ("manifold", manifold::exhibits),
-    ("least_squares", least_squares::exhibits),
-    ("reprojection", reprojection::exhibits),
-    ("two_views", two_views::exhibits),
-    ("bundle_adjustment", bundle_adjustment::exhibits),
-    ("inertial", inertial::exhibits),
-    ("preintegration", preintegration::exhibits),
-    ("real_flights", real_flights::exhibits),
-    ("observability", observability::exhibits),
+/// Every chapter of the book by its slug. What it shows is computed when it is registered, so the records stand
+/// apart.
+const CHAPTERS: &[(&str, Register, Register)] = &[
+    ("bearing", bearing::exhibits, bearing::records),
+    ("manifold", manifold::exhibits, no_records),
+    ("least_squares", least_squares::exhibits, least_squares::records),
+    ("reprojection", reprojection::exhibits, no_records),
+    ("two_views", two_views::exhibits, no_records),
+    ("bundle_adjustment", bundle_adjustment::exhibits, bundle_adjustment::records),
+    ("inertial", inertial::exhibits, inertial::records),
+    ("preintegration", preintegration::exhibits, preintegration::records),
+    ("real_flights", real_flights::exhibits, real_flights::records),
+    ("observability", observability::exhibits, no_records),
 ];
+
+fn no_records(_chapter: &mut Chapter) {}
 
 /// What the program ends with when a record is made from data that is not here.
 const DATA_ABSENT: u8 = 3;
@@ -79,40 +82,47 @@ fn main() -> ExitCode {
     }
 }
 
-/// The exhibits of every chapter, in the order of the book.
-fn chapters() -> Result<Vec<Chapter>, String> {
-    CHAPTERS.iter().map(|(slug, register)| Chapter::registered(slug, *register)).collect()
+/// The records of every chapter, in the order of the book.
+fn records() -> Result<Vec<Chapter>, String> {
+    CHAPTERS.iter().map(|(slug, _, records)| Chapter::registered(slug, records)).collect()
 }
 
-/// The same, made once for all tests.
+/// All that a chapter shows.
+fn whole((slug, shown, records): &(&'static str, Register, Register)) -> Result<Chapter, String> {
+    Chapter::registered(slug, |chapter| {
+        shown(chapter);
+        records(chapter);
+    })
+}
+
+/// All that every chapter shows, computed once for all tests.
 #[cfg(test)]
 fn book() -> &'static [Chapter] {
-    static BOOK: std::sync::LazyLock<Vec<Chapter>> =
-        std::sync::LazyLock::new(|| chapters().expect("names that are used once, finite numbers"));
+    static BOOK: std::sync::LazyLock<Vec<Chapter>> = std::sync::LazyLock::new(|| {
+        let chapters: Result<_, String> = CHAPTERS.iter().map(whole).collect();
+        chapters.expect("names that are used once, and finite numbers")
+    });
     &BOOK
 }
 
 fn list() -> Result<(), String> {
-    println!("{}", report::list(&chapters()?));
+    println!("{}", report::list(&records()?));
     Ok(())
 }
 
 fn write_chapter(slug: &str, folder: &Path) -> Result<(), String> {
-    let Some((slug, register)) = CHAPTERS.iter().find(|(known, _)| *known == slug) else {
-        let known: Vec<&str> = CHAPTERS.iter().map(|(slug, _)| *slug).collect();
+    let Some(chapter) = CHAPTERS.iter().find(|(known, ..)| *known == slug) else {
+        let known: Vec<&str> = CHAPTERS.iter().map(|(slug, ..)| *slug).collect();
         return Err(format!("there is no chapter `{slug}`; there is {}", known.join(", ")));
     };
-    let chapter = Chapter::registered(slug, *register)?;
-    report::write_chapter(&chapter, folder)
+    report::write_chapter(&whole(chapter)?, folder)
         .map_err(|error| format!("cannot write to {}: {error}", folder.display()))?;
     record::missing()
 }
 
 fn make_record(name: &str) -> Result<(), NotMade> {
-    for chapter in &chapters().map_err(NotMade::Failed)? {
+    for chapter in &records().map_err(NotMade::Failed)? {
         if let Some(record) = chapter.records.iter().find(|record| record.name == name) {
-            // What the chapters could not be shown, the record itself may not need.
-            record::forget();
             let made = report::record(chapter, record)?;
             record::missing().map_err(NotMade::Failed)?;
             println!("{made}");

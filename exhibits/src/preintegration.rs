@@ -12,3 +12,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     noise::exhibits(chapter);
     speed::exhibits(chapter);
 }
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
+    sums::cost::record(chapter);
+    speed::record(chapter);
+}

@@ -14,6 +14,10 @@ use crate::chapter::Chapter;
 pub fn exhibits(chapter: &mut Chapter) {
     equations::equations(chapter);
     live::numbers(chapter);
-    record::records(chapter);
     figures::figures(chapter);
+}
+
+/// Registers the chapter's records.
+pub fn records(chapter: &mut Chapter) {
+    record::records(chapter);
 }

@@ -1,6 +1,7 @@
 //! What takes long: large runs whose results the book keeps beside a small live check of the same
 //! thing.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::sync::{Mutex, PoisonError};
@@ -12,7 +13,7 @@ use crate::data::{DataFile, NotMade, note_read, sha256};
 
 /// One result of a record.
 pub struct RecordValue {
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     pub value: f64,
     /// Digits after the decimal point in the book.
     pub decimals: usize,
@@ -20,6 +21,18 @@ pub struct RecordValue {
     /// Relative difference that is accepted when the record is made again; 0 asks for the same
     /// bits.
     pub within: f64,
+}
+
+impl RecordValue {
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        value: f64,
+        unit: &'static str,
+        decimals: usize,
+        within: f64,
+    ) -> Self {
+        Self { name: name.into(), value, decimals, unit, within }
+    }
 }
 
 /// A run, what goes into it and what comes out.
@@ -72,11 +85,6 @@ pub fn missing() -> Result<(), String> {
     let sentences: Vec<&str> =
         asked.values().flat_map(|kept| &kept.missing).map(String::as_str).collect();
     if sentences.is_empty() { Ok(()) } else { Err(sentences.join("\n")) }
-}
-
-/// Forgets what was asked so far.
-pub fn forget() {
-    ASKED.lock().unwrap_or_else(PoisonError::into_inner).clear();
 }
 
 /// The records that values were asked of.

@@ -50,7 +50,7 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
 pub fn record(chapter: &Chapter, record: &Record) -> Result<Value, NotMade> {
     let values = record.run.values()?;
     let values: Map<String, Value> = values
-        .iter()
+        .into_iter()
         .map(|result| {
             let described = json!({
                 "value": result.value,
@@ -58,7 +58,7 @@ pub fn record(chapter: &Chapter, record: &Record) -> Result<Value, NotMade> {
                 "unit": result.unit,
                 "within": result.within,
             });
-            (result.name.to_owned(), described)
+            (result.name.into_owned(), described)
         })
         .collect();
     Ok(json!({

@@ -177,7 +177,7 @@ fn moved_by(rotation: Matrix3<f64>, point: &Vector3<f64>) -> Matrix3x6<f64> {
 
 /// Exchanges translation and rotation in a twist.
 fn halves_exchanged() -> Matrix6<f64> {
-    Matrix6::from_fn(|row, column| f64::from(u8::from((row + 3) % 6 == column)))
+    Matrix6::from_fn(|row, column| f64::from((row + 3) % 6 == column))
 }
 
 /// Takes a pose and a point of the world.

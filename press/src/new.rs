@@ -89,7 +89,7 @@ fn with_module(text: &str, keyword: &str, name: &str) -> Result<String> {
 
 /// The program of the exhibits with one more row of its table.
 fn with_row(text: &str, name: &str) -> Result<String> {
-    let row = format!("    (\"{name}\", {name}::exhibits),");
+    let row = format!("    (\"{name}\", {name}::exhibits, no_records),");
     let lines: Vec<&str> = text.lines().collect();
     let table = lines.iter().position(|line| line.starts_with("const CHAPTERS"));
     let end =

@@ -145,8 +145,7 @@ fn disparity_noise() -> Vec<RecordValue> {
     let disparity = Moments::of(both.disparities(RECORD_SEED).take(RECORD_DRAWS));
     let depth = moments_of_depth(&both);
     let depth_of_first_only = moments_of_depth(&first_only);
-    let value =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-9 };
+    let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 1e-9);
     vec![
         value("draws", RECORD_DRAWS as f64, "", 0),
         value("ratio", disparity.deviation() / both.first_sigma, "", 3),

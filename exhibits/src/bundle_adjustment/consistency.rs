@@ -67,9 +67,11 @@ pub fn chi_square_quantile(probability: f64, degrees: f64) -> f64 {
     let (mut low, mut high) = (0.0, 3.0 * degrees + 100.0);
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        let end =
-            if chi_square_below(middle, degrees) < probability { &mut low } else { &mut high };
-        *end = middle;
+        if chi_square_below(middle, degrees) < probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
     0.5 * (low + high)
 }
@@ -109,6 +111,10 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("nees_live_low", low, "", 1);
     chapter.number("nees_live_high", high, "", 1);
     chapter.number("nees_live_inside", inside, "%", 0);
+}
+
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
     let inputs = vec![
         ("runs", RUNS.to_string()),
         ("scene", "Scene::ring(8, 40, 1.0, seed)".to_owned()),
@@ -121,8 +127,7 @@ fn consistency() -> Vec<RecordValue> {
     let errors = errors(RUNS, 1.0);
     let (mean, [low, high], inside) = summary(&errors);
     let [run_low, run_high] = band(OUTSIDE_RUN, DEGREES);
-    let value =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-6 };
+    let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 1e-6);
     vec![
         value("runs", RUNS as f64, "", 0),
         value("mean", mean, "", 2),

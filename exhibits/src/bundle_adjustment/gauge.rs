@@ -17,7 +17,7 @@ pub const CAMERAS: usize = 8;
 const POINTS: usize = 40;
 const SEED: u64 = 3;
 /// Steps of the shortest kind, from the start of the ring.
-const SHORTEST_STEPS: usize = 8;
+const SHORTEST_STEPS: usize = 12;
 
 /// The twist of a camera when the whole scene is shifted, turned and grown.
 pub fn seven(camera: &PosedPinhole) -> SMatrix<f64, 6, 7> {

@@ -48,18 +48,23 @@ fn compared<V: Values, O: Values>(
     formula: Formula<V>,
     oracle: Formula<O>,
 ) -> Comparison {
-    let mut kept = ORACLES.lock().unwrap_or_else(PoisonError::into_inner);
-    let oracles = kept.entry(seed).or_insert_with(|| {
+    let key = (seed, oracle as usize);
+    let known = ORACLES.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+    let oracles = known.unwrap_or_else(|| {
         let mut random = Random::new(seed);
         (0..STATES).map(|_| numbers(&oracle(&Case::random(&mut random)))).collect()
     });
+    ORACLES.lock().unwrap_or_else(PoisonError::into_inner).insert(key, oracles.clone());
     let mut random = Random::new(seed);
     Comparison::relative(against, tolerance)
-        .each(oracles, |oracle| (formula(&Case::random(&mut random)), oracle.clone()))
+        .each(oracles, |oracle| (formula(&Case::random(&mut random)), oracle))
 }
 
-/// What an oracle says at the cases of its seed: the same to a formula and to all its mutants.
-static ORACLES: Mutex<BTreeMap<u64, Vec<Vec<f64>>>> = Mutex::new(BTreeMap::new());
+/// The numbers of every case.
+type Said = Vec<Vec<f64>>;
+
+/// What an oracle says at the cases of a seed, by both: the same to a formula and to all its mutants.
+static ORACLES: Mutex<BTreeMap<(u64, usize), Said>> = Mutex::new(BTreeMap::new());
 
 fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Matrix); 5] = [

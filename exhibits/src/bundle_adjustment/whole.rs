@@ -44,6 +44,7 @@ impl Whole {
     pub fn new(problem: &Ba) -> Self {
         let rigs = problem.rig.iter().zip(&problem.fixed);
         let mut moving: Vec<usize> = rigs.filter(|(_, fixed)| !**fixed).map(|of| *of.0).collect();
+        moving.sort_unstable();
         moving.dedup();
         let rows = 2 * problem.factors.len();
         let mut cameras = DMatrix::zeros(rows, 6 * moving.len());

@@ -12,14 +12,18 @@ pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Drift); 5] = [
         ("without the half", |b, t| t * t * b.accelerometer + leaning(b, t)),
         ("sign of the lean", |b, t| 0.5 * t * t * b.accelerometer - leaning(b, t)),
-        ("gravity sensed as a bias", |b, t| 0.5 * t * t * (b.accelerometer + 9.81 * b.gyro)),
+        ("gravity sensed as a bias", |b, t| {
+            0.5 * t * t * (b.accelerometer + GRAVITY.norm() * b.gyro)
+        }),
         ("lean that stays", |b, t| 0.5 * t * t * b.accelerometer + 3.0 * leaning(b, t) / t),
         ("lean dropped", |b, t| 0.5 * t * t * b.accelerometer),
     ];
     chapter.equation("inertial-drift-bias", inertial_drift_bias, drift, &mutants);
 
     let mutants: [(_, DriftNoise); 4] = [
-        ("noise that averages out", |n, t| variance(n, t) - own(n, t) + own(n, 1.0) * t),
+        ("noise that averages out", |n, t| {
+            variance(n, t) - own(n, t) + n.accelerometer.powi(2) * t
+        }),
         ("noise for a bias", |n, t| (0.5 * t * t * n.accelerometer).powi(2)),
         ("lean dropped", own),
         ("gravity dropped", |n, t| own(n, t) + n.gyro.powi(2) * t.powi(5) / 20.0),
@@ -140,7 +144,8 @@ pub const RUNS: usize = 40;
 
 const STEP: f64 = 0.01;
 
-/// How far a resting sensor drifts in the level plane, by the formulas.
+/// How far a resting sensor drifts in the level plane, by the formulas, in metres. A source has either
+/// noise or a bias.
 pub fn expected(source: &Source, t: f64) -> f64 {
     let [gyro, accelerometer] = source.biases;
     let biases = 0.5 * accelerometer * t * t + GRAVITY.norm() * gyro * t.powi(3) / 6.0;

@@ -27,7 +27,7 @@ const WINDOWS: [(usize, [&str; 3], [&str; 2]); 4] = [
     (200, ["rest_window_3", "rest_gyro_promised_3", "rest_acc_promised_3"], ["gyro_3", "acc_3"]),
 ];
 
-pub fn record(chapter: &mut Chapter) {
+pub fn numbers(chapter: &mut Chapter) {
     chapter.number("rest_seconds", REST, "s", 1);
     let noise = ImuNoise::euroc();
     for (window, [length, gyro, accelerometer], _) in WINDOWS {
@@ -37,6 +37,10 @@ pub fn record(chapter: &mut Chapter) {
         chapter.number(gyro, promised(noise.gyro), "mrad/s", 1);
         chapter.number(accelerometer, promised(noise.accelerometer), "mm/s²", 0);
     }
+}
+
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
     let inputs = vec![("seconds", format!("{REST}"))];
     chapter.record_of_data("rest", &[FILE], inputs, rest);
 }
@@ -48,12 +52,8 @@ fn rest() -> Result<Vec<RecordValue>, NotMade> {
     let sums = sums(resting.map(|stamped| stamped.sample));
     let values = WINDOWS.into_iter().flat_map(|(window, _, names)| {
         let [gyro, accelerometer] = allan_deviation(&sums, window);
-        let value = |name, value: f64, unit, decimals| RecordValue {
-            name,
-            value: 1e3 * value,
-            unit,
-            decimals,
-            within: 1e-6,
+        let value = |name, value: f64, unit, decimals| {
+            RecordValue::new(name, 1e3 * value, unit, decimals, 1e-6)
         };
         [value(names[0], gyro, "mrad/s", 1), value(names[1], accelerometer, "mm/s²", 0)]
     });

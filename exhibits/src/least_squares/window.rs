@@ -35,9 +35,8 @@ const DEGREES: f64 = 9.0;
 /// How far off the search begins, in standard deviations.
 const OFF: f64 = 5.0;
 
-/// Registers the numbers and the records.
-pub fn exhibits(chapter: &mut Chapter) {
-    numbers(chapter);
+/// Registers the records.
+pub fn records(chapter: &mut Chapter) {
     let inputs = vec![
         ("seeds", format!("0 to {}", SEEDS - 1)),
         ("motion", format!("Trajectory::figure_eight() for {SECONDS} s, 4 pictures a second")),
@@ -65,7 +64,7 @@ fn free(change: impl FnOnce(&mut Window)) -> f64 {
     free as f64
 }
 
-fn numbers(chapter: &mut Chapter) {
+pub fn numbers(chapter: &mut Chapter) {
     let lever = EXTRINSICS[..3].iter().map(|sigma| sigma * sigma).sum::<f64>().sqrt();
     chapter.number("window_lever_known", 1e3 * lever, "mm", 0);
     chapter.number("window_clock_known", 1e3 * TIME_OFFSET[0], "ms", 0);
@@ -184,8 +183,7 @@ fn fly(seed: u64) -> Flown {
 
 fn consistency() -> Vec<RecordValue> {
     let flown: Vec<Flown> = (0..SEEDS as u64).map(fly).collect();
-    let value =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 1e-4 };
+    let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 1e-4);
     let runs = SEEDS as f64;
     let mean = |at: usize| flown.iter().map(|flown| flown.errors[at]).sum::<f64>() / runs;
     let [low, high] = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
@@ -260,7 +258,7 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
     std::fs::remove_file(&file).map_err(|error| failed(&error))?;
     let [dense, fronts, along, landmarks_first, theirs] = best;
     let value =
-        |name, value, unit, decimals, within| RecordValue { name, value, unit, decimals, within };
+        |name, value, unit, decimals, within| RecordValue::new(name, value, unit, decimals, within);
     Ok(vec![
         value("dense", dense[0], "ms", 1, 3.0),
         value("fronts", fronts[0], "ms", 2, 3.0),

@@ -8,7 +8,7 @@ use vislam::preintegration::{Deltas, Preintegrated, Preintegrator, Rule, Vector9
 /// Random states at which an equation is compared, unless its oracle is costly.
 pub const STATES: usize = 500;
 
-/// The library's sums of readings at the ends of steps of these lengths, none of which is a gap.
+/// The library's sums of readings at the ends of steps of these lengths.
 pub fn summed_by(
     rule: Rule,
     samples: &[ImuSample],
@@ -16,7 +16,6 @@ pub fn summed_by(
     noise: &ImuNoise,
 ) -> Preintegrated {
     let mut sums = Preintegrator::new(&ImuBias::default(), noise).expect("the noise of a sensor");
-    sums.longest_step = f64::INFINITY;
     for (pair, dt) in samples.windows(2).zip(steps) {
         match rule {
             Rule::Euler => sums.integrate(&pair[0], dt),

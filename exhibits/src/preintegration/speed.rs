@@ -19,6 +19,10 @@ const RUNS: usize = 101;
 pub fn exhibits(chapter: &mut Chapter) {
     chapter.number("integrator_bytes", size_of::<Preintegrator>() as f64, "bytes", 0);
     chapter.number("sums_bytes", size_of::<Preintegrated>() as f64, "bytes", 0);
+}
+
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
     let inputs = vec![
         ("motion", "Trajectory::figure_eight()".to_owned()),
         ("window", WINDOW.to_string()),
@@ -61,7 +65,7 @@ fn speed() -> Vec<RecordValue> {
         black_box(correct_for_bias(black_box(&sums), black_box(&bias)));
     });
     // Times are those of a machine and an hour.
-    let value = |name, value, unit| RecordValue { name, value, unit, decimals: 0, within: 3.0 };
+    let value = |name, value, unit| RecordValue::new(name, value, unit, 0, 3.0);
     vec![
         value("window", WINDOW as f64, ""),
         value("euler", euler, "ns"),

@@ -3,7 +3,7 @@
 
 mod bias;
 mod breaks;
-mod cost;
+pub mod cost;
 mod derivatives;
 mod figures;
 mod independence;

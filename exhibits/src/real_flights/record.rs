@@ -1,5 +1,7 @@
 //! The record of two flights.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 use vislam::datasets::euroc::{read_ground_truth, read_imu};
 use vislam::inertial::{GRAVITY, ImuNoise};
@@ -88,10 +90,14 @@ const CM: f64 = 1e2;
 struct Values(Vec<RecordValue>);
 
 impl Values {
-    fn add(&mut self, name: impl Into<String>, value: f64, unit: &'static str, decimals: usize) {
-        // A record names its values for as long as the program runs.
-        let name = name.into().leak();
-        self.0.push(RecordValue { name, value, unit, decimals, within: 1e-6 });
+    fn add(
+        &mut self,
+        name: impl Into<Cow<'static, str>>,
+        value: f64,
+        unit: &'static str,
+        decimals: usize,
+    ) {
+        self.0.push(RecordValue::new(name, value, unit, decimals, 1e-6));
     }
 
     fn flight(&mut self, vicon: &Flight) {

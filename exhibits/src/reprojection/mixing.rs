@@ -224,8 +224,11 @@ fn turned_by(ring: &Ring, angle: f64) -> Ring {
     let (mut low, mut high) = (0.0, std::f64::consts::PI - largest_angle(ring));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        let end = if largest_angle(&turned(middle)) < angle { &mut low } else { &mut high };
-        *end = middle;
+        if largest_angle(&turned(middle)) < angle {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
     turned(high)
 }
@@ -281,10 +284,11 @@ pub static RATES: LazyLock<[f64; 8]> = LazyLock::new(|| RATE_ANGLES.map(measured
 pub static OUTCOMES: LazyLock<[Outcome; 8]> =
     LazyLock::new(|| OUTCOME_ANGLES.map(|angle| outcome(1.0, angle, Convention::Mixed)));
 
-/// What one convention makes of a pixel of noise at the angle of the stall, and mixed ones of data
-/// without noise.
+/// What one convention makes of a pixel of noise at the angle of the stall.
 pub static CONSISTENT: LazyLock<Outcome> =
     LazyLock::new(|| outcome(1.0, OUTCOME_ANGLES[4], Convention::Consistent));
+
+/// What mixed conventions make of data without noise.
 pub static NOISELESS: LazyLock<Outcome> =
     LazyLock::new(|| outcome(0.0, OUTCOME_ANGLES[4], Convention::Mixed));
 

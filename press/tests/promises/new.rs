@@ -12,12 +12,15 @@ mod random;
 
 use chapter::Chapter;
 
-const CHAPTERS: &[(&str, fn(&mut Chapter))] = &[
+const CHAPTERS: &[(&str, fn(&mut Chapter), fn(&mut Chapter))] = &[
 ];
 
+fn no_records(_chapter: &mut Chapter) {}
+
 fn main() {
-    for (_, exhibits) in CHAPTERS {
+    for (_, exhibits, records) in CHAPTERS {
         exhibits(&mut Chapter);
+        records(&mut Chapter);
     }
 }
 ";
@@ -112,7 +115,7 @@ fn a_new_chapter_compiles_and_passes_its_own_check_and_test() {
     assert!(book.read("code/src/lib.rs").contains("pub mod loop_closure;\npub mod one;\n"));
     let program = book.read("exhibits/src/main.rs");
     assert!(program.contains("mod comparison;\nmod loop_closure;\nmod random;\n"), "{program}");
-    assert!(program.contains("    (\"loop_closure\", loop_closure::exhibits),\n];"), "{program}");
+    assert!(program.contains("    (\"loop_closure\", loop_closure::exhibits, no_records),\n];"), "{program}");
     for arguments in [["run", "--quiet", "--offline"], ["test", "--quiet", "--offline"]] {
         let output = Command::new(env!("CARGO"))
             .args(arguments)

@@ -91,6 +91,7 @@ fn force_hat(at: &Instant) -> Matrix3<f64> {
     so3::hat(&at.sample.accelerometer)
 }
 
+/// The mutants spoil a step of the recursion, of which the printed sums are what it comes to.
 fn blocks(chapter: &mut Chapter) {
     let mutants: [(_, Block); 4] = [
         ("not turned to the last frame", |r| rows_by(r, 0, not_turned)),

@@ -2,12 +2,12 @@
 
 use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
-use vislam::preintegration::{Rule, imu_residual};
+use vislam::preintegration::{Preintegrator, Rule, imu_residual};
 use vislam::simulation::Trajectory;
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
 use crate::chapter::Chapter;
-use crate::preintegration::oracle::{sizes, summed_by};
+use crate::preintegration::oracle::sizes;
 
 const DT: f64 = 0.005;
 const STEPS: usize = 200;
@@ -103,8 +103,18 @@ fn with_a_gap(seconds: f64) -> [f64; 2] {
     let times: Vec<f64> = kept.map(|k| DT * k as f64).collect();
     let samples: Vec<_> = times.iter().map(|t| motion.at(*t).sample(&GRAVITY)).collect();
     [Rule::Euler, Rule::Midpoint].map(|rule| {
-        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
-        let found = summed_by(rule, &samples, steps, &ImuNoise::mems()).deltas;
+        let mut sums = Preintegrator::new(&ImuBias::default(), &ImuNoise::mems())
+            .expect("the noise of a sensor");
+        sums.longest_step = f64::INFINITY;
+        for (pair, at) in samples.windows(2).zip(times.windows(2)) {
+            let dt = at[1] - at[0];
+            match rule {
+                Rule::Euler => sums.integrate(&pair[0], dt),
+                Rule::Midpoint => sums.integrate_midpoint(&pair[0], &pair[1], dt),
+            }
+            .expect("the readings are finite");
+        }
+        let found = sums.finish().expect("there is a step").deltas;
         (found.velocity - true_deltas(&motion).velocity).norm()
     })
 }

@@ -89,8 +89,8 @@ const NAMES: [[&str; 3]; READINGS.len()] = [
     ["state_1000", "sums_1000", "factor_1000"],
 ];
 
-/// Registers the record and, beside it, what can be counted.
-pub fn numbers(chapter: &mut Chapter) {
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
     let inputs = vec![
         ("motion", "Trajectory::figure_eight() at 200 Hz".to_owned()),
         ("readings", READINGS.map(|n| n.to_string()).join(" ")),
@@ -98,7 +98,10 @@ pub fn numbers(chapter: &mut Chapter) {
         ("readings in a turn", READINGS_IN_A_TURN.to_string()),
     ];
     chapter.record("preintegration_cost", inputs, cost);
+}
 
+/// Registers what can be counted.
+pub fn numbers(chapter: &mut Chapter) {
     let (rate, interval) = (1.0 / DT, 1.0);
     let readings = rate * interval;
     let (window, iterations) = (10.0, 8.0);
@@ -125,8 +128,7 @@ pub fn numbers(chapter: &mut Chapter) {
 fn cost() -> Vec<RecordValue> {
     let measured = measured();
     // Times are those of a machine and an hour.
-    let value =
-        |name, value, unit, decimals| RecordValue { name, value, unit, decimals, within: 3.0 };
+    let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 3.0);
     let times = NAMES.as_flattened().iter().zip(measured.as_flattened());
     let mut values: Vec<RecordValue> = times
         .map(|(name, time)| value(*name, *time, "µs", if *time < 3.0 { 2 } else { 1 }))
