@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::fmt::Display;
 
 use nalgebra::Vector2;
 use plotters::chart::{ChartBuilder, ChartContext};
@@ -35,6 +36,11 @@ impl Figure {
         let rows = (0..length).map(|index| row(index).collect()).collect();
         Self { svg: draw(height, paint), columns, rows }
     }
+}
+
+/// Cells as short as they can be written.
+pub fn plain(values: impl IntoIterator<Item = impl Display>) -> Vec<String> {
+    values.into_iter().map(|value| value.to_string()).collect()
 }
 
 /// Cells with this many digits after the decimal point.
@@ -162,6 +168,12 @@ pub trait Draw {
     /// Text at a point; the style says how it stands there.
     fn write(&mut self, text: &str, at: (f64, f64), style: TextStyle<'static>) -> Drawn;
 
+    /// The mark of a series and, at the same height, its name from `name_x` on.
+    fn key(&mut self, series: usize, name: &str, mark: (f64, f64), name_x: f64) -> Drawn {
+        self.marks([mark], series)?;
+        self.write(name, (name_x, mark.1), letters_right_of(SERIES[series]))
+    }
+
     /// A filled circle at each of these points.
     fn dots(
         &mut self,
@@ -283,18 +295,6 @@ fn arrow_head(
     let across = Vector2::new(-forward.y, forward.x);
     let corners = [to + forward, to - forward + across, to - forward - across];
     corners.map(|corner| (corner.x, corner.y)).to_vec()
-}
-
-/// The mark of a series and, at the same height, its name from `name_x` on.
-pub fn key(
-    chart: &mut impl Draw,
-    series: usize,
-    name: &str,
-    mark: (f64, f64),
-    name_x: f64,
-) -> Drawn {
-    chart.marks([mark], series)?;
-    chart.write(name, (name_x, mark.1), letters_right_of(SERIES[series]))
 }
 
 /// Numbers from `first` to `ratio` times as much in so many equal factors, for curves over logarithmic axes.

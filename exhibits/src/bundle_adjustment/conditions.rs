@@ -62,19 +62,18 @@ fn free_directions(matrix: &DMatrix<f64>) -> f64 {
 fn one_solution(line: Line) -> Comparison {
     let against = "no direction of the Schur complement in which the solution is open";
     let [_, reduced] = matrices(line);
-    Comparison::absolute(against, 0.1, "directions")
-        .each([reduced], |reduced| (free_directions(&reduced), 0.0))
+    Comparison::absolute(against, 0.1, "directions").once(free_directions(&reduced), 0.0)
 }
 
 fn no_block(line: Line) -> Comparison {
     let [_, reduced] = matrices(line);
-    Comparison::absolute("zero", 1e-12, "entries").each([reduced], |reduced| (reduced[(0, 1)], 0.0))
+    Comparison::absolute("zero", 1e-12, "entries").once(reduced[(0, 1)], 0.0)
 }
 
 fn equally_free(line: Line) -> Comparison {
     let against = "the null vectors of the whole matrix";
     let [whole, reduced] = matrices(line).map(|matrix| free_directions(&matrix));
-    Comparison::absolute(against, 0.1, "directions").each([reduced], |free| (free, whole))
+    Comparison::absolute(against, 0.1, "directions").once(reduced, whole)
 }
 
 /// One unknown, zero in truth, and one measurement of it, or of its hyperbolic sine.
@@ -102,6 +101,5 @@ fn chi_squared(case: Noise) -> Comparison {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let middle = mean(&squares);
     let deviations: Vec<f64> = squares.iter().map(|square| (square - middle).powi(2)).collect();
-    Comparison::absolute(against, 0.15, "squares")
-        .each([mean(&deviations)], |variance| ([middle, variance], [1.0, 2.0]))
+    Comparison::absolute(against, 0.15, "squares").once([middle, mean(&deviations)], [1.0, 2.0])
 }

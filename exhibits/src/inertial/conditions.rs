@@ -66,7 +66,7 @@ fn in_proportion(covariance: Covariance) -> Comparison {
 fn worse_in_the_end(walk: f64) -> Comparison {
     let against = "the variance after one day of rest and after two";
     let [day, two] = [1.0, 2.0].map(|days| averaged(1e-3, walk, 86_400.0 * days));
-    Comparison::absolute(against, 1e-12, "no unit").each([two > day], |worse| (worse, true))
+    Comparison::absolute(against, 1e-12, "no unit").once(two > day, true)
 }
 
 /// A rule for one step, and gravity at a time.
@@ -106,5 +106,5 @@ fn is_of_second_order(jump: f64) -> Comparison {
         found.world_from_body.angle_to(&Rotation3::new(truth * Vector3::z()))
     });
     let power = exponent(&steps, &errors);
-    Comparison::absolute(against, 0.05, "no unit").each([power], |power| (power, 2.0))
+    Comparison::absolute(against, 0.05, "no unit").once(power, 2.0)
 }

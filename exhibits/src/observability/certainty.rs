@@ -89,8 +89,7 @@ fn below_bound(case: Asked) -> Comparison {
     let (jacobian, _) = window.linearize().expect("every landmark is in front of its cameras");
     let sigma = with_scaling(&jacobian, &(case.gradient)(&window), f64::recip, 2);
     let over_bound = sigma * scale_information(&window).sqrt();
-    Comparison::absolute("zero", 1e-9, "of the bound")
-        .each([over_bound], |over_bound| ((1.0 - over_bound).max(0.0), 0.0))
+    Comparison::absolute("zero", 1e-9, "of the bound").once((1.0 - over_bound).max(0.0), 0.0)
 }
 
 /// The formula with the columns scaled by a function of their length, and a power of the singular

@@ -245,7 +245,7 @@ fn larger_copy((motion, assumption): (Trajectory, BiasAssumption)) -> Comparison
     let larger = Similarity { scale: 1.2, ..Similarity::identity() };
     let residual = window(motion, assumption).transformed(&larger).residual();
     let norm = residual.expect("a similar window is in front of its cameras").norm();
-    Comparison::absolute("zero", 1e-6, "standard deviations").each([norm], |norm| (norm, 0.0))
+    Comparison::absolute("zero", 1e-6, "standard deviations").once(norm, 0.0)
 }
 
 /// The change of a bias that gives a larger copy the readings of the original at all times, and the change at the
@@ -264,8 +264,7 @@ fn steady_change(motion: Trajectory) -> Comparison {
 /// scale, if there are no other copies than similar ones.
 fn only_scale_is_free(word: &'static str) -> Comparison {
     let free = row_of(word)[2].count() as f64;
-    Comparison::absolute("position, yaw and scale", 0.1, "directions")
-        .each([free], |free| (free, 5.0))
+    Comparison::absolute("position, yaw and scale", 0.1, "directions").once(free, 5.0)
 }
 
 /// The change of velocity over an interval of so many seconds, and the way beyond coasting.

@@ -112,8 +112,7 @@ fn turned_about(axis: UnitVector3<f64>) -> Comparison {
     let window = draws::wrong_window(&mut Random::new(8));
     let turned = turned(&window, axis, 0.3, &Vector3::zeros());
     let residual = |window: &Window| window.residual().expect("landmarks stay in front");
-    Comparison::relative("the residuals before", 1e-10)
-        .each([turned], |turned| (residual(&turned), residual(&window)))
+    Comparison::relative("the residuals before", 1e-10).once(residual(&turned), residual(&window))
 }
 
 fn turned(window: &Window, axis: UnitVector3<f64>, angle: f64, shift: &Vector3<f64>) -> Window {

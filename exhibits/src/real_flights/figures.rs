@@ -9,7 +9,7 @@ use super::live::faults;
 use super::record::{LATER, accepted_value};
 use crate::chapter::Chapter;
 use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, letters_right_of,
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, letters_right_of, plain,
 };
 
 pub fn figures(chapter: &mut Chapter) {
@@ -82,7 +82,7 @@ const SHOWN: [f64; 2] = [0.08, 2.5];
 /// Errors of one flight, and what they are made of.
 fn flight_errors() -> Figure {
     let columns = vec![
-        (LENGTH, LENGTHS.map(|seconds| format!("{seconds}")).to_vec()),
+        (LENGTH, plain(LENGTHS)),
         ("attitude by the Euler rule (mrad)", cells("v1_attitude_euler")),
         ("by the midpoint rule (mrad)", cells("v1_attitude")),
         ("predicted (mrad)", cells("v1_attitude_predicted")),
@@ -166,7 +166,7 @@ fn flight_wander() -> Figure {
 /// Velocity and position of both flights.
 fn flight_leica() -> Figure {
     let columns = vec![
-        (LENGTH, LENGTHS.map(|seconds| format!("{seconds}")).to_vec()),
+        (LENGTH, plain(LENGTHS)),
         ("velocity in MH_05 (cm/s)", cells("mh_velocity")),
         ("in V1_01 (cm/s)", cells("v1_velocity")),
         ("predicted (cm/s)", cells("v1_velocity_predicted")),

@@ -115,7 +115,10 @@ fn a_new_chapter_compiles_and_passes_its_own_check_and_test() {
     assert!(book.read("code/src/lib.rs").contains("pub mod loop_closure;\npub mod one;\n"));
     let program = book.read("exhibits/src/main.rs");
     assert!(program.contains("mod comparison;\nmod loop_closure;\nmod random;\n"), "{program}");
-    assert!(program.contains("    (\"loop_closure\", loop_closure::exhibits, no_records),\n];"), "{program}");
+    assert!(
+        program.contains("    (\"loop_closure\", loop_closure::exhibits, no_records),\n];"),
+        "{program}"
+    );
     for arguments in [["run", "--quiet", "--offline"], ["test", "--quiet", "--offline"]] {
         let output = Command::new(env!("CARGO"))
             .args(arguments)

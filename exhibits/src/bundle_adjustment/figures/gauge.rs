@@ -1,7 +1,7 @@
 //! One estimate in three gauges.
 
 use crate::bundle_adjustment::gauge::{CAMERAS, covariances};
-use crate::figure::{self, Draw, Figure, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Figure, SERIES, decimals};
 
 const NAMES: [&str; 3] = ["camera 0 held", "camera 4 held", "shortest"];
 
@@ -27,8 +27,7 @@ pub fn gauge() -> Figure {
             chart.marks(places(), index)?;
             // A legend above the curves.
             let (x, y) = (2.55 * index as f64 - 0.15, 1.32 * highest);
-            chart.marks([(x, y)], index)?;
-            chart.write(NAMES[index], (x + 0.17, y), letters_right_of(SERIES[index]))?;
+            chart.key(index, NAMES[index], (x, y), x + 0.17)?;
         }
         Ok(())
     })

@@ -3,7 +3,7 @@
 use plotters::coord::combinators::IntoLogRange;
 
 use crate::bundle_adjustment::growth::{above_line, line, observations, recorded};
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric};
 
 const NAMES: [&str; 2] = ["time (ms)", "memory (MB)"];
 
@@ -31,12 +31,10 @@ fn values_panel(drawing: &Drawing, n: &[f64; 5], recorded: &[[f64; 5]; 2]) -> Dr
     let mut chart = figure::axes(drawing, ("", (7e3..1.5e6).log_scale(), 3), y_axis)?;
     for (index, values) in recorded.iter().enumerate() {
         let (start, slope) = line(n, values);
-        let curve = (0..=40).map(|step| 1e4 * 100_f64.powf(f64::from(step) / 40.0));
-        chart.line(curve.map(|n| (n, start + slope * n)), SERIES[index], 5)?;
+        chart.line(geometric(1e4, 100.0, 40).map(|n| (n, start + slope * n)), SERIES[index], 5)?;
         chart.marks(n.iter().copied().zip(*values), index)?;
         let (x, y) = (1e4, highest * [2.0, 0.7][index]);
-        chart.marks([(x, y)], index)?;
-        chart.write(NAMES[index], (1.15 * x, y), letters_right_of(SERIES[index]))?;
+        chart.key(index, NAMES[index], (x, y), 1.15 * x)?;
     }
     Ok(())
 }

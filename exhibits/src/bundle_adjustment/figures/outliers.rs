@@ -1,7 +1,7 @@
 //! Wrong matches over many seeds.
 
 use crate::bundle_adjustment::outliers::{Outcome, SEEDS, outcomes};
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, GRID, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, GRID, decimals, plain};
 
 const NAMES: [&str; 3] = ["clean", "Huber", "least squares"];
 
@@ -12,7 +12,7 @@ pub fn outliers() -> Figure {
         decimals(2, sorted.iter().map(|ways| value(&ways[way])))
     };
     let columns = vec![
-        ("scene in the order of the figure", (1..=SEEDS).map(|scene| scene.to_string()).collect()),
+        ("scene in the order of the figure", plain(1..=SEEDS)),
         ("camera error clean (cm)", of(0, |outcome| outcome.cameras_cm)),
         ("with Huber (cm)", of(1, |outcome| outcome.cameras_cm)),
         ("with least squares (cm)", of(2, |outcome| outcome.cameras_cm)),
@@ -51,8 +51,7 @@ fn panel(
     }
     for (way, name) in NAMES.iter().enumerate().filter(|_| names) {
         let (x, y) = (0.9 + 4.6 * way as f64, 0.92 * top);
-        chart.marks([(x, y)], way)?;
-        chart.write(name, (x + 0.45, y), letters_right_of(SERIES[way]))?;
+        chart.key(way, name, (x, y), x + 0.45)?;
     }
     Ok(())
 }

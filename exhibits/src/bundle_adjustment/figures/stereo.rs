@@ -62,8 +62,7 @@ fn spectra(drawing: &Drawing, cases: &[Vec<f64>; 4]) -> Drawn {
         });
         chart.marks(places, index)?;
         let (x, y) = (5.5 * (index % 2) as f64 + 0.8, if index < 2 { 2.0 } else { 0.6 });
-        chart.marks([(x, y)], index)?;
-        chart.write(CASES[index].0, (x + 0.25, y), letters_right_of(SERIES[index]))?;
+        chart.key(index, CASES[index].0, (x, y), x + 0.25)?;
     }
     chart.write("rounding", (8.2, -14.6), letters_right_of(INK))
 }

@@ -3,7 +3,7 @@
 use plotters::coord::combinators::IntoLogRange;
 use vislam::inertial::ImuNoise;
 
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, geometric, key, powers};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, geometric, powers};
 use crate::inertial::averages::{allan_deviations, averaged, seconds};
 
 /// Readings in a window.
@@ -55,7 +55,7 @@ fn panel(drawing: &Drawing, sensor: usize, (low, high): (f64, f64), found: &[Fou
         let places = WINDOWS.iter().zip(deviations);
         chart.marks(places.map(|(window, both)| (seconds(*window), both[sensor])), index)?;
         let mark = (20.0, high * [0.6, 0.28][index]);
-        key(&mut chart, index, ["consumer", "EuRoC"][index], mark, 25.0)?;
+        chart.key(index, ["consumer", "EuRoC"][index], mark, 25.0)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use plotters::coord::combinators::IntoLogRange;
 
-use crate::figure::{self, Draw, Figure, SERIES, decimals, geometric, key};
+use crate::figure::{self, Draw, Figure, SERIES, decimals, geometric, plain};
 use crate::inertial::averages::{cases, errors_of_means, expected_error};
 
 /// Seconds.
@@ -14,7 +14,7 @@ pub fn averages() -> Figure {
     let expected = |index: usize, time| expected_error(cases()[index], time).to_degrees();
     let formula = |index: usize| decimals(4, TIMES.map(|time| expected(index, time)));
     let columns = vec![
-        ("time (s)", TIMES.map(|time| format!("{time}")).to_vec()),
+        ("time (s)", plain(TIMES)),
         ("no bias (°/s)", seen(0)),
         ("formula (°/s)", formula(0)),
         ("a bias stays (°/s)", seen(1)),
@@ -31,7 +31,7 @@ pub fn averages() -> Figure {
             chart.line(curve, SERIES[index], 5)?;
             let places = TIMES.iter().zip(&found[index]);
             chart.marks(places.map(|(t, error)| (*t, error.to_degrees())), index)?;
-            key(&mut chart, index, name, (0.22, [0.022, 0.0135, 0.0083][index]), 0.275)?;
+            chart.key(index, name, (0.22, [0.022, 0.0135, 0.0083][index]), 0.275)?;
         }
         Ok(())
     })

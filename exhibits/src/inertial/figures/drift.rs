@@ -4,7 +4,7 @@ use plotters::coord::combinators::IntoLogRange;
 use vislam::simulation::Trajectory;
 
 use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, key, letters_right_of,
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, letters_right_of,
 };
 use crate::inertial::drift::{TIMES, drifted, expected, sources};
 
@@ -41,7 +41,7 @@ fn panel(drawing: &Drawing, x_title: &str, name: &str, found: &Series) -> Drawn 
         )?;
         chart.marks(TIMES.into_iter().zip(found[index]), index)?;
         if with_names {
-            key(&mut chart, index, source.name, (1.0, 6e4 / 6_f64.powi(index as i32)), 1.14)?;
+            chart.key(index, source.name, (1.0, 6e4 / 6_f64.powi(index as i32)), 1.14)?;
         }
     }
     chart.write(name, (25.0, 2e-3), letters_right_of(INK))

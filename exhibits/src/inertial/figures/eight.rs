@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use vislam::inertial::{GRAVITY, ImuSample};
 use vislam::simulation::Trajectory;
 
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, key};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, plain};
 
 /// Seconds for one round of the level path.
 const ROUND: f64 = TAU / 0.8;
@@ -19,7 +19,7 @@ pub fn eight() -> Figure {
     let gyro = |axis: usize| decimals(3, times().map(|t| read(t).gyro[axis]));
     let force = |axis: usize| decimals(3, times().map(|t| read(t).accelerometer[axis]));
     let columns = vec![
-        ("time (s)", times().map(|t| format!("{t}")).collect()),
+        ("time (s)", plain(times())),
         ("x (m)", place(0)),
         ("y (m)", place(1)),
         ("z (m)", place(2)),
@@ -68,7 +68,7 @@ fn readings_panel(
         chart.line((0..=160).map(|k| read(ROUND * f64::from(k) / 160.0)), SERIES[axis], 5)?;
         chart.marks((0..8).map(|k| read(0.4 + f64::from(k))), axis)?;
         let x = 0.3 + 2.5 * axis as f64;
-        key(&mut chart, axis, name, (x, top), x + 0.17)?;
+        chart.key(axis, name, (x, top), x + 0.17)?;
     }
     Ok(())
 }

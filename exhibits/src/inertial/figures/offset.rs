@@ -2,7 +2,7 @@
 
 use plotters::coord::combinators::IntoLogRange;
 
-use crate::figure::{self, Draw, Figure, SERIES, decimals, key};
+use crate::figure::{self, Draw, Figure, SERIES, decimals, plain};
 use crate::inertial::clock::{DEPTH, PACES, expected_error, offset_error, paced};
 
 /// Milliseconds.
@@ -22,7 +22,7 @@ pub fn offset() -> Figure {
         OFFSETS.map(|ms| offset_error(&motions[pace], DEPTH, 1e-3 * ms, corrected))
     });
     let columns = vec![
-        ("offset (ms)", OFFSETS.map(|ms| format!("{ms}")).to_vec()),
+        ("offset (ms)", plain(OFFSETS)),
         ("fast (px)", decimals(5, found[0])),
         ("slow (px)", decimals(5, found[1])),
         ("fast: corrected (px)", decimals(5, found[2])),
@@ -36,7 +36,7 @@ pub fn offset() -> Figure {
             let expected = |ms: f64| (ms, expected_error(&motions[pace], 1e-3 * ms, corrected));
             chart.line([OFFSETS[0], OFFSETS[6]].map(expected), SERIES[index], 4)?;
             chart.marks(OFFSETS.into_iter().zip(found[index]), index)?;
-            key(&mut chart, index, name, place, 1.12 * place.0)?;
+            chart.key(index, name, place, 1.12 * place.0)?;
         }
         Ok(())
     })

@@ -2,7 +2,7 @@
 
 use plotters::coord::combinators::IntoLogRange;
 
-use crate::figure::{self, Draw, Figure, SERIES, letters_right_of, powers};
+use crate::figure::{self, Draw, Figure, SERIES, letters_right_of, plain, powers};
 use crate::inertial::rules::{RATES, exponent, position_error};
 
 const NAMES: [&str; 2] = ["Euler", "midpoint"];
@@ -11,7 +11,7 @@ pub fn orders() -> Figure {
     let errors = [false, true].map(|midpoint| RATES.map(|rate| position_error(rate, midpoint)));
     let steps = RATES.map(|rate| 1e3 / rate);
     let columns = vec![
-        ("step (ms)", steps.map(|step| format!("{step}")).to_vec()),
+        ("step (ms)", plain(steps)),
         ("Euler rule (m)", powers(3, errors[0])),
         ("midpoint rule (m)", powers(3, errors[1])),
     ];

@@ -3,9 +3,7 @@
 use nalgebra::Vector2;
 use vislam::least_squares::{Method, Options};
 
-use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of, powers,
-};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, powers};
 use crate::least_squares::numbers::fence_start;
 use crate::least_squares::worked::{self, FAR_FROM_FENCE, fence};
 
@@ -57,8 +55,7 @@ fn across_the_fence(drawing: &Drawing, paths: &[Path]) -> Drawn {
         chart.line(places.clone(), SERIES[index], 4)?;
         chart.marks(places, index)?;
         let height = 1.06 - 0.14 * index as f64;
-        chart.marks([(6.2, height)], index)?;
-        chart.write(NAMES[index], (6.7, height), letters_right_of(SERIES[index]))?;
+        chart.key(index, NAMES[index], (6.2, height), 6.7)?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use plotters::element::{EmptyElement, Text};
 use vislam::least_squares::Kernel;
 
 use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, SERIES, decimals, letters_right_of, marker,
+    self, Draw, Drawing, Drawn, Figure, SERIES, decimals, letters_right_of, marker, plain,
 };
 use crate::least_squares::robust::{self, KERNELS};
 
@@ -17,7 +17,7 @@ pub fn kernels() -> Figure {
         decimals(3, norms().map(|norm| quantity(&KERNELS[kernel], norm)))
     };
     let columns = vec![
-        ("length s (sigma)", norms().map(|norm| norm.to_string()).collect()),
+        ("length s (sigma)", plain(norms())),
         ("cost: squares", column(Kernel::cost, 0)),
         ("cost: Huber", column(Kernel::cost, 1)),
         ("cost: Cauchy", column(Kernel::cost, 2)),

@@ -5,7 +5,7 @@ use plotters::element::{Circle, EmptyElement, Rectangle};
 use plotters::style::Color;
 use vislam::least_squares::Options;
 
-use crate::figure::{self, Draw, ESTIMATED, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, ESTIMATED, Figure, INK, SERIES, decimals};
 use crate::least_squares::worked::{self, POSTS, TWO_TAPE_STARTS, two_tapes};
 
 /// Contours, by the length of the two residuals in metres.
@@ -67,8 +67,7 @@ pub fn two_minima() -> Figure {
         }
         for (index, name) in NAMES.into_iter().enumerate() {
             let height = 7.7 - 0.75 * index as f64;
-            chart.marks([(-2.7, height)], index)?;
-            chart.write(name, (-2.4, height), letters_right_of(SERIES[index]))?;
+            chart.key(index, name, (-2.7, height), -2.4)?;
         }
         Ok(())
     })

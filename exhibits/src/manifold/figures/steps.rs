@@ -9,7 +9,7 @@ use vislam::manifold::so3;
 
 use crate::figure::{
     self, Draw, Drawing, Drawn, Figure, GRID, INK, SERIES, decimals, letters_around,
-    letters_right_of,
+    letters_right_of, plain,
 };
 
 /// A turn of 2.2 rad about an upright axis that leans a little.
@@ -42,7 +42,7 @@ pub fn steps() -> Figure {
     let steps: Vec<Step> = directions.map(Step::of).collect();
     let column = |of: fn(&Step) -> f64| decimals(4, steps.iter().map(of));
     let columns = vec![
-        ("step", (1..=COUNT).map(|step| step.to_string()).collect()),
+        ("step", plain(1..=COUNT)),
         ("change x (rad)", column(|step| step.change.x)),
         ("change y (rad)", column(|step| step.change.y)),
         ("body turns by x (rad)", column(|step| step.truth.x)),

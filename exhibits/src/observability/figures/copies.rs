@@ -7,9 +7,7 @@ use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::preintegration::imu_residual;
 use vislam::simulation::{Flight, Trajectory};
 
-use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, letters_around, letters_right_of,
-};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, letters_around};
 use crate::observability::worked::of_flight;
 
 const NAMES: [&str; 4] = ["as flown", "shifted and turned", "grown by a fifth", "tilted by 2°"];
@@ -78,8 +76,7 @@ fn plan(drawing: &Drawing, windows: &[Window; 4]) -> Drawn {
         chart.line(places(), SERIES[index], 5)?;
         chart.marks(places().step_by(4), index)?;
         let (x, y) = (-4.4, 5.9 - 1.0 * index as f64);
-        chart.marks([(x, y)], index)?;
-        chart.write(NAMES[index], (x + 0.4, y), letters_right_of(SERIES[index]))?;
+        chart.key(index, NAMES[index], (x, y), x + 0.4)?;
     }
     Ok(())
 }
@@ -98,8 +95,7 @@ fn bars(drawing: &Drawing, objections: &[[f64; 4]; 4]) -> Drawn {
             chart.write(&text, place, letters_around(SERIES[index]))?;
         }
         let (x, y) = (0.12, (1.57 - 0.13 * index as f64) * highest);
-        chart.marks([(x, y)], index)?;
-        chart.write(NAMES[index], (x + 0.09, y), letters_right_of(SERIES[index]))?;
+        chart.key(index, NAMES[index], (x, y), x + 0.09)?;
     }
     for (kind, name) in KINDS.iter().enumerate() {
         let height = if kind < 2 { 0.2 * highest } else { 1.2 * highest };

@@ -27,10 +27,9 @@ pub fn excitation() -> Figure {
             chart.line(points(), SERIES[index], 4)?;
             chart.marks(points(), index)?;
             let (x, y) = (0.012, 2.8e5 / 4.0_f64.powi(index as i32));
-            chart.marks([(x, y)], index)?;
             let slope = format!("{}, slope {:.2}", NAMES[index], exponent(points()));
             let slope = slope.replace('-', "\u{2212}");
-            chart.write(&slope, (x * 1.25, y), letters_right_of(SERIES[index]))?;
+            chart.key(index, &slope, (x, y), x * 1.25)?;
         }
         Ok(())
     })

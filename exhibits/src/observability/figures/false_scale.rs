@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use vislam::inertial::GRAVITY;
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Figure, INK, SERIES, decimals};
 use crate::observability::numbers::RAMP;
 use crate::observability::readings::other_scale;
 
@@ -43,8 +43,7 @@ pub fn false_scale() -> Figure {
             chart.line(curve(acceleration, 90), SERIES[index], 5)?;
             chart.marks([(other_scale(acceleration, &GRAVITY), 0.0)], index)?;
             let (x, y) = (0.35, 0.88 - 0.1 * index as f64);
-            chart.marks([(x, y)], index)?;
-            chart.write(NAMES[index], (x + 0.06, y), letters_right_of(SERIES[index]))?;
+            chart.key(index, NAMES[index], (x, y), x + 0.06)?;
         }
         Ok(())
     })

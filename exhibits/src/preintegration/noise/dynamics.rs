@@ -37,6 +37,7 @@ fn by_rows(at: &Instant, errors: &Vector9, noise: &Vector6<f64>) -> Vector9 {
     )
 }
 
+/// What a small turn φ of the last body frame makes of the force in the first frame: −ΔR a^.
 pub fn leak(at: &Instant) -> Matrix3<f64> {
     -(at.deltas.rotation.matrix() * so3::hat(&at.sample.accelerometer))
 }

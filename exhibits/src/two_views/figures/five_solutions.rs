@@ -4,7 +4,9 @@ use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, EmptyElement, PathElement};
 use plotters::style::Color;
 
-use crate::figure::{self, Column, Draw, Drawing, Drawn, Figure, INK, decimals, letters_right_of};
+use crate::figure::{
+    self, Column, Draw, Drawing, Drawn, Figure, INK, decimals, letters_right_of, plain,
+};
 use crate::two_views::five_points::{Found, SCENES, Solution, exact, noisy};
 
 /// Pixels at which a smaller miss is drawn.
@@ -12,7 +14,7 @@ const FLOOR: f64 = 0.01;
 
 pub fn five_solutions() -> Figure {
     let (exact, noisy) = (exact(), noisy());
-    let mut columns = vec![("scene", (1..=SCENES).map(|scene| scene.to_string()).collect())];
+    let mut columns = vec![("scene", plain(1..=SCENES))];
     let (number, miss) = ("solutions without noise", "miss of the true one (px)");
     columns.extend(described(exact, [number, miss]));
     let (number, miss) = ("solutions with noise", "miss of the one nearest to the truth (px)");

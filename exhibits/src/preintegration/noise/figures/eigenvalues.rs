@@ -1,6 +1,6 @@
 //! Scatter of whitened errors: its eigenvalues beside those of numbers that are normal for certain.
 
-use crate::figure::{self, Draw, Figure, GRID, INK, decimals, key};
+use crate::figure::{self, Draw, Figure, GRID, INK, decimals, plain};
 use crate::preintegration::noise::runs::{CASES, LIMITS, NORMAL, WHITENED};
 
 /// Share of the experiments on either side of a bar.
@@ -14,7 +14,7 @@ pub fn eigenvalues() -> Figure {
     let (above, below) = (at(OUTSIDE), at(1.0 - OUTSIDE));
     let found = |index: usize| decimals(3, WHITENED[index].0.iter().copied());
     let columns = vec![
-        ("rank", (1..=9).map(|rank| format!("{rank}")).collect()),
+        ("rank", plain(1..=9)),
         ("99 % of normal draws above", decimals(3, above)),
         ("99 % of normal draws below", decimals(3, below)),
         ("at rest", found(0)),
@@ -36,7 +36,7 @@ pub fn eigenvalues() -> Figure {
             let places = eigenvalues.iter().enumerate();
             chart.marks(places.map(|(rank, value)| (rank as f64 + 1.0 + aside, *value)), index)?;
             let mark = (0.75, 1.145 - 0.042 * index as f64);
-            key(&mut chart, index, CASES[index].0, mark, 0.95)?;
+            chart.key(index, CASES[index].0, mark, 0.95)?;
         }
         Ok(())
     })

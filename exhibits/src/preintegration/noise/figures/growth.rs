@@ -6,7 +6,7 @@ use vislam::inertial::{ImuBias, ImuNoise, ImuSample};
 use vislam::preintegration::{Deltas, Preintegrator};
 
 use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, key, letters_right_of,
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, geometric, letters_right_of,
 };
 use crate::inertial::rules::exponent;
 use crate::preintegration::noise::growth::{G, crossovers, sources};
@@ -150,7 +150,7 @@ fn panel(drawing: &Drawing, sources: &[Source; 3], quantity: usize, time: &str) 
         chart.marks(places.map(|(mark, scatter)| (MARKS[mark] as f64 * DT, scatter)), index)?;
         let name = format!("{}: {}", source.name, slope(source, quantity, index));
         let mark = (NAMES_FROM, NAMES[quantity][index]);
-        key(&mut chart, index, &name, mark, 1.12 * NAMES_FROM)?;
+        chart.key(index, &name, mark, 1.12 * NAMES_FROM)?;
     }
     Ok(())
 }

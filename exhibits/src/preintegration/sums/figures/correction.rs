@@ -6,7 +6,7 @@ use vislam::inertial::{GRAVITY, ImuBias};
 use vislam::preintegration::correct_for_bias;
 use vislam::simulation::Trajectory;
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, key, letters_right_of};
+use crate::figure::{self, Draw, Figure, INK, SERIES, letters_right_of, plain};
 use crate::preintegration::sums::oracle::{gyro_bias, summed};
 
 /// Sizes of the move of the gyroscope's bias, in rad/s.
@@ -40,7 +40,7 @@ pub fn correction() -> Figure {
         series[index].1.map(cell).to_vec()
     };
     let columns = vec![
-        ("move of the bias (rad/s)", SIZES.map(|size| format!("{size}")).to_vec()),
+        ("move of the bias (rad/s)", plain(SIZES)),
         ("figure-eight about ahead (m)", cells(0)),
         ("level turn about ahead (m)", cells(1)),
         ("on the spot about ahead (m)", cells(2)),
@@ -60,7 +60,7 @@ pub fn correction() -> Figure {
             // Three of the lines lie close together: their marks take turns.
             let (skip, every) = if index < 3 { (index, 3) } else { (0, 1) };
             chart.marks(places.skip(skip).step_by(every), index)?;
-            key(&mut chart, index, name, (2.4e-3, 1e6 / 3.2_f64.powi(index as i32)), 2.7e-3)?;
+            chart.key(index, name, (2.4e-3, 1e6 / 3.2_f64.powi(index as i32)), 2.7e-3)?;
         }
         Ok(())
     })

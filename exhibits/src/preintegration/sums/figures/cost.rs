@@ -2,7 +2,7 @@
 
 use plotters::coord::combinators::IntoLogRange;
 
-use crate::figure::{self, Draw, Figure, SERIES, decimals, key};
+use crate::figure::{self, Draw, Figure, SERIES, decimals, plain};
 use crate::preintegration::sums::cost::{READINGS, recorded};
 
 const NAMES: [&str; 3] = ["readings: the state alone", "readings: with derivatives", "one factor"];
@@ -11,7 +11,7 @@ pub fn cost() -> Figure {
     let recorded = recorded();
     let times = |which: usize| decimals(3, recorded.map(|times| times[which]));
     let columns = vec![
-        ("readings", READINGS.map(|n| format!("{n}")).to_vec()),
+        ("readings", plain(READINGS)),
         ("the state alone from readings (us)", times(0)),
         ("with derivatives from readings (us)", times(1)),
         ("from the factor (us)", times(2)),
@@ -27,7 +27,7 @@ pub fn cost() -> Figure {
             chart.line(places.clone(), SERIES[index], 4)?;
             chart.marks(places, index)?;
             let height = highest * [4.0, 10.0, 1.6][index];
-            key(&mut chart, index, NAMES[index], (20.0, height), 23.0)?;
+            chart.key(index, NAMES[index], (20.0, height), 23.0)?;
         }
         Ok(())
     })

@@ -4,7 +4,7 @@ use plotters::coord::combinators::IntoLogRange;
 use vislam::preintegration::Rule;
 
 use crate::figure::{
-    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, key, letters_right_of, powers,
+    self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of, powers,
 };
 use crate::preintegration::sums::rules::errors;
 
@@ -53,7 +53,7 @@ fn panel(
         chart.line(ideal, SERIES[index], 3)?;
         chart.marks(places, index)?;
         if slope == 1 {
-            key(&mut chart, index, name, (6.5, low * [20.0, 6.0, 1.8][index]), 7.5)?;
+            chart.key(index, name, (6.5, low * [20.0, 6.0, 1.8][index]), 7.5)?;
         }
     }
     Ok(())
