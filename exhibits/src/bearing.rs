@@ -5,7 +5,7 @@
 
 mod counterexamples;
 mod figures;
-mod noise;
+pub mod noise;
 mod numbers;
 mod oracle;
 pub mod worked;

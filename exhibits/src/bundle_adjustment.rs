@@ -11,7 +11,7 @@ mod growth;
 mod numbers;
 mod outliers;
 mod points_first;
-mod progress;
+pub mod progress;
 mod rails;
 mod stereo;
 mod whole;

@@ -42,10 +42,14 @@ impl Equation {
         (self.check)()
     }
 
+    /// Compares each mutant with the oracle.
+    pub fn check_mutants(&self) -> Vec<Comparison> {
+        (self.check_mutants)()
+    }
+
     /// The mutants that the check did not reject; there should be none.
     pub fn survivors(&self) -> Vec<&'static str> {
-        let comparisons = (self.check_mutants)();
-        let judged = self.mutants.iter().zip(comparisons);
+        let judged = self.mutants.iter().zip(self.check_mutants());
         judged
             .filter(|(_, comparison)| comparison.failure().is_none())
             .map(|(name, _)| *name)
@@ -245,147 +249,4 @@ pub fn text(value: f64, decimals: usize) -> String {
         grouped.push(digit);
     }
     format!("{sign}{grouped}{fraction}")
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::LazyLock;
-
-    use super::{Chapter, Equation, counterexample_failure, text};
-    use crate::book;
-    use crate::comparison::Comparison;
-
-    type Formula = fn(f64) -> f64;
-
-    fn doubles(formula: Formula) -> Comparison {
-        let mut comparison = Comparison::absolute("a sum", 1e-12, "m");
-        comparison.add(&[formula(3.0)], &[3.0 + 3.0]);
-        comparison
-    }
-
-    /// An equation of the book with what its formula and its mutants are found to be off by.
-    struct Checked {
-        label: String,
-        formula: Comparison,
-        mutants: Vec<(&'static str, Comparison)>,
-    }
-
-    /// Every equation of the book, checked once for all tests.
-    fn checked() -> &'static [Checked] {
-        static CHECKED: LazyLock<Vec<Checked>> = LazyLock::new(|| {
-            let of = |slug, equation: &Equation| Checked {
-                label: format!("{slug}/{}", equation.label),
-                formula: equation.check(),
-                mutants: equation.mutants.iter().copied().zip((equation.check_mutants)()).collect(),
-            };
-            let equations = book().iter().flat_map(|c| c.equations.iter().map(|e| of(c.slug, e)));
-            equations.collect()
-        });
-        &CHECKED
-    }
-
-    #[test]
-    fn every_equation_of_the_book_passes_its_check() {
-        for Checked { label, formula, .. } in checked() {
-            assert_eq!(formula.failure(), None, "{label}");
-            assert!(formula.states >= 20, "{label} is compared at too few states");
-        }
-    }
-
-    #[test]
-    fn every_check_of_the_book_rejects_all_its_mutants_by_a_number() {
-        for Checked { label, formula, mutants } in checked() {
-            assert!(mutants.len() >= 2, "{label} has too few mutants");
-            for (name, mutant) in mutants {
-                assert!(mutant.failure().is_some(), "{label}, {name} survives");
-                assert!(mutant.worst > 5.0 * formula.tolerance, "{label}, {name}");
-            }
-        }
-    }
-
-    #[test]
-    fn every_theorem_of_the_book_needs_its_conditions() {
-        for chapter in book() {
-            for case in &chapter.counterexamples {
-                let label = format!("{}, {}", case.theorem, case.condition);
-                assert_eq!(counterexample_failure(&case.comparisons()), None, "{label}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_condition_that_is_not_needed_is_found() {
-        let chapter = Chapter::registered("test", |chapter| {
-            let statement = |x: f64| {
-                let mut comparison = Comparison::absolute("its absolute value", 1e-12, "m");
-                comparison.add(&[x.abs()], &[x]);
-                comparison
-            };
-            chapter.counterexample("absolute", "positive", statement, [1.0, -1.0]);
-            chapter.counterexample("absolute", "whole", statement, [1.0, 1.5]);
-            chapter.counterexample("absolute", "negative", statement, [-1.0, 1.0]);
-        });
-        let failures: Vec<_> = chapter
-            .unwrap()
-            .counterexamples
-            .iter()
-            .map(|case| counterexample_failure(&case.comparisons()))
-            .collect();
-        assert_eq!(failures[0], None);
-        assert!(failures[1].as_ref().unwrap().contains("without the condition just as well"));
-        assert!(failures[2].as_ref().unwrap().starts_with("with the condition, the error"));
-    }
-
-    #[test]
-    fn a_mutant_that_passes_is_named_as_a_survivor() {
-        let chapter = Chapter::registered("test", |chapter| {
-            let mutants: [(_, Formula); 2] = [("sign", |x| -2.0 * x), ("none", |x| x + x)];
-            chapter.equation("double", doubles, |x| 2.0 * x, &mutants);
-        });
-        assert_eq!(chapter.unwrap().equations[0].survivors(), ["none"]);
-    }
-
-    #[test]
-    fn a_name_used_twice_is_refused_with_both_places() {
-        let equations = Chapter::registered("test", |chapter| {
-            chapter.equation("double", doubles, |x| 2.0 * x, &[]);
-            chapter.equation("double", doubles, |x| 2.0 * x, &[]);
-        });
-        let sentence = equations.err().unwrap();
-        assert!(sentence.contains("equation `double` is registered already at"), "{sentence}");
-        assert!(sentence.starts_with("exhibits/src/chapter.rs:"), "{sentence}");
-
-        let numbers = Chapter::registered("test", |chapter| {
-            chapter.number("depth", 1.0, "m", 0);
-            chapter.number("depth", 2.0, "m", 0);
-        });
-        assert!(numbers.err().unwrap().contains("number `depth`"));
-    }
-
-    #[test]
-    fn a_number_that_is_not_finite_is_refused() {
-        let chapter = Chapter::registered("test", |chapter| {
-            chapter.number("depth", f64::NAN, "m", 0);
-        });
-        assert!(chapter.err().unwrap().contains("number `depth` is NaN"));
-    }
-
-    #[test]
-    fn an_equation_and_a_number_may_share_a_name() {
-        let chapter = Chapter::registered("test", |chapter| {
-            chapter.equation("disparity", doubles, |x| 2.0 * x, &[]);
-            chapter.number("disparity", 40.0, "px", 0);
-        });
-        assert!(chapter.is_ok());
-    }
-
-    #[test]
-    fn numbers_are_printed_as_in_print() {
-        assert_eq!(text(40.0, 0), "40");
-        assert_eq!(text(-0.1, 1), "\u{2212}0.1");
-        assert_eq!(text(-0.001, 1), "0.0");
-        assert_eq!(text(1600.0, 0), "1600");
-        assert_eq!(text(10_000_000.0, 0), "10,000,000");
-        assert_eq!(text(12345.678, 2), "12,345.68");
-    }
 }

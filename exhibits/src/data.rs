@@ -28,7 +28,7 @@ impl DataFile {
         self.read_below(std::env::var_os("VISLAM_DATA").map(PathBuf::from))
     }
 
-    fn read_below(&self, folder: Option<PathBuf>) -> Result<String, NotMade> {
+    pub fn read_below(&self, folder: Option<PathBuf>) -> Result<String, NotMade> {
         let path = self.path;
         let folder = folder.ok_or_else(|| {
             NotMade::DataAbsent(format!(
@@ -77,25 +77,4 @@ pub fn sha256(bytes: &[u8]) -> String {
 
 fn failed(path: &str, reason: &str) -> NotMade {
     NotMade::Failed(format!("{path}: {reason}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{DataFile, NotMade, files_read};
-
-    /// This file, under a digest that it does not have.
-    const OTHER: DataFile = DataFile { path: "src/data.rs", sha256: "00" };
-
-    #[test]
-    fn data_that_is_absent_is_told_from_data_that_is_wrong() {
-        let here = || Some(env!("CARGO_MANIFEST_DIR").into());
-        assert!(matches!(OTHER.read_below(None), Err(NotMade::DataAbsent(_))));
-        let nowhere = DataFile { path: "src/none.csv", sha256: "00" };
-        assert!(matches!(nowhere.read_below(here()), Err(NotMade::DataAbsent(_))));
-        let Err(NotMade::Failed(sentence)) = OTHER.read_below(here()) else {
-            panic!("a wrong digest is refused");
-        };
-        assert!(sentence.contains("another file"), "{sentence}");
-        assert!(files_read().keys().any(|file| file.ends_with("src/data.rs")));
-    }
 }

@@ -9,7 +9,7 @@ mod figures;
 mod numbers;
 mod oracle;
 mod robust;
-mod window;
+pub mod window;
 pub mod worked;
 
 use std::f64::consts::TAU;

@@ -1,13 +1,13 @@
 //! What chapter `real_flights` shows: how far preintegrated readings are from a ground truth, and why.
 
-mod budget;
+pub mod budget;
 mod equations;
 mod figures;
 mod intervals;
 mod live;
 mod record;
-mod simulated;
-mod wander;
+pub mod simulated;
+pub mod wander;
 
 use crate::chapter::Chapter;
 

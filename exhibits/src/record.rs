@@ -91,7 +91,7 @@ pub fn missing() -> Result<(), String> {
 static ASKED: Mutex<BTreeMap<String, Kept>> = Mutex::new(BTreeMap::new());
 
 /// What the file of a record says.
-struct Kept {
+pub struct Kept {
     record: String,
     values: Result<BTreeMap<String, KeptValue>, String>,
     missing: BTreeSet<String>,
@@ -118,7 +118,8 @@ impl Kept {
         Self::of(record, text)
     }
 
-    fn of(record: &str, text: std::io::Result<String>) -> Self {
+    /// What the text of a record's file says.
+    pub fn of(record: &str, text: std::io::Result<String>) -> Self {
         let make = format!("run `cargo book record {record}`, then `cargo book accept`");
         let values = match text {
             Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -133,7 +134,7 @@ impl Kept {
         Self { record: record.to_owned(), values, missing: BTreeSet::new() }
     }
 
-    fn value(&self, name: &str) -> Result<f64, String> {
+    pub fn value(&self, name: &str) -> Result<f64, String> {
         let record = &self.record;
         match self.values.as_ref().map_err(String::clone)?.get(name) {
             Some(kept) => Ok(kept.value),
@@ -148,36 +149,4 @@ impl Kept {
 /// The file of an accepted record, below the folder of the book.
 fn file(record: &str) -> String {
     format!("exhibits/records/{record}.toml")
-}
-
-#[cfg(test)]
-mod tests {
-    use std::io::{Error, ErrorKind};
-
-    use super::Kept;
-
-    const FILE: &str = "name = \"speed\"\n\n[values.fast]\ntext = \"2\"\nvalue = 2.5\n";
-
-    fn sentence(kept: &Kept, value: &str) -> String {
-        kept.value(value).unwrap_err()
-    }
-
-    #[test]
-    fn a_value_is_read_wherever_it_stands_in_its_table() {
-        assert_eq!(Kept::of("speed", Ok(FILE.to_owned())).value("fast"), Ok(2.5));
-    }
-
-    #[test]
-    fn what_is_missing_is_named_with_the_command_that_makes_it() {
-        let absent = Kept::of("speed", Err(Error::from(ErrorKind::NotFound)));
-        assert_eq!(
-            sentence(&absent, "fast"),
-            "the record `speed` was never accepted; run `cargo book record speed`, then `cargo book accept`"
-        );
-        let without = sentence(&Kept::of("speed", Ok(FILE.to_owned())), "slow");
-        assert!(without.contains("`speed` has no value `slow`; run `cargo book record speed`"));
-        let damaged = sentence(&Kept::of("speed", Ok("values = 3".to_owned())), "fast");
-        assert!(damaged.starts_with("exhibits/records/speed.toml is damaged"), "{damaged}");
-        assert!(damaged.contains("run `cargo book record speed`"), "{damaged}");
-    }
 }

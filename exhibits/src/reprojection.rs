@@ -5,7 +5,7 @@
 
 mod counterexamples;
 mod figures;
-mod mixing;
+pub mod mixing;
 mod numbers;
 mod oracle;
 mod worked;

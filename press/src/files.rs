@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result};
 
@@ -53,7 +53,7 @@ pub fn replace_folder(from: &Path, to: &Path) -> Result<()> {
 }
 
 /// The files below a folder, in order, as paths relative to it; none when the folder is absent.
-pub fn below(folder: &Path) -> Result<Vec<std::path::PathBuf>> {
+pub fn below(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];
     while let Some(next) = open.pop() {
@@ -80,4 +80,18 @@ fn unwritable(path: &Path) -> String {
         "cannot write {}: make the folder writable, or copy the book to a folder that is",
         path.display()
     )
+}
+
+/// A path as it is written from a folder, both below one root; none when it leaves the root.
+pub fn joined(folder: &Path, way: &str) -> Option<PathBuf> {
+    let mut path = PathBuf::new();
+    for part in folder.join(way).components() {
+        match part {
+            Component::ParentDir if !path.pop() => return None,
+            Component::Normal(part) => path.push(part),
+            Component::Prefix(_) | Component::RootDir => return None,
+            Component::ParentDir | Component::CurDir => {}
+        }
+    }
+    Some(path)
 }

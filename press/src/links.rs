@@ -1,7 +1,7 @@
 //! Looks at the rendered pages: every link leads somewhere, and nothing is asked of another host.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use rayon::prelude::*;
@@ -89,7 +89,10 @@ impl Rendered {
         let (way, anchor) = address.split_once('#').unwrap_or((address, ""));
         let path = match way {
             "" => Some(self.path.clone()),
-            way => joined(&self.path, way.split('?').next().unwrap_or(way)),
+            way => {
+                let way = way.split('?').next().unwrap_or(way).trim_start_matches('/');
+                self.path.parent().and_then(|folder| files::joined(folder, way))
+            }
         };
         let place =
             |path: PathBuf| if there.contains(&path) { path } else { path.join("index.html") };
@@ -127,18 +130,4 @@ impl Rendered {
             .position(|line| written.iter().any(|address| line.contains(address.as_str())));
         (file, line.map_or(0, |line| line + 1))
     }
-}
-
-/// An address relative to a page, as a path in the site; none when it leaves the site.
-fn joined(page: &Path, way: &str) -> Option<PathBuf> {
-    let way = way.trim_start_matches('/');
-    let mut path = page.parent()?.to_path_buf();
-    for part in Path::new(way).components() {
-        match part {
-            Component::ParentDir if !path.pop() => return None,
-            Component::Normal(part) => path.push(part),
-            _ => {}
-        }
-    }
-    Some(path)
 }

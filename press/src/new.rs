@@ -6,7 +6,7 @@ use crate::files;
 use crate::settings::Layout;
 
 const LIBRARY: &str = "code/src/lib.rs";
-const PROGRAM: &str = "exhibits/src/main.rs";
+const TABLE: &str = "exhibits/src/lib.rs";
 const SUMMARY: &str = "src/SUMMARY.md";
 
 /// Makes a chapter that the book takes as it is, and gives the files that were written.
@@ -45,7 +45,7 @@ pub fn chapter(layout: &Layout, name: &str, title: Option<&str>) -> Result<Vec<S
     let registered = [
         (SUMMARY, with_entry(&read(layout, SUMMARY)?, &format!("- [{title}]({name}.md)"))?),
         (LIBRARY, with_module(&read(layout, LIBRARY)?, "pub mod ", name)?),
-        (PROGRAM, with_row(&with_module(&read(layout, PROGRAM)?, "mod ", name)?, name)?),
+        (TABLE, with_row(&with_module(&read(layout, TABLE)?, "pub mod ", name)?, name)?),
     ];
     let registered = registered.map(|(file, text)| (file.to_owned(), text));
     let written = new.into_iter().chain(registered);
@@ -91,11 +91,11 @@ fn with_module(text: &str, keyword: &str, name: &str) -> Result<String> {
 fn with_row(text: &str, name: &str) -> Result<String> {
     let row = format!("    (\"{name}\", {name}::exhibits, no_records),");
     let lines: Vec<&str> = text.lines().collect();
-    let table = lines.iter().position(|line| line.starts_with("const CHAPTERS"));
+    let table = lines.iter().position(|line| line.starts_with("pub const CHAPTERS"));
     let end =
         table.and_then(|table| Some(table + lines[table..].iter().position(|line| *line == "];")?));
     let end =
-        end.with_context(|| format!("{PROGRAM} has no table CHAPTERS: write it with `{row}`"))?;
+        end.with_context(|| format!("{TABLE} has no table CHAPTERS: write it with `{row}`"))?;
     Ok(with_line(text, end, &row))
 }
 

@@ -21,7 +21,7 @@ const LIBRARY: Crate<'_> = Crate { name: "vislam", folder: "code/src", lines: fa
 /// The exhibits, which tell where they are registered.
 const EXHIBITS: Crate<'_> = Crate { name: "exhibits", folder: "exhibits/src", lines: true };
 /// The file that names the chapters with exhibits, in its table `CHAPTERS`.
-const TABLE: &str = "exhibits/src/main.rs";
+const TABLE: &str = "exhibits/src/lib.rs";
 
 /// The chapters that have exhibits and those of them that must be computed again.
 pub struct Program<'a> {
@@ -228,7 +228,7 @@ mod tests {
         };
         for (path, text) in [
             (
-                "exhibits/src/main.rs",
+                "exhibits/src/lib.rs",
                 "mod one; const CHAPTERS: &[()] = &[(\"one\", one::exhibits)];",
             ),
             ("exhibits/src/one.rs", "pub fn exhibits() {}"),

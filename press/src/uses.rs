@@ -173,7 +173,7 @@ impl Uses {
     pub fn sources(&self) -> BTreeSet<PathBuf> {
         let included = self.items.iter().flat_map(|item| {
             let file = &self.files[item.file];
-            item.words.included.iter().map(|name| beside(&file.path, name))
+            item.words.included.iter().filter_map(|name| beside(&file.path, name).ok())
         });
         self.files.iter().map(|file| file.path.clone()).chain(included).collect()
     }
@@ -208,7 +208,7 @@ impl Uses {
                 false => told.extend(format!("{}\n", words.text).bytes()),
             }
             for name in &words.included {
-                let file = beside(path, name);
+                let file = beside(path, name)?;
                 let bytes = std::fs::read(self.root.join(&file)).unwrap_or_default();
                 inputs.insert(file, bytes);
             }
@@ -458,7 +458,9 @@ impl Reading {
                 let below = [&module[..], &[inner.ident.to_string()]].concat();
                 match (inner.content, placed(&inner.attrs)) {
                     (Some((_, items)), _) => self.take_module(below, items)?,
-                    (None, Some(file)) => self.placed.push((below, beside(&self.file.path, &file))),
+                    (None, Some(file)) => {
+                        self.placed.push((below, beside(&self.file.path, &file)?))
+                    }
                     (None, None) => {}
                 }
                 return Ok(());
@@ -642,15 +644,10 @@ impl Words {
 }
 
 /// A file named relative to the folder of another one.
-fn beside(path: &Path, name: &str) -> PathBuf {
-    let mut file = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    for part in name.split('/') {
-        match part {
-            ".." => drop(file.pop()),
-            part => file.push(part),
-        }
-    }
-    file
+fn beside(path: &Path, name: &str) -> Result<PathBuf> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = files::joined(folder, name);
+    file.with_context(|| format!("{} takes in {name}, which is not in the book", slashed(path)))
 }
 
 /// The path of the module that a file holds.
@@ -757,7 +754,7 @@ fn is_braces(token: &TokenTree) -> bool {
 mod tests {
     use super::*;
 
-    const MAIN: &str = "exhibits/src/main.rs";
+    const MAIN: &str = "exhibits/src/lib.rs";
 
     const BOOK: &[(&str, &str)] = &[
         (

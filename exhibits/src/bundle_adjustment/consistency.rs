@@ -13,7 +13,7 @@ use crate::record::RecordValue;
 
 /// Six for each of the seven cameras that move, less one for scale.
 pub const DEGREES: f64 = 41.0;
-const RUNS: usize = 500;
+pub const RUNS: usize = 500;
 const LIVE_RUNS: usize = 100;
 /// In the figure.
 pub const SHOWN_RUNS: usize = 120;
@@ -82,7 +82,7 @@ pub fn band(outside: f64, degrees: f64) -> [f64; 2] {
 }
 
 /// Mean, the ends of its band, and percent of the runs in their own.
-fn summary(errors: &[f64]) -> (f64, [f64; 2], f64) {
+pub fn summary(errors: &[f64]) -> (f64, [f64; 2], f64) {
     let runs = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / runs;
     let of_mean = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
@@ -137,34 +137,4 @@ fn consistency() -> Vec<RecordValue> {
         value("run_high", run_high, "", 1),
         value("inside", inside, "%", 1),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{RUNS, band, chi_square_quantile, errors, summary};
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        for (probability, degrees, expected) in
-            [(0.95, 1.0, 3.841), (0.95, 2.0, 5.991), (0.025, 41.0, 25.215), (0.975, 41.0, 60.561)]
-        {
-            assert!((chi_square_quantile(probability, degrees) - expected).abs() < 1e-3);
-        }
-        // Nearly normal when there are many.
-        let [low, high] = band(0.001, 20500.0);
-        assert!((0.5 * (high - low) / (3.2905 * 41000_f64.sqrt()) - 1.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn errors_of_500_rings_lie_in_their_bands() {
-        let (mean, [low, high], inside) = summary(&errors(RUNS, 1.0));
-        assert!((low..high).contains(&mean), "{mean}");
-        assert!((93.0..=97.0).contains(&inside), "{inside}");
-    }
-
-    #[test]
-    fn noise_that_is_understated_is_noticed() {
-        let (mean, [_, high], _) = summary(&errors(20, 1.3));
-        assert!(mean > high);
-    }
 }

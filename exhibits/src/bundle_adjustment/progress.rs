@@ -137,35 +137,3 @@ pub fn shared_points(problem: &Ba) -> BTreeMap<(usize, usize), usize> {
     }
     shared
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{
-        blocks_as_numbered, closed, long_street, shared_points, short_street, shuffled, unsolved,
-    };
-
-    #[test]
-    fn blocks_are_counted_as_the_library_does_and_a_shuffled_street_is_put_in_order() {
-        let street = long_street();
-        let stored = unsolved(&street).stored_blocks;
-        assert_eq!(blocks_as_numbered(&street), stored);
-        let shuffled = shuffled(&street);
-        assert_eq!(unsolved(&shuffled).block_products, unsolved(&street).block_products);
-        assert!(blocks_as_numbered(&shuffled) > 10 * stored);
-        assert!(unsolved(&shuffled).stored_blocks < 2 * stored);
-    }
-
-    #[test]
-    fn the_closed_street_has_one_observation_more_and_loses_none() {
-        let street = long_street();
-        let closed = unsolved(&closed(street.clone()));
-        assert_eq!(closed.dropped, unsolved(&street).dropped);
-    }
-
-    #[test]
-    fn cameras_of_the_street_share_points_with_near_ones_only() {
-        for (first, second) in shared_points(&short_street()).into_keys() {
-            assert!((1..=4).contains(&(first - second)));
-        }
-    }
-}

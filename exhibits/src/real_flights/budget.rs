@@ -312,27 +312,3 @@ pub fn normalized_with_truth(
     });
     each.sum::<f64>() / intervals.len() as f64
 }
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::Vector3;
-    use vislam::inertial::GRAVITY;
-
-    use super::{gravity_beside_a_bias, gravity_found};
-    use crate::real_flights::simulated::flight;
-
-    #[test]
-    fn a_bias_that_is_believed_is_weighed_as_gravity_and_one_that_is_free_is_not() {
-        let mut flight = flight(120.0, 7, None);
-        let wrong = Vector3::new(0.0, 0.0, 0.17);
-        flight.truth.iter_mut().for_each(|truth| truth.bias.accelerometer -= wrong);
-        assert!((gravity_found(&flight).0.norm() - GRAVITY.norm()).abs() > 0.1);
-        let free = gravity_beside_a_bias(&flight);
-        let (gravity, bias) = (free.gravity - GRAVITY, free.bias - wrong);
-        for axis in 0..3 {
-            assert!(gravity[axis].abs() < 4.0 * free.sigma(axis), "{gravity} of {axis}");
-            assert!(bias[axis].abs() < 4.0 * free.sigma(3 + axis), "{bias} of {axis}");
-        }
-        assert!(free.correlation(2, 5).abs() > 0.9);
-    }
-}

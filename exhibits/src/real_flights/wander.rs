@@ -60,26 +60,3 @@ impl Wander {
         values
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Wander;
-    use crate::random::Random;
-
-    #[test]
-    fn a_drawn_wander_spreads_as_it_should_and_is_found_again() {
-        let wander = Wander { sigma: 2.0, tau: 1.5 };
-        let values = wander.drawn(&mut Random::new(1), 0.05, 200_000);
-        let lags = [1, 4, 20, 60];
-        let squares = lags.map(|lag| {
-            let pairs = values.windows(lag + 1).map(|w| (w[lag] - w[0]).norm_squared());
-            pairs.sum::<f64>() / (values.len() - lag) as f64
-        });
-        let times = lags.map(|lag| 0.05 * lag as f64);
-        for (square, time) in squares.iter().zip(times) {
-            assert!((square / wander.spread(time) - 1.0).abs() < 0.05);
-        }
-        let found = Wander::fitted(&times, &squares);
-        assert!((found.sigma / 2.0 - 1.0).abs() < 0.05 && (found.tau / 1.5 - 1.0).abs() < 0.05);
-    }
-}

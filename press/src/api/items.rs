@@ -108,7 +108,8 @@ impl File {
     /// A file by its path below the sources.
     fn new(path: &Path, text: String) -> File {
         let name = format!("{SOURCES}/{}", slashed(path));
-        File { name, module: module_of(path), scan: Scan::of(&text), text }
+        let scan = Scan::of_file(&name, &text);
+        File { name, module: module_of(path), scan, text }
     }
 }
 

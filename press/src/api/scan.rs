@@ -36,18 +36,22 @@ pub struct Scan {
 
 impl Scan {
     /// Finds nothing in a file that is not Rust: what is wrong with it the compiler says better.
-    pub fn of(source: &str) -> Arc<Scan> {
-        // Whoever serves the book asks again and again for files that did not change.
-        static KNOWN: Mutex<BTreeMap<String, Arc<Scan>>> = Mutex::new(BTreeMap::new());
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(same) = known().get(source) {
-            return same.clone();
-        }
+    pub fn of(source: &str) -> Scan {
         let mut scan = Scan::default();
         let items = syn::parse_file(source).map(|file| file.items).unwrap_or_default();
         items.iter().for_each(|item| scan.take(item));
-        let scan = Arc::new(scan);
-        known().insert(source.to_owned(), scan.clone());
+        scan
+    }
+
+    /// What is in a file. Whoever serves the book asks again and again for files that did not change.
+    pub fn of_file(name: &str, source: &str) -> Arc<Scan> {
+        static KNOWN: Mutex<BTreeMap<String, (String, Arc<Scan>)>> = Mutex::new(BTreeMap::new());
+        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, same)) = known().get(name).filter(|(known, _)| known == source) {
+            return same.clone();
+        }
+        let scan = Arc::new(Scan::of(source));
+        known().insert(name.to_owned(), (source.to_owned(), scan.clone()));
         scan
     }
 

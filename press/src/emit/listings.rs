@@ -1,6 +1,6 @@
 //! Blocks of code: listings cut out of compiled sources, and what is not Rust.
 
-use std::path::{Component, Path};
+use std::path::Path;
 
 use maud::html;
 
@@ -11,6 +11,7 @@ use crate::blocks::Block;
 use crate::files;
 use crate::inline::NAMED_LABEL;
 use crate::listing::{self, Listing};
+use crate::pages::slashed;
 use crate::prose::{item_link, listed};
 
 impl Emitter<'_, '_> {
@@ -173,16 +174,8 @@ impl Emitter<'_, '_> {
 
     /// The file of an include, relative to the root of the book; none when it lies outside or is absent.
     fn included(&self, path: &str) -> Option<String> {
-        let from = Path::new("src").join(self.page.path.parent()?);
-        let mut parts: Vec<String> = Vec::new();
-        for part in from.join(path).components() {
-            match part {
-                Component::ParentDir => drop(parts.pop()?),
-                Component::Normal(part) => parts.push(part.to_str()?.to_owned()),
-                _ => return None,
-            }
-        }
-        let file = parts.join("/");
+        let folder = Path::new("src").join(self.page.path.parent()?);
+        let file = slashed(&files::joined(&folder, path)?);
         self.layout.root.join(&file).is_file().then_some(file)
     }
 }

@@ -5,20 +5,24 @@ use std::process::Command;
 use crate::small::SmallBook;
 
 /// As the program of the book is laid out, with as much behind it as an example needs.
-const PROGRAM: &str = "\
-mod chapter;
-mod comparison;
-mod random;
+const EXHIBITS: &str = "\
+pub mod chapter;
+pub mod comparison;
+pub mod random;
 
 use chapter::Chapter;
 
-const CHAPTERS: &[(&str, fn(&mut Chapter), fn(&mut Chapter))] = &[
+pub const CHAPTERS: &[(&str, fn(&mut Chapter), fn(&mut Chapter))] = &[
 ];
 
 fn no_records(_chapter: &mut Chapter) {}
+";
+
+const PROGRAM: &str = "\
+use exhibits::chapter::Chapter;
 
 fn main() {
-    for (_, exhibits, records) in CHAPTERS {
+    for (_, exhibits, records) in exhibits::CHAPTERS {
         exhibits(&mut Chapter);
         records(&mut Chapter);
     }
@@ -93,7 +97,8 @@ fn book() -> SmallBook {
     }
     for (path, text) in [
         ("code/src/lib.rs", "//! A library.\n\npub mod one;\n"),
-        ("exhibits/src/main.rs", PROGRAM),
+        ("exhibits/src/lib.rs", EXHIBITS),
+        ("exhibits/src/bin/exhibits.rs", PROGRAM),
         ("exhibits/src/chapter.rs", CHAPTER),
         ("exhibits/src/comparison.rs", COMPARISON),
         ("exhibits/src/random.rs", RANDOM),
@@ -113,11 +118,14 @@ fn a_new_chapter_compiles_and_passes_its_own_check_and_test() {
             .contains("- [One](one.md)\n- [Loop closure](loop_closure.md)\n")
     );
     assert!(book.read("code/src/lib.rs").contains("pub mod loop_closure;\npub mod one;\n"));
-    let program = book.read("exhibits/src/main.rs");
-    assert!(program.contains("mod comparison;\nmod loop_closure;\nmod random;\n"), "{program}");
+    let exhibits = book.read("exhibits/src/lib.rs");
     assert!(
-        program.contains("    (\"loop_closure\", loop_closure::exhibits, no_records),\n];"),
-        "{program}"
+        exhibits.contains("mod comparison;\npub mod loop_closure;\npub mod random;\n"),
+        "{exhibits}"
+    );
+    assert!(
+        exhibits.contains("    (\"loop_closure\", loop_closure::exhibits, no_records),\n];"),
+        "{exhibits}"
     );
     for arguments in [["run", "--quiet", "--offline"], ["test", "--quiet", "--offline"]] {
         let output = Command::new(env!("CARGO"))
@@ -143,7 +151,7 @@ fn the_book_takes_the_page_of_a_new_chapter() {
 #[test]
 fn a_name_that_is_taken_or_no_module_is_refused_and_nothing_is_written() {
     let book = book();
-    let before = book.read("exhibits/src/main.rs");
+    let before = book.read("exhibits/src/lib.rs");
     for (name, reason) in [
         ("one", "src/one.md is there already"),
         ("random", "exhibits/src/random.rs is there already"),
@@ -155,6 +163,6 @@ fn a_name_that_is_taken_or_no_module_is_refused_and_nothing_is_written() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && text.contains(reason), "{name}: {text}");
     }
-    assert_eq!(book.read("exhibits/src/main.rs"), before);
+    assert_eq!(book.read("exhibits/src/lib.rs"), before);
     assert!(!book.path("code/src/random.rs").exists());
 }
