@@ -1,0 +1,22 @@
+//! Filters: what is believed of a few variables, carried on by readings and corrected by
+//! measurements one after the other.
+//!
+//! A [`Belief`] has an estimate of each variable and one covariance of all their errors. The error
+//! of a variable is the step that leads from its estimate to the truth,
+//! [`Manifold::local`](crate::least_squares::Manifold::local), in the order of the variables. A
+//! [`Transition`] carries a state and its biases over an interval of readings, by the derivatives
+//! of the same residual that a smoother has for it. [`correct`] is the update of a linear
+//! measurement, in three forms, and [`Belief::update`] that of any factors, iterated where they
+//! bend.
+
+mod belief;
+mod chi_square;
+mod correction;
+mod transition;
+mod update;
+
+pub use belief::{Belief, BeliefError};
+pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_square_quantile};
+pub use correction::{Correction, CorrectionError, Form, correct, correct_root};
+pub use transition::{Transition, TransitionError};
+pub use update::{Update, UpdateError, UpdateOptions};
