@@ -20,7 +20,10 @@ fn nees(error: &[f64], covariance: &DMatrix<f64>) -> f64 {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let get = |name: &str, default: f64| {
-        arguments.iter().position(|a| a == name).map_or(default, |at| arguments[at + 1].parse().unwrap())
+        arguments
+            .iter()
+            .position(|a| a == name)
+            .map_or(default, |at| arguments[at + 1].parse().unwrap())
     };
     let flights = get("--flights", 3.0) as u64;
     let seconds = get("--seconds", 60.0);
@@ -36,20 +39,35 @@ fn main() -> Result<(), Box<dyn Error>> {
             tracks: 40,
             ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
         };
-        let recording = flight.record(&flight.room(3.0, get("--landmarks", 800.0) as usize, seed)?, seed)?;
+        let recording =
+            flight.record(&flight.room(3.0, get("--landmarks", 800.0) as usize, seed)?, seed)?;
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed + 1000);
-        let sigmas: [f64; 15] = [0.01, 0.01, 1e-4, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 0.002, 0.002, 0.002, 0.02, 0.02, 0.02];
-        let step: Vec<f64> = sigmas.iter().map(|s| s * random.sample::<f64, _>(StandardNormal)).collect();
+        let sigmas: [f64; 15] = [
+            0.01, 0.01, 1e-4, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 0.002, 0.002, 0.002, 0.02, 0.02,
+            0.02,
+        ];
+        let step: Vec<f64> =
+            sigmas.iter().map(|s| s * random.sample::<f64, _>(StandardNormal)).collect();
         let mut covariance = SMatrix::<f64, 15, 15>::zeros();
         sigmas.iter().enumerate().for_each(|(k, s)| covariance[(k, k)] = s * s);
         // Truth is the estimate moved by the error.
         let truth0 = recording.truth.states[0];
         let back: Vec<f64> = step.iter().map(|s| -s).collect();
-        let state = NavState { world_from_body: so3::retract(&truth0.world_from_body, &Vector3::from_row_slice(&back[..3])), ..truth0.retract(&[&[0.0; 3], &back[3..9]].concat()) };
-        let bias = ImuBias::from_vector(&(recording.truth.biases[0].vector() + SVector::<f64, 6>::from_row_slice(&back[9..])));
+        let state = NavState {
+            world_from_body: so3::retract(
+                &truth0.world_from_body,
+                &Vector3::from_row_slice(&back[..3]),
+            ),
+            ..truth0.retract(&[&[0.0; 3], &back[3..9]].concat())
+        };
+        let bias = ImuBias::from_vector(
+            &(recording.truth.biases[0].vector() + SVector::<f64, 6>::from_row_slice(&back[9..])),
+        );
         let mut options = MsckfOptions { clones, ..MsckfOptions::of_flight(&flight) };
         options.landmarks = get("--kept", 0.0) as usize;
-        if first { options.linearization = Linearization::FirstEstimates }
+        if first {
+            options.linearization = Linearization::FirstEstimates
+        }
         let start = Start { nanoseconds: 0, state, bias, covariance, rig: flight.rig };
         let mut filter = Msckf::new(options, &start)?;
         let FlightRecording { readings, pictures: shots, truth, .. } = &recording;
@@ -91,8 +109,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let n = flights as f64;
     println!(
         "rows {:.1} nees_position {:.2}  nees_tilt {:.2}  nees_yaw {:.2}  nees_velocity {:.2} rmse_cm {:.2}  ms_per_picture {:.3}",
-        rows as f64 / pictures as f64, sums[0] / n, sums[1] / n, sums[2] / n, sums[3] / n,
-        100.0 * (square / pictures as f64).sqrt(), 1e3 * time / pictures as f64
+        rows as f64 / pictures as f64,
+        sums[0] / n,
+        sums[1] / n,
+        sums[2] / n,
+        sums[3] / n,
+        100.0 * (square / pictures as f64).sqrt(),
+        1e3 * time / pictures as f64
     );
     Ok(())
 }

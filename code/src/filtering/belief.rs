@@ -68,6 +68,7 @@ impl Belief {
         check(noise.shape(), (own, own), noise.iter())?;
         let with_all = by_all * &self.covariance;
         let with_itself = &with_all * by_all.transpose() + noise;
+        let with_itself = 0.5 * (&with_itself + with_itself.transpose());
         self.resize(before + own);
         let covariance = &mut self.covariance;
         covariance.view_mut((before, 0), (own, before)).copy_from(&with_all);

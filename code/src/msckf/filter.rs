@@ -61,7 +61,6 @@ pub struct Msckf {
 }
 // ANCHOR_END: msckf
 
-
 impl Msckf {
     /// A filter that begins with this.
     ///
