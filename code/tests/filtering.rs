@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use vislam::factors::{PixelByCamera, Prior};
 use vislam::filtering::{
-    Belief, BeliefError, CorrectionError, Form, Transition, UpdateError, UpdateOptions,
+    Belief, BeliefError, CorrectionError, Form, Transition, UpdateError, UpdateOptions, carry_root,
     chi_square_quantile, correct, correct_root,
 };
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
@@ -152,9 +152,18 @@ fn all_forms_of_the_correction_are_that_of_information() {
         let information = before.clone().try_inverse().unwrap() + jacobian.tr_mul(&jacobian);
         let expected = information.try_inverse().unwrap();
         let step = -&expected * jacobian.tr_mul(&residual);
-        for form in [Form::Difference, Form::Joseph, Form::SquareRoot] {
+        let of_root = |covariance: &mut DMatrix<f64>| {
+            let mut root = covariance.clone().cholesky().unwrap().l().transpose();
+            let correction = correct_root(&mut root, &jacobian, &residual).unwrap();
+            *covariance = root.tr_mul(&root);
+            correction
+        };
+        for form in [Some(Form::Difference), Some(Form::Joseph), None] {
             let mut after = before.clone();
-            let correction = correct(&mut after, &jacobian, &residual, form).unwrap();
+            let correction = match form {
+                Some(form) => correct(&mut after, &jacobian, &residual, form).unwrap(),
+                None => of_root(&mut after),
+            };
             assert!((&after - &expected).amax() < 1e-10 * before.amax(), "{form:?}");
             assert!((correction.step - &step).amax() < 1e-10, "{form:?}");
             let innovation =
@@ -163,6 +172,19 @@ fn all_forms_of_the_correction_are_that_of_information() {
             assert!((correction.innovation / squared - 1.0).abs() < 1e-10, "{form:?}");
         }
     }
+}
+
+#[test]
+fn a_root_is_carried_on_as_its_square() {
+    let mut random = random(8);
+    let before = covariance(&mut random, 6);
+    let (transition, noise) = (matrix(&mut random, 6, 6), matrix(&mut random, 2, 6));
+    let expected = &transition * &before * transition.transpose() + noise.tr_mul(&noise);
+    let mut root = before.cholesky().unwrap().l().transpose();
+    carry_root(&mut root, &transition, &noise).unwrap();
+    assert!((root.tr_mul(&root) - &expected).amax() < 1e-12 * expected.amax());
+    let wrong = carry_root(&mut root, &DMatrix::zeros(6, 5), &noise);
+    assert!(matches!(wrong, Err(CorrectionError::Sizes { columns: 5, .. })));
 }
 
 #[test]

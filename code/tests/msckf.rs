@@ -121,7 +121,7 @@ fn the_constraints_name_no_landmark_and_have_white_noise() {
         let (mut track, _) = linearized(&sights, &extrinsics);
         let (by_landmark, by_poses, residual) = parts(&track, 0);
         track.project(10.0).unwrap();
-        assert_eq!(track.constraints(), 2 * poses - 3);
+        assert_eq!(track.constraints().count(), 2 * poses - 3);
         let (left, turned, turned_residual) = parts(&track, 0);
         assert!(left.rows(3, 2 * poses - 3).amax() < 1e-12 * by_landmark.amax());
         // Rotations keep all inner products.
@@ -428,17 +428,14 @@ fn either_window_policy_follows_the_flight_within_its_size() {
 }
 
 #[test]
-fn all_forms_fly_alike() {
+fn both_forms_fly_alike() {
     let recording = flown(&flight(10.0), 7);
     let end = |form| {
         let options = MsckfOptions { form, ..MsckfOptions::of_flight(&recording.flight) };
         *fly(&recording, options, &start(&recording, 7), |_, _, _| ()).state()
     };
-    let difference = end(Form::Difference);
-    for form in [Form::Joseph, Form::SquareRoot] {
-        let apart = (end(form).position - difference.position).norm();
-        assert!(apart < 1e-5, "{form:?}: {apart}");
-    }
+    let apart = (end(Form::Joseph).position - end(Form::Difference).position).norm();
+    assert!(apart < 1e-5, "{apart}");
 }
 
 #[test]

@@ -4,7 +4,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, RealField};
 use thiserror::Error;
 
 // ANCHOR: form
-/// How the covariance after a measurement is computed. With exact numbers all are the same.
+/// How the covariance after a measurement is computed. With exact numbers both are the same, and the
+/// same as the square of what [`correct_root`] makes of its root.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
     /// P − W ᵀW, for W = L⁻¹ H P and S = L Lᵀ: the fewest operations, and symmetric. A difference,
@@ -13,9 +14,6 @@ pub enum Form {
     Difference,
     /// (I − K H) P (I − K H)ᵀ + K Kᵀ: a sum of squares, for any gain K. It is the form of Joseph.
     Joseph,
-    /// The root alone is computed, by turning its rows; the covariance is its square. See
-    /// [`correct_root`].
-    SquareRoot,
 }
 // ANCHOR_END: form
 
@@ -43,13 +41,6 @@ pub fn correct<T: RealField + Copy>(
     form: Form,
 ) -> Result<Correction<T>, CorrectionError> {
     check(covariance, jacobian, residual)?;
-    if form == Form::SquareRoot {
-        let lost = CorrectionError::Covariance;
-        let mut root = Cholesky::new(covariance.clone()).ok_or(lost)?.l().transpose();
-        let correction = correct_root(&mut root, jacobian, residual)?;
-        root.tr_mul_to(&root, covariance);
-        return Ok(correction);
-    }
     let seen = jacobian * &*covariance;
     let lower = innovation_root(jacobian, &seen)?;
     let mut whitened = residual.clone();
@@ -59,7 +50,7 @@ pub fn correct<T: RealField + Copy>(
     let step = -gain.tr_mul(&whitened);
     match form {
         Form::Joseph => *covariance = joseph(covariance, jacobian, &lower, gain),
-        _ => covariance.gemm_tr(-T::one(), &gain, &gain, T::one()),
+        Form::Difference => covariance.gemm_tr(-T::one(), &gain, &gain, T::one()),
     }
     Ok(Correction { step, innovation: whitened.norm_squared() })
 }
@@ -122,6 +113,29 @@ pub fn correct_root<T: RealField + Copy>(
     Ok(Correction { step, innovation: whitened.norm_squared() })
 }
 // ANCHOR_END: correct_root
+
+// ANCHOR: carry_root
+/// Carries the upper root U of a covariance over a transition: the root of Φ Uᵀ U Φᵀ + Nᵀ N. `noise`
+/// is N, a root of the covariance of what the transition adds.
+///
+/// # Errors
+///
+/// [`CorrectionError::Sizes`], and [`CorrectionError::NotFinite`] with the row of the transition.
+pub fn carry_root<T: RealField + Copy>(
+    root: &mut DMatrix<T>,
+    transition: &DMatrix<T>,
+    noise: &DMatrix<T>,
+) -> Result<(), CorrectionError> {
+    check(root, transition, &DVector::zeros(transition.nrows()))?;
+    check(root, noise, &DVector::zeros(noise.nrows()))?;
+    let dimension = root.nrows();
+    let mut array = DMatrix::zeros(dimension + noise.nrows(), dimension);
+    array.rows_mut(0, dimension).copy_from(&(&*root * transition.transpose()));
+    array.rows_mut(dimension, noise.nrows()).copy_from(noise);
+    root.copy_from(&array.qr().unpack_r().rows(0, dimension));
+    Ok(())
+}
+// ANCHOR_END: carry_root
 
 fn check<T: RealField + Copy>(
     covariance: &DMatrix<T>,

@@ -6,7 +6,7 @@
 //! [`Manifold::local`](crate::least_squares::Manifold::local), in the order of the variables. A
 //! [`Transition`] carries a state and its biases over an interval of readings, by the derivatives
 //! of the same residual that a smoother has for it. [`correct`] is the update of a linear
-//! measurement, in three forms, and [`Belief::update`] that of any factors, iterated where they
+//! measurement, [`correct_root`] that of a root, and [`Belief::update`] that of any factors, iterated where they
 //! bend.
 
 mod belief;
@@ -17,6 +17,6 @@ mod update;
 
 pub use belief::{Belief, BeliefError};
 pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_square_quantile};
-pub use correction::{Correction, CorrectionError, Form, correct, correct_root};
+pub use correction::{Correction, CorrectionError, Form, carry_root, correct, correct_root};
 pub use transition::{Transition, TransitionError};
 pub use update::{Update, UpdateError, UpdateOptions};

@@ -5,14 +5,18 @@
 //! both, and [`LinearizedTrack::project`] turns its rows until three of them name the landmark and
 //! all others the poses alone; these correct the filter. [`Msckf`] is the filter itself.
 
+mod error;
 mod filter;
 mod landmark;
 mod options;
+mod rest;
 mod rows;
 mod track;
+mod update;
 mod window;
 
-pub use filter::{Msckf, MsckfError, Start};
+pub use error::MsckfError;
+pub use filter::{Msckf, Start};
 pub use landmark::{LandmarkError, landmark};
 pub use options::{Calibrated, Linearization, MsckfOptions, Rest, WindowPolicy};
 pub use rows::Rows;

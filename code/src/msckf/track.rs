@@ -116,18 +116,18 @@ impl LinearizedTrack {
         &self.rows
     }
 
-    /// How many rows are left for the poses after [`LinearizedTrack::project`].
-    pub fn constraints(&self) -> usize {
-        self.rows.len().saturating_sub(3)
+    /// After [`LinearizedTrack::project`], the rows that name no landmark, without its columns.
+    pub fn constraints(&self) -> impl Iterator<Item = &[f64]> {
+        self.rows.from(3.min(self.rows.len())).map(|row| &row[3..])
     }
 }
 
-fn entries<const N: usize>(matrix: &SMatrix<f64, 2, N>, row: usize) -> [f64; N] {
+pub(super) fn entries<const N: usize>(matrix: &SMatrix<f64, 2, N>, row: usize) -> [f64; N] {
     std::array::from_fn(|column| matrix[(row, column)])
 }
 
 /// The entries by turn and position.
-fn pose_entries(by_state: &SMatrix<f64, 2, 9>, row: usize) -> [f64; 6] {
+pub(super) fn pose_entries(by_state: &SMatrix<f64, 2, 9>, row: usize) -> [f64; 6] {
     std::array::from_fn(|column| by_state[(row, if column < 3 { column } else { column + 3 })])
 }
 

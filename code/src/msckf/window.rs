@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Vector2, Vector3};
 
 use super::WindowPolicy;
+use super::update::seen;
 use crate::datasets::tracks::Picture;
 use crate::inertial::BodyPose;
 
@@ -50,9 +51,9 @@ impl Window {
     /// Takes out the tracks that are to correct the filter now, because they have ended or because
     /// as many poses wait for them as the window holds.
     pub fn due(&mut self, picture: &Picture, clones: usize) -> Vec<(usize, Waiting)> {
-        let ended =
-            |track: &usize| picture.features.binary_search_by_key(track, |f| f.track).is_err();
-        let is_due = |track: &usize, waiting: &mut Waiting| ended(track) || waiting.len() >= clones;
+        let is_due = |track: &usize, waiting: &mut Waiting| {
+            seen(picture, *track).is_none() || waiting.len() >= clones
+        };
         self.waiting.extract_if(.., is_due).collect()
     }
     // ANCHOR_END: due
