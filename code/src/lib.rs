@@ -18,6 +18,7 @@ pub mod bearing;
 pub mod bundle_adjustment;
 pub mod datasets;
 pub mod factors;
+pub mod filtering;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
