@@ -26,14 +26,11 @@ const UNDECIDED: f64 = 1e-12;
 
 // ANCHOR: align
 /// The motion, of scale one, that takes the estimate's world to the truth's with the least sum of
-/// squares of what is left between the positions, in closed form. The states belong together by
-/// their places. `alignment.point(&state.position)` is a position after it, and [`aligned`] gives
-/// states.
+/// squares of what is left between the positions, in closed form [@zhang2018]. The two lists belong
+/// together, state by state.
 ///
-/// The translation takes mean to mean, whatever the rotation is. That one then makes the sum of
-/// bᵀ R a as large as possible, with a and b the estimated and the true positions, less their means.
-///
-/// @zhang2018 derives both, and which of them a sensor calls for.
+/// The translation takes mean to mean, whatever the rotation is, and the rotation R makes the sum of
+/// bᵀ R a largest, over the estimated positions a and the true ones b, less their means.
 ///
 /// # Errors
 ///
@@ -44,18 +41,15 @@ pub fn align(
     freedom: Freedom,
 ) -> Result<Similarity, AlignmentError> {
     check(estimate, truth)?;
-    let [estimated, true_centre] = [estimate, truth].map(centre);
-    // The sum of b aᵀ.
-    let mut moment = Matrix3::zeros();
-    for (estimate, truth) in estimate.iter().zip(truth) {
-        moment += (truth.position - true_centre) * (estimate.position - estimated).transpose();
-    }
+    let [a, b] = [estimate, truth].map(centre);
+    let pairs = estimate.iter().zip(truth);
+    let moment = pairs.map(|(e, t)| (t.position - b) * (e.position - a).transpose()).sum();
     let undecided = UNDECIDED * (square(estimate) * square(truth)).sqrt();
     let rotation = match freedom {
         Freedom::Four => yaw_towards(&moment, undecided).ok_or(AlignmentError::Yaw)?,
         Freedom::Six => rotation_towards(&moment, undecided).ok_or(AlignmentError::Rotation)?,
     };
-    Ok(Similarity { scale: 1.0, rotation, translation: true_centre - rotation * estimated })
+    Ok(Similarity { scale: 1.0, rotation, translation: b - rotation * a })
 }
 // ANCHOR_END: align
 

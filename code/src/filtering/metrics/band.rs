@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::filtering::{ChiSquareError, chi_square_band};
 
-// ANCHOR: band
+// ANCHOR: nees_band
 /// Where the mean of [`nees`](super::nees) lies when the estimator is consistent, on both sides of
 /// one: below the band its covariances are too large, above it too small.
 ///
@@ -19,8 +19,10 @@ pub struct NeesBand {
     /// The upper end.
     pub high: f64,
 }
+// ANCHOR_END: nees_band
 
 impl NeesBand {
+    // ANCHOR: one_test
     /// For one test that was stated beforehand. A consistent estimator is outside with the probability
     /// `outside`, half of it on either side.
     ///
@@ -38,7 +40,9 @@ impl NeesBand {
         let [low, high] = chi_square_band(outside, degrees)?.map(|end| end / degrees as f64);
         Ok(Self { low, high })
     }
+    // ANCHOR_END: one_test
 
+    // ANCHOR: family
     /// For a family of tests on the same runs, one for each of the dimensions: some part of the state
     /// at some time. A consistent estimator is outside any of them with at most the probability
     /// `outside`.
@@ -56,13 +60,13 @@ impl NeesBand {
         let share = outside / dimensions.len() as f64;
         dimensions.iter().map(|dimension| Self::new(runs, *dimension, share)).collect()
     }
+    // ANCHOR_END: family
 
     /// Whether a mean lies in the band.
     pub fn contains(&self, mean: f64) -> bool {
         self.low <= mean && mean <= self.high
     }
 }
-// ANCHOR_END: band
 
 /// Why there is no band.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

@@ -78,7 +78,6 @@ where
     Ok(())
 }
 
-// ANCHOR: block_nees
 /// The [`nees`] of the parts of a state, each by its own block of the covariance: what the sensors
 /// cannot see and what they can are told apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +93,7 @@ pub struct BlockNees {
 }
 
 impl BlockNees {
+    // ANCHOR: block_nees
     /// Of an estimate whose step (φ, v, p), as [`NavState`] retracts it, has this covariance.
     ///
     /// φ is written in the body, R = R̂ exp(φ^). Yaw and tilt are coordinates of R̂ φ, the same turn
@@ -118,8 +118,8 @@ impl BlockNees {
             position: nees(&position, &block(6))?,
         })
     }
+    // ANCHOR_END: block_nees
 }
-// ANCHOR_END: block_nees
 
 /// Why an error cannot be divided by a covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

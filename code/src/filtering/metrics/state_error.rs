@@ -21,8 +21,10 @@ pub struct StateError {
     /// In metres.
     pub position: Vector3<f64>,
 }
+// ANCHOR_END: state_error
 
 impl StateError {
+    // ANCHOR: between
     /// The error of an estimate.
     pub fn between(estimate: &NavState, truth: &NavState) -> Self {
         let in_body = so3::local(&estimate.world_from_body, &truth.world_from_body);
@@ -32,6 +34,7 @@ impl StateError {
             position: truth.position - estimate.position,
         }
     }
+    // ANCHOR_END: between
 
     /// About the vertical, in radians.
     pub fn yaw(&self) -> f64 {
@@ -43,9 +46,7 @@ impl StateError {
         self.rotation.xy()
     }
 }
-// ANCHOR_END: state_error
 
-// ANCHOR: root_mean_squares
 /// Roots of the mean squares of errors, each of the length of the vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RootMeanSquares {
@@ -62,6 +63,7 @@ pub struct RootMeanSquares {
 }
 
 impl RootMeanSquares {
+    // ANCHOR: root_mean_squares
     /// Over these errors, or `None` when there are none.
     pub fn of(errors: &[StateError]) -> Option<Self> {
         let root = |square: fn(&StateError) -> f64| {
@@ -75,5 +77,5 @@ impl RootMeanSquares {
             yaw: root(|error| error.yaw().powi(2)),
         })
     }
+    // ANCHOR_END: root_mean_squares
 }
-// ANCHOR_END: root_mean_squares

@@ -31,12 +31,9 @@ pub fn absolute_trajectory_error(
 // ANCHOR_END: absolute
 
 // ANCHOR: relative
-/// The relative pose error: for each pair of a first and a last state, the error of the last one
-/// when the estimate is aligned by the first one alone. The pairs come from [`pairs_by_distance`] or
-/// [`pairs_by_time`], and [`RootMeanSquares::of`] or quantiles sum the errors up.
-///
-/// An early error in yaw moves the whole rest of a trajectory, and the absolute error with it. Here
-/// every stretch begins anew [@zhang2018].
+/// The relative pose error [@zhang2018]: for each pair of a first and a last state, as
+/// [`pairs_by_distance`] has them, the error of the last one when the estimate is aligned by the first
+/// one alone. What went wrong before the first one does not count.
 ///
 /// # Errors
 ///
@@ -61,7 +58,7 @@ pub fn relative_pose_errors(
 }
 // ANCHOR_END: relative
 
-// ANCHOR: pairs
+// ANCHOR: by_distance
 /// For every state the first one that the body reaches after so many metres of its path. Those too
 /// near the end have none. The path is the truth's, so that it does not depend on the estimate.
 ///
@@ -80,6 +77,7 @@ pub fn pairs_by_distance(
     });
     pairs(&paths.collect::<Vec<f64>>(), metres)
 }
+// ANCHOR_END: by_distance
 
 /// For every state the first one at least so many seconds later. Those too near the end have none.
 ///
@@ -88,12 +86,14 @@ pub fn pairs_by_distance(
 /// [`TrajectoryError`] when the times, in seconds, do not ascend, and when the interval is not
 /// positive, or longer than all of them.
 pub fn pairs_by_time(times: &[f64], seconds: f64) -> Result<Vec<(usize, usize)>, TrajectoryError> {
-    match times.windows(2).position(|pair| !(pair[0] < pair[1])) {
+    let ascends = |pair: &[f64]| pair[0] < pair[1];
+    match times.windows(2).position(|pair| !ascends(pair)) {
         Some(before) => Err(TrajectoryError::Order { state: before + 1 }),
         None => pairs(times, seconds),
     }
 }
 
+// ANCHOR: pairs
 /// For every place the first one at which this much has been gained, of what does not descend.
 fn pairs(gained: &[f64], interval: f64) -> Result<Vec<(usize, usize)>, TrajectoryError> {
     if !(interval > 0.0 && interval.is_finite()) {
