@@ -3,7 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use thiserror::Error;
 
-// ANCHOR: chi_square
+// ANCHOR: below
 /// The probability that the sum of the squares of `degrees` independent numbers, each with mean
 /// zero and variance one and normal, is below `x`. A sum of none is zero. NaN in gives NaN out.
 pub fn chi_square_below(x: f64, degrees: usize) -> f64 {
@@ -13,8 +13,11 @@ pub fn chi_square_below(x: f64, degrees: usize) -> f64 {
         Err(_) => f64::from(x >= 0.0),
     }
 }
+// ANCHOR_END: below
 
-/// What the same sum stays below with this probability: the inverse of [`chi_square_below`].
+// ANCHOR: quantile
+/// What the same sum stays below with this probability: the inverse of [`chi_square_below`], to 1e-9
+/// of itself or of one, whichever is larger.
 ///
 /// # Errors
 ///
@@ -26,7 +29,9 @@ pub fn chi_square_quantile(probability: f64, degrees: usize) -> Result<f64, ChiS
     let distribution = ChiSquared::new(degrees as f64);
     Ok(distribution.map_or(0.0, |distribution| distribution.inverse_cdf(probability)))
 }
+// ANCHOR_END: quantile
 
+// ANCHOR: ends
 /// The two ends between which the same sum lies, except with the probability `outside`, half of it
 /// below and half above.
 ///
@@ -40,7 +45,7 @@ pub fn chi_square_band(outside: f64, degrees: usize) -> Result<[f64; 2], ChiSqua
     let end = |probability| chi_square_quantile(probability, degrees);
     Ok([end(0.5 * outside)?, end(1.0 - 0.5 * outside)?])
 }
-// ANCHOR_END: chi_square
+// ANCHOR_END: ends
 
 /// A number that is no probability.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
