@@ -1,121 +1,182 @@
-//! Flies simulated flights with the multi-state constraint Kalman filter.
+//! Flies simulated flights with the multi-state constraint Kalman filter, and says whether its errors
+//! are as large as it believes.
+//!
+//! ```text
+//! cargo run --release -p vislam --example filter -- \
+//!     [--flights N] [--minutes M] [--seed S] [--first-estimates] [--kept N]
+//! ```
+//!
+//! A flight has 200 readings and ten pictures a second, with up to 40 tracks of one pixel's noise
+//! each. The filter keeps eleven poses; `--kept` landmarks stay in its state as long as they are
+//! seen. The last line has the mean over all flights of the normalized errors squared at the end,
+//! each divided by its dimension, the root mean square of the position errors at all pictures, in
+//! centimetres and without alignment, and the time that a picture took with its readings.
 
 use std::error::Error;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
+use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use vislam::inertial::{ImuBias, NavState};
+use vislam::filtering::BlockNees;
 use vislam::least_squares::Manifold;
-use vislam::manifold::so3;
-use vislam::msckf::{Linearization, Msckf, MsckfOptions, Start};
-use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::msckf::{Linearization, Msckf, MsckfError, MsckfOptions, PictureReport, Start};
+use vislam::preintegration::Matrix15;
+use vislam::simulation::{Flight, FlightError, FlightRecording, Trajectory};
 
-fn nees(error: &[f64], covariance: &DMatrix<f64>) -> f64 {
-    let e = DVector::from_row_slice(error);
-    e.dot(&covariance.clone().cholesky().unwrap().solve(&e)) / e.len() as f64
+const USAGE: &str =
+    "usage: filter [--flights N] [--minutes M] [--seed S] [--first-estimates] [--kept N]";
+
+// ANCHOR: sigmas
+/// The standard deviations of what is known at the beginning: turns, velocity and position, in rad,
+/// m/s and m, and the biases of gyroscope and accelerometer, in rad/s and m/s².
+pub const SIGMAS: [f64; 15] =
+    [0.01, 0.01, 1e-3, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
+// ANCHOR_END: sigmas
+
+const LANDMARKS: usize = 800;
+
+// ANCHOR: flight
+/// A flight in a room, and what its sensors bring home.
+pub fn flown(flight: &Flight, seed: u64) -> Result<FlightRecording, FlightError> {
+    flight.record(&flight.room(3.0, LANDMARKS, seed)?, seed)
+}
+
+/// The flight of the example.
+pub fn flight(seconds: f64) -> Flight {
+    let lever = Vector3::new(0.1, 0.05, -0.02);
+    let motion = Trajectory::figure_eight();
+    Flight { seconds, picture_rate: 10.0, tracks: 40, ..Flight::new(motion).with_lever(lever) }
+}
+// ANCHOR_END: flight
+
+// ANCHOR: start
+/// What is believed at the beginning: the truth, off by an error that is drawn.
+pub fn start(recording: &FlightRecording, seed: u64) -> Start {
+    let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
+    let off = SIGMAS.map(|sigma| sigma * random.sample::<f64, _>(StandardNormal));
+    let (truth, rig) = (&recording.truth, recording.flight.rig);
+    Start {
+        nanoseconds: rig.imu_nanoseconds(recording.pictures[0].nanoseconds),
+        state: truth.states[0].retract(&off[..9]),
+        bias: truth.biases[0].retract(&off[9..]),
+        covariance: Matrix15::from_diagonal(&SIGMAS.map(|sigma| sigma * sigma).into()),
+        rig,
+    }
+}
+// ANCHOR_END: start
+
+// ANCHOR: fly
+/// Gives a filter the readings and pictures of a recording, and visits it after each picture.
+pub fn fly(
+    recording: &FlightRecording,
+    options: MsckfOptions,
+    start: &Start,
+    mut visit: impl FnMut(usize, &Msckf, &PictureReport),
+) -> Result<Msckf, MsckfError> {
+    let mut filter = Msckf::new(options, start)?;
+    let mut readings = recording.readings.iter().peekable();
+    let mut last = i64::MIN;
+    for (number, picture) in recording.pictures.iter().enumerate() {
+        let time = filter.rig().imu_nanoseconds(picture.nanoseconds);
+        while let Some(reading) = readings.next_if(|_| last < time) {
+            last = reading.nanoseconds;
+            filter.reading(*reading)?;
+        }
+        let report = filter.picture(picture)?;
+        visit(number, &filter, &report);
+    }
+    Ok(filter)
+}
+// ANCHOR_END: fly
+
+/// What the flights add up to.
+#[derive(Default)]
+struct Sums {
+    nees: [f64; 4],
+    squares: f64,
+    pictures: usize,
+    time: Duration,
+}
+
+impl Sums {
+    fn add(&mut self, arguments: &Arguments, seed: u64) -> Result<(), Box<dyn Error>> {
+        let recording = flown(&flight(60.0 * arguments.minutes), seed)?;
+        let linearization = match arguments.first_estimates {
+            true => Linearization::FirstEstimates,
+            false => Linearization::Latest,
+        };
+        let options = MsckfOptions {
+            linearization,
+            landmarks: arguments.kept,
+            ..MsckfOptions::of_flight(&recording.flight)
+        };
+        let states = &recording.truth.states;
+        let begin = Instant::now();
+        let filter = fly(&recording, options, &start(&recording, seed), |number, filter, _| {
+            self.squares += (states[number].position - filter.state().position).norm_squared();
+        })?;
+        self.time += begin.elapsed();
+        self.pictures += states.len();
+        let covariance = filter.covariance().fixed_view::<9, 9>(0, 0).into_owned();
+        let truth = states.last().ok_or("the flight has no picture")?;
+        let BlockNees { position, tilt, yaw, velocity } =
+            BlockNees::of(filter.state(), truth, &covariance)?;
+        let all = [position, tilt, yaw, velocity];
+        self.nees.iter_mut().zip(all).for_each(|(sum, nees)| *sum += nees);
+        Ok(())
+    }
+
+    fn print(&self, flights: u64) {
+        let [position, tilt, yaw, velocity] = self.nees.map(|sum| sum / flights as f64);
+        let rmse = 100.0 * (self.squares / self.pictures as f64).sqrt();
+        let time = 1e3 * self.time.as_secs_f64() / self.pictures as f64;
+        println!("nees_velocity {velocity:.2}");
+        println!(
+            "nees_position {position:.2}  nees_tilt {tilt:.2}  nees_yaw {yaw:.2}  rmse_cm \
+             {rmse:.2}  ms_per_picture {time:.3}"
+        );
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().collect();
-    let get = |name: &str, default: f64| {
-        arguments
-            .iter()
-            .position(|a| a == name)
-            .map_or(default, |at| arguments[at + 1].parse().unwrap())
-    };
-    let flights = get("--flights", 3.0) as u64;
-    let seconds = get("--seconds", 60.0);
-    let clones = get("--clones", 11.0) as usize;
-    let first = arguments.iter().any(|a| a == "--first-estimates");
-    let verbose = arguments.iter().any(|a| a == "-v");
-    let mut sums = [0.0; 4];
-    let (mut square, mut time, mut pictures, mut rows) = (0.0, 0.0, 0, 0);
-    for seed in 0..flights {
-        let flight = Flight {
-            seconds,
-            picture_rate: 10.0,
-            tracks: 40,
-            ..Flight::new(Trajectory::figure_eight()).with_lever(Vector3::new(0.1, 0.05, -0.02))
-        };
-        let recording =
-            flight.record(&flight.room(3.0, get("--landmarks", 800.0) as usize, seed)?, seed)?;
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed + 1000);
-        let sigmas: [f64; 15] = [
-            0.01, 0.01, 1e-4, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 0.002, 0.002, 0.002, 0.02, 0.02,
-            0.02,
-        ];
-        let step: Vec<f64> =
-            sigmas.iter().map(|s| s * random.sample::<f64, _>(StandardNormal)).collect();
-        let mut covariance = SMatrix::<f64, 15, 15>::zeros();
-        sigmas.iter().enumerate().for_each(|(k, s)| covariance[(k, k)] = s * s);
-        // Truth is the estimate moved by the error.
-        let truth0 = recording.truth.states[0];
-        let back: Vec<f64> = step.iter().map(|s| -s).collect();
-        let state = NavState {
-            world_from_body: so3::retract(
-                &truth0.world_from_body,
-                &Vector3::from_row_slice(&back[..3]),
-            ),
-            ..truth0.retract(&[&[0.0; 3], &back[3..9]].concat())
-        };
-        let bias = ImuBias::from_vector(
-            &(recording.truth.biases[0].vector() + SVector::<f64, 6>::from_row_slice(&back[9..])),
-        );
-        let mut options = MsckfOptions { clones, ..MsckfOptions::of_flight(&flight) };
-        options.landmarks = get("--kept", 0.0) as usize;
-        if first {
-            options.linearization = Linearization::FirstEstimates
-        }
-        let start = Start { nanoseconds: 0, state, bias, covariance, rig: flight.rig };
-        let mut filter = Msckf::new(options, &start)?;
-        let FlightRecording { readings, pictures: shots, truth, .. } = &recording;
-        let mut next = 0;
-        let clock = Instant::now();
-        for (k, picture) in shots.iter().enumerate() {
-            let time = flight.rig.imu_nanoseconds(picture.nanoseconds);
-            while next < readings.len() && (next == 0 || readings[next - 1].nanoseconds < time) {
-                filter.reading(readings[next])?;
-                next += 1;
-            }
-            let report = filter.picture(picture)?;
-            rows += report.rows;
-            if verbose && k % 20 == 0 {
-                let e = truth.states[k].position - filter.state().position;
-                println!("{k} {report:?} error {:.4}", e.norm());
-            }
-            square += (truth.states[k].position - filter.state().position).norm_squared();
-        }
-        time += clock.elapsed().as_secs_f64();
-        pictures += shots.len();
-        let k = shots.len() - 1;
-        let estimate = *filter.state();
-        let mut error = [0.0; 9];
-        estimate.local(&truth.states[k], &mut error);
-        let p = filter.covariance();
-        let rotation = estimate.world_from_body;
-        let phi = rotation * Vector3::from_row_slice(&error[..3]);
-        let world = rotation.matrix() * p.fixed_view::<3, 3>(0, 0) * rotation.matrix().transpose();
-        let block = |at: usize, n: usize| DMatrix::from_fn(n, n, |r, c| p[(at + r, at + c)]);
-        sums[0] += nees(&error[6..9], &block(6, 3));
-        sums[1] += nees(&phi.as_slice()[..2], &DMatrix::from_fn(2, 2, |r, c| world[(r, c)]));
-        sums[2] += phi.z * phi.z / world[(2, 2)];
-        sums[3] += nees(&error[3..6], &block(3, 3));
-        if verbose {
-            println!("sigmas p {:.4} yaw {:.5}", p[(6, 6)].sqrt(), world[(2, 2)].sqrt());
-        }
+    let arguments = Arguments::read(std::env::args().skip(1))?;
+    let mut sums = Sums::default();
+    for flight in 0..arguments.flights {
+        sums.add(&arguments, arguments.seed + flight)?;
     }
-    let n = flights as f64;
-    println!(
-        "rows {:.1} nees_position {:.2}  nees_tilt {:.2}  nees_yaw {:.2}  nees_velocity {:.2} rmse_cm {:.2}  ms_per_picture {:.3}",
-        rows as f64 / pictures as f64,
-        sums[0] / n,
-        sums[1] / n,
-        sums[2] / n,
-        sums[3] / n,
-        100.0 * (square / pictures as f64).sqrt(),
-        1e3 * time / pictures as f64
-    );
+    sums.print(arguments.flights);
     Ok(())
+}
+
+struct Arguments {
+    flights: u64,
+    minutes: f64,
+    seed: u64,
+    kept: usize,
+    first_estimates: bool,
+}
+
+impl Arguments {
+    fn read(mut given: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut read = Self { flights: 10, minutes: 1.0, seed: 0, kept: 0, first_estimates: false };
+        while let Some(name) = given.next() {
+            let mut value = || given.next().ok_or(format!("{name} needs a value; {USAGE}"));
+            match name.as_str() {
+                "--flights" => read.flights = number(&name, &value()?)?,
+                "--minutes" => read.minutes = number(&name, &value()?)?,
+                "--seed" => read.seed = number(&name, &value()?)?,
+                "--kept" => read.kept = number(&name, &value()?)?,
+                "--first-estimates" => read.first_estimates = true,
+                _ => return Err(format!("unknown argument `{name}`; {USAGE}")),
+            }
+        }
+        let holds = read.flights > 0 && read.minutes > 0.0 && read.minutes.is_finite();
+        holds.then_some(read).ok_or(format!("give at least one flight, longer than zero; {USAGE}"))
+    }
+}
+
+fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| format!("{name} is `{text}`, which is no number that fits; {USAGE}"))
 }

@@ -1,21 +1,25 @@
 //! The multi-state constraint Kalman filter: a track's constraints against the problem that keeps
 //! its landmark, and the filter on simulated flights.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector1, Vector2, Vector3, Vector6};
+#[allow(dead_code)]
+#[path = "../examples/filter.rs"]
+mod filter;
+
+use filter::{flight, start};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, SVector, Vector1, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
-use vislam::filtering::{Belief, Form};
-use vislam::inertial::{BodyPose, GRAVITY, ImuBias, ImuSample, NavState, StampedSample};
+use vislam::filtering::{Belief, Form, nees};
+use vislam::inertial::{BodyPose, GRAVITY, ImuSample, NavState, StampedSample};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::manifold::so3;
 use vislam::msckf::{
     Calibrated, LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions,
     PictureReport, Rest, Sight, Start, TrackError, WindowPolicy, landmark,
 };
-use vislam::preintegration::Matrix15;
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::TriangulationError;
@@ -78,8 +82,8 @@ fn the_rows_of_a_track_are_those_of_the_shared_factor() {
     let (track, point) = linearized(&sights, &extrinsics);
     let (by_landmark, by_poses, residual) = parts(&track, 0);
     let (expected, expected_residual) = pixels(&sights, &extrinsics, &point);
-    assert_eq!((&expected.columns(36, 3) - by_landmark).amax(), 0.0);
-    assert_eq!((&expected.columns(0, 36) - by_poses.columns(0, 36)).amax(), 0.0);
+    assert_eq!((expected.columns(36, 3) - by_landmark).amax(), 0.0);
+    assert_eq!((expected.columns(0, 36) - by_poses.columns(0, 36)).amax(), 0.0);
     assert_eq!((expected_residual - residual).amax(), 0.0);
 }
 
@@ -246,56 +250,17 @@ fn a_track_without_parallax_has_no_landmark_and_one_with_little_lacks_rank() {
     assert_eq!(behind, Err(TrackError::Behind { sight: 0 }));
 }
 
-/// A flight of so many seconds in a room, with 40 tracks a picture and ten pictures a second.
-fn flight(seconds: f64) -> Flight {
-    let lever = Vector3::new(0.1, 0.05, -0.02);
-    let motion = Trajectory::figure_eight();
-    Flight { seconds, picture_rate: 10.0, tracks: 40, ..Flight::new(motion).with_lever(lever) }
-}
-
 fn flown(flight: &Flight, seed: u64) -> FlightRecording {
-    flight.record(&flight.room(3.0, 800, seed).unwrap(), seed).unwrap()
+    filter::flown(flight, seed).unwrap()
 }
 
-const SIGMAS: [f64; 15] =
-    [0.01, 0.01, 1e-3, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
-
-/// What is believed at the beginning: the truth, off by an error that is drawn.
-fn start(recording: &FlightRecording, seed: u64) -> Start {
-    let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
-    let off = SIGMAS.map(|sigma| sigma * normal(&mut random));
-    let truth = &recording.truth;
-    Start {
-        nanoseconds: recording.flight.rig.imu_nanoseconds(recording.pictures[0].nanoseconds),
-        state: truth.states[0].retract(&off[..9]),
-        bias: ImuBias::from_vector(
-            &(truth.biases[0].vector() + Vector6::from_row_slice(&off[9..])),
-        ),
-        covariance: Matrix15::from_diagonal(&SIGMAS.map(|sigma| sigma * sigma).into()),
-        rig: recording.flight.rig,
-    }
-}
-
-/// Flies the filter, and visits it after each picture.
 fn fly(
     recording: &FlightRecording,
     options: MsckfOptions,
     start: &Start,
-    mut visit: impl FnMut(usize, &Msckf, &PictureReport),
+    visit: impl FnMut(usize, &Msckf, &PictureReport),
 ) -> Msckf {
-    let mut filter = Msckf::new(options, start).unwrap();
-    let mut readings = recording.readings.iter().peekable();
-    for (number, picture) in recording.pictures.iter().enumerate() {
-        let time = filter.rig().imu_nanoseconds(picture.nanoseconds);
-        let mut last = i64::MIN;
-        while let Some(reading) = readings.next_if(|_| last < time) {
-            last = reading.nanoseconds;
-            filter.reading(*reading).unwrap();
-        }
-        let report = filter.picture(picture).unwrap();
-        visit(number, &filter, &report);
-    }
-    filter
+    filter::fly(recording, options, start, visit).unwrap()
 }
 
 fn position_error(recording: &FlightRecording, number: usize, filter: &Msckf) -> f64 {
@@ -304,12 +269,11 @@ fn position_error(recording: &FlightRecording, number: usize, filter: &Msckf) ->
 
 /// The normalized error squared of state and biases, divided by their number.
 fn normalized(recording: &FlightRecording, number: usize, filter: &Msckf) -> f64 {
-    let mut error = DVector::zeros(15);
+    let mut error = SVector::<f64, 15>::zeros();
     let (truth, bias) = (recording.truth.states[number], recording.truth.biases[number]);
     filter.state().local(&truth, &mut error.as_mut_slice()[..9]);
     filter.bias().local(&bias, &mut error.as_mut_slice()[9..]);
-    let covariance = DMatrix::from_column_slice(15, 15, filter.covariance().as_slice());
-    error.dot(&covariance.cholesky().unwrap().solve(&error)) / 15.0
+    nees(&error, &filter.covariance()).unwrap()
 }
 
 #[test]
@@ -358,7 +322,7 @@ fn calibration_and_clock_are_found_on_the_way() {
     let mut start = start(&recording, 3);
     start.rig.time_offset = 0.0;
     let off = Isometry3::new(Vector3::new(0.02, -0.02, 0.02), Vector3::new(0.01, -0.01, 0.01));
-    start.rig.body_from_camera = start.rig.body_from_camera * off;
+    start.rig.body_from_camera *= off;
     start.nanoseconds = 0;
     let calibrated = Calibrated { extrinsics: Some([0.02, 0.01]), time_offset: Some(0.02) };
     let options = MsckfOptions { calibrated, ..MsckfOptions::of_flight(&flight) };
