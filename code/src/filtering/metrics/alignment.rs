@@ -26,8 +26,7 @@ const UNDECIDED: f64 = 1e-12;
 
 // ANCHOR: align
 /// The motion, of scale one, that takes the estimate's world to the truth's with the least sum of
-/// squares of what is left between the positions, in closed form [@zhang2018]. The two lists belong
-/// together, state by state.
+/// squares of what is left between the positions of every two states, in closed form [@zhang2018].
 ///
 /// The translation takes mean to mean, whatever the rotation is, and the rotation R makes the sum of
 /// bᵀ R a largest, over the estimated positions a and the true ones b, less their means.
