@@ -50,7 +50,7 @@ pub fn correct<T: RealField + Copy>(
     let step = -gain.tr_mul(&whitened);
     match form {
         Form::Joseph => *covariance = joseph(covariance, jacobian, &lower, gain),
-        Form::Difference => covariance.gemm_tr(-T::one(), &gain, &gain, T::one()),
+        Form::Difference => covariance.gemm(-T::one(), &gain.transpose(), &gain, T::one()),
     }
     Ok(Correction { step, innovation: whitened.norm_squared() })
 }
