@@ -2,6 +2,9 @@
 //! be ready for the next picture.
 
 #[allow(dead_code)]
+#[path = "../examples/filter.rs"]
+mod filter;
+#[allow(dead_code)]
 #[path = "../examples/window.rs"]
 mod window;
 
@@ -14,6 +17,7 @@ use vislam::least_squares::{
     Dense, Fronts, Kernel, LandmarkElimination, LinearSystem, Method, Options, Problem, Search,
 };
 use vislam::manifold::se3;
+use vislam::msckf::{Msckf, MsckfOptions};
 use vislam::reprojection::Pinhole;
 
 const PINHOLE: Pinhole = Pinhole { fx: 400.0, fy: 410.0, cx: 320.0, cy: 240.0 };
@@ -101,4 +105,27 @@ fn an_iteration_of_the_dense_system_allocates_nothing() {
     let problem = cameras_and_points();
     let counts = each_iteration(&problem, Dense::new(&problem).unwrap());
     assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
+}
+
+#[test]
+fn a_filter_that_flies_on_holds_no_more_than_before() {
+    let recording = filter::flown(&filter::flight(120.0), 1).unwrap();
+    let options = MsckfOptions::of_flight(&recording.flight);
+    let mut filter = Msckf::new(options, &filter::start(&recording, 1)).unwrap();
+    let mut readings = recording.readings.iter().peekable();
+    let mut held = Vec::new();
+    for picture in &recording.pictures {
+        let counted = allocation_counter::measure(|| {
+            let until = picture.nanoseconds + 5_000_000;
+            while let Some(reading) = readings.next_if(|next| next.nanoseconds <= until) {
+                filter.reading(*reading).unwrap();
+            }
+            filter.picture(picture).unwrap();
+        });
+        held.push(held.last().unwrap_or(&0) + counted.bytes_current);
+    }
+    // It has all it needs after some seconds; from then on it breathes.
+    let most = |pictures: &[i64]| pictures.iter().copied().max().unwrap();
+    let (early, late) = (most(&held[300..600]), most(&held[900..]));
+    assert!(late <= early + 32_768, "{early} bytes after a minute, {late} after two");
 }

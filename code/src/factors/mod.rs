@@ -9,7 +9,7 @@ mod prior;
 mod stereo;
 
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
-pub use pixel_by_body::{PixelByBody, pixel_by_state, twist_by_state};
+pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};
 pub use pixel_by_camera::{MovingCamera, PixelByCamera};
 pub use prior::Prior;
 pub use stereo::StereoByPose;

@@ -68,7 +68,24 @@ pub struct PixelByBody<M> {
 /// Values of the variables of a [`PixelByBody`].
 type Around<'a> = (&'a NavState, &'a Vector3<f64>, &'a Isometry3<f64>, &'a Vector1<f64>);
 
-impl<M: CameraModel> PixelByBody<M> {
+/// Derivatives by a step of each.
+type ByBody = (SMatrix<f64, 2, 9>, Matrix2x3<f64>, Matrix2x6<f64>, Vector2<f64>);
+
+/// What a [`PixelByBody`] measured, without the names of its variables: for filters, which have a
+/// state of their own.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyPixel<'a, M> {
+    /// The camera.
+    pub camera: &'a M,
+    /// As that of [`PixelByBody`].
+    pub angular_velocity: Vector3<f64>,
+    /// The measured pixel.
+    pub pixel: Vector2<f64>,
+    /// One over its standard deviation, in 1/pixel.
+    pub inverse_sigma: f64,
+}
+
+impl<M: CameraModel> BodyPixel<'_, M> {
     /// By how much the body turns in so many seconds.
     fn turn(&self, seconds: f64) -> Rotation3<f64> {
         if seconds == 0.0 {
@@ -96,19 +113,10 @@ impl<M: CameraModel> PixelByBody<M> {
         let from_camera = in_body - extrinsics.translation.vector;
         (extrinsics.rotation.inverse_transform_vector(&from_camera), body)
     }
-}
 
-impl<M: CameraModel> Factor<2> for PixelByBody<M> {
-    type Variables = (NavState, Vector3<f64>, Isometry3<f64>, Vector1<f64>);
-    type Jacobians = (SMatrix<f64, 2, 9>, Matrix2x3<f64>, Matrix2x6<f64>, Vector2<f64>);
-
-    fn variables(
-        &self,
-    ) -> (Key<NavState>, Key<Vector3<f64>>, Key<Isometry3<f64>>, Key<Vector1<f64>>) {
-        (self.state, self.landmark, self.extrinsics, self.time_offset)
-    }
-
-    fn residual(&self, around: Around) -> Option<Vector2<f64>> {
+    /// Prediction minus measurement, in standard deviations; `None` for a landmark that is not in
+    /// front of the camera.
+    pub fn residual(&self, around: Around) -> Option<Vector2<f64>> {
         let (point, _) = self.seen(around);
         Some(self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel))
     }
@@ -116,7 +124,7 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
     // ANCHOR: pixel_by_body_linearize
     /// Implements {eq:pixel-by-state}; by the extrinsics T_bc exp(ξ), the point in the camera moves
     /// by −ρ + P_c × φ; by the time offset, as by the velocities that the body has.
-    fn linearize(&self, around: Around) -> Option<(Vector2<f64>, Self::Jacobians)> {
+    pub fn linearize(&self, around: Around) -> Option<(Vector2<f64>, ByBody)> {
         let (state, landmark, extrinsics, offset) = around;
         let (point, body) = self.seen(around);
         let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
@@ -135,6 +143,32 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
         Some((residual, (by_state, by_landmark, by_extrinsics, by_offset)))
     }
     // ANCHOR_END: pixel_by_body_linearize
+}
+
+impl<M: CameraModel> PixelByBody<M> {
+    fn measured(&self) -> BodyPixel<'_, M> {
+        let Self { ref camera, angular_velocity, pixel, inverse_sigma, .. } = *self;
+        BodyPixel { camera, angular_velocity, pixel, inverse_sigma }
+    }
+}
+
+impl<M: CameraModel> Factor<2> for PixelByBody<M> {
+    type Variables = (NavState, Vector3<f64>, Isometry3<f64>, Vector1<f64>);
+    type Jacobians = ByBody;
+
+    fn variables(
+        &self,
+    ) -> (Key<NavState>, Key<Vector3<f64>>, Key<Isometry3<f64>>, Key<Vector1<f64>>) {
+        (self.state, self.landmark, self.extrinsics, self.time_offset)
+    }
+
+    fn residual(&self, around: Around) -> Option<Vector2<f64>> {
+        self.measured().residual(around)
+    }
+
+    fn linearize(&self, around: Around) -> Option<(Vector2<f64>, ByBody)> {
+        self.measured().linearize(around)
+    }
 }
 
 /// A derivative by the state `seconds` later, in which the body turned by `turn`, as one by the

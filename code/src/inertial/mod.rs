@@ -18,4 +18,4 @@ pub use camera::CameraImu;
 pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
-pub use state::{GRAVITY, NavState};
+pub use state::{BodyPose, GRAVITY, NavState};

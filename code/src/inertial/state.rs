@@ -110,3 +110,54 @@ impl NavState {
     }
     // ANCHOR_END: advance
 }
+
+// ANCHOR: body_pose
+/// A state without its velocity: where a body was when a picture was taken. A step of it has six
+/// numbers (φ, p), moved as those of a [`NavState`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyPose {
+    /// The rotation that takes body coordinates to world coordinates.
+    pub world_from_body: Rotation3<f64>,
+    /// Position in the world, in metres.
+    pub position: Vector3<f64>,
+}
+
+impl BodyPose {
+    /// A state there, at rest.
+    pub fn at_rest(&self) -> NavState {
+        let Self { world_from_body, position } = *self;
+        NavState { world_from_body, velocity: Vector3::zeros(), position }
+    }
+}
+
+impl From<&NavState> for BodyPose {
+    fn from(state: &NavState) -> Self {
+        Self { world_from_body: state.world_from_body, position: state.position }
+    }
+}
+
+impl Manifold for BodyPose {
+    fn dimension(&self) -> usize {
+        6
+    }
+
+    fn retract(&self, step: &[f64]) -> Self {
+        Self {
+            world_from_body: self.world_from_body.retract(&step[0..3]),
+            position: self.position + Vector3::from_column_slice(&step[3..6]),
+        }
+    }
+
+    fn local(&self, to: &Self, step: &mut [f64]) {
+        self.world_from_body.local(&to.world_from_body, &mut step[0..3]);
+        step[3..6].copy_from_slice((to.position - self.position).as_slice());
+    }
+
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
+        let mut jacobian = SMatrix::<f64, 6, 6>::identity();
+        let phi = so3::local(&self.world_from_body, &to.world_from_body);
+        jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&so3::right_jacobian_inverse(&phi));
+        into.copy_from_slice(jacobian.as_slice());
+    }
+}
+// ANCHOR_END: body_pose

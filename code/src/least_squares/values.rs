@@ -231,7 +231,7 @@ impl Values {
     }
 
     /// Writes the derivative of that step.
-    pub(super) fn local_jacobian_to(
+    pub(crate) fn local_jacobian_to(
         &self,
         own: usize,
         other: (&Self, usize),

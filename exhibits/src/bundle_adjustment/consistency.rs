@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::DVector;
+use vislam::filtering::chi_square_band;
 use vislam::least_squares::Options;
 use vislam::manifold::se3;
 use vislam::simulation::{Scene, at_true_scale};
@@ -12,7 +13,7 @@ use crate::chapter::Chapter;
 use crate::record::RecordValue;
 
 /// Six for each of the seven cameras that move, less one for scale.
-pub const DEGREES: f64 = 41.0;
+pub const DEGREES: usize = 41;
 pub const RUNS: usize = 500;
 const LIVE_RUNS: usize = 100;
 /// In the figure.
@@ -39,54 +40,18 @@ pub fn normalized_error(seed: u64, noise: f64) -> f64 {
     error.dot(&(reduced * &error))
 }
 
-/// Probability that chi-square with these degrees of freedom is below `x`, by the series of the
-/// incomplete gamma function.
-pub fn chi_square_below(x: f64, degrees: f64) -> f64 {
-    let (a, x) = (0.5 * degrees, 0.5 * x);
-    let (mut term, mut sum, mut n) = (1.0, 1.0, 0.0);
-    while term > 1e-17 * sum {
-        n += 1.0;
-        term *= x / (a + n);
-        sum += term;
-    }
-    (a * x.ln() - x - log_factorial(a)).exp() * sum
-}
-
-/// The logarithm of Γ(a + 1) for a whole or half number that is not negative.
-fn log_factorial(mut a: f64) -> f64 {
-    let mut sum = 0.0;
-    while a > 0.75 {
-        sum += a.ln();
-        a -= 1.0;
-    }
-    if a > 0.25 { sum + (0.5 * std::f64::consts::PI.sqrt()).ln() } else { sum }
-}
-
-/// Where chi-square stays below with this probability, by bisection.
-pub fn chi_square_quantile(probability: f64, degrees: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 3.0 * degrees + 100.0);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if chi_square_below(middle, degrees) < probability {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
-}
-
-/// The two ends that leave this probability outside, half at each.
-pub fn band(outside: f64, degrees: f64) -> [f64; 2] {
-    [0.5 * outside, 1.0 - 0.5 * outside].map(|p| chi_square_quantile(p, degrees))
+/// The ends of the band of a single run.
+pub fn of_run() -> [f64; 2] {
+    chi_square_band(OUTSIDE_RUN, DEGREES).expect("a probability")
 }
 
 /// Mean, the ends of its band, and percent of the runs in their own.
 pub fn summary(errors: &[f64]) -> (f64, [f64; 2], f64) {
     let runs = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / runs;
-    let of_mean = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
-    let [low, high] = band(OUTSIDE_RUN, DEGREES);
+    let of_sum = chi_square_band(OUTSIDE_MEAN, errors.len() * DEGREES).expect("a probability");
+    let of_mean = of_sum.map(|end| end / runs);
+    let [low, high] = of_run();
     let inside = errors.iter().filter(|error| (low..high).contains(*error)).count();
     (mean, of_mean, 100.0 * inside as f64 / runs)
 }
@@ -105,7 +70,7 @@ pub fn live_errors() -> &'static [f64] {
 /// Registers the numbers and the record.
 pub fn numbers(chapter: &mut Chapter) {
     let (mean, [low, high], inside) = summary(&live_errors()[..LIVE_RUNS]);
-    chapter.number("nees_degrees", DEGREES, "", 0);
+    chapter.number("nees_degrees", DEGREES as f64, "", 0);
     chapter.number("nees_live_runs", LIVE_RUNS as f64, "", 0);
     chapter.number("nees_live_mean", mean, "", 1);
     chapter.number("nees_live_low", low, "", 1);
@@ -126,7 +91,7 @@ pub fn record(chapter: &mut Chapter) {
 fn consistency() -> Vec<RecordValue> {
     let errors = errors(RUNS, 1.0);
     let (mean, [low, high], inside) = summary(&errors);
-    let [run_low, run_high] = band(OUTSIDE_RUN, DEGREES);
+    let [run_low, run_high] = of_run();
     let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 1e-6);
     vec![
         value("runs", RUNS as f64, "", 0),

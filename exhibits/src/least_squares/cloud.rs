@@ -1,9 +1,9 @@
 //! Estimates from other readings of the same tapes.
 
 use nalgebra::{Matrix2, Vector2};
+use vislam::filtering::chi_square_quantile;
 
 use super::worked::{self, Tape};
-use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::comparison::inverse;
 use crate::random::Random;
 
@@ -38,7 +38,8 @@ impl Cloud {
 
     /// How many percent lie in the ellipse that should hold 95 %, by the covariance.
     pub fn inside_percent(&self) -> f64 {
-        let (information, largest) = (inverse(self.covariance), chi_square_quantile(0.95, 2.0));
+        let (information, largest) =
+            (inverse(self.covariance), chi_square_quantile(0.95, 2).expect("a probability"));
         let inside = self.estimates.iter().filter(|spot| {
             let error = *spot - self.centre;
             error.dot(&(information * error)) <= largest
@@ -48,7 +49,7 @@ impl Cloud {
 
     /// The outline of that ellipse.
     pub fn ellipse(&self) -> Vec<(f64, f64)> {
-        let radius = chi_square_quantile(0.95, 2.0).sqrt();
+        let radius = chi_square_quantile(0.95, 2).expect("a probability").sqrt();
         let root = self.covariance.cholesky().expect("it is positive definite").l();
         let around = (0..=90).map(|step| {
             let (sine, cosine) = (f64::from(step) * 4.0).to_radians().sin_cos();

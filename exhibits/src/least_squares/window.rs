@@ -6,6 +6,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use nalgebra::{DVector, Isometry3, Vector1};
+use vislam::filtering::{chi_square_band, nees};
 use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
 use vislam::least_squares::{
     Dense, Fronts, LinearSystem, Manifold, Options, Problem, Report, Search, Solution, Values,
@@ -13,7 +14,7 @@ use vislam::least_squares::{
 use vislam::manifold::so3;
 use vislam::simulation::FlightRecording;
 
-use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN, band};
+use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
 use crate::random::Random;
@@ -31,7 +32,7 @@ use example::{
 const SEEDS: usize = 50;
 const SECONDS: f64 = 60.0;
 /// Of a state: turns, velocity, position.
-pub const DEGREES: f64 = 9.0;
+pub const DEGREES: usize = 9;
 /// How far off the search begins, in standard deviations.
 const OFF: f64 = 5.0;
 
@@ -175,8 +176,8 @@ pub fn fly(seed: u64) -> Flown {
         let mut step = [0.0; 9];
         values[window.states[at]].local(&states[at], &mut step);
         let (error, matrix) = (DVector::from_row_slice(&step), covariance.of(window.states[at]));
-        let factor = matrix.and_then(|matrix| matrix.cholesky()).expect("positive");
-        error.dot(&factor.solve(&error))
+        let divided = nees(&error, &matrix.expect("of a variable")).expect("positive");
+        DEGREES as f64 * divided
     });
     Flown { report, errors }
 }
@@ -186,7 +187,8 @@ fn consistency() -> Vec<RecordValue> {
     let value = |name, value, unit, decimals| RecordValue::new(name, value, unit, decimals, 1e-4);
     let runs = SEEDS as f64;
     let mean = |at: usize| flown.iter().map(|flown| flown.errors[at]).sum::<f64>() / runs;
-    let [low, high] = band(OUTSIDE_MEAN, runs * DEGREES).map(|end| end / runs);
+    let band = |outside, degrees| chi_square_band(outside, degrees).expect("a probability");
+    let [low, high] = band(OUTSIDE_MEAN, SEEDS * DEGREES).map(|end| end / runs);
     let [run_low, run_high] = band(OUTSIDE_RUN, DEGREES);
     let inside = |at: usize| {
         let inside = |flown: &&Flown| (run_low..run_high).contains(&flown.errors[at]);

@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3, Vector6};
+use vislam::filtering::chi_square_quantile;
 use vislam::manifold::{se3, so3};
 
 use super::accuracy::{errors_near, errors_near_half_turn};
 use super::uncertainty::{Drive, in_plane, plane_of};
-use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::chapter::Chapter;
 use crate::comparison::inverse;
 
@@ -135,7 +135,8 @@ fn drive(chapter: &mut Chapter) {
     let correlation = covariance[(1, 2)] / (covariance[(1, 1)] * covariance[(2, 2)]).sqrt();
     chapter.number("drive_correlation", correlation, "", 2);
     chapter.number("drive_draws", DRAWS as f64, "", 0);
-    let (information, largest) = (inverse(covariance), chi_square_quantile(0.95, 3.0));
+    let (information, largest) =
+        (inverse(covariance), chi_square_quantile(0.95, 3).expect("a probability"));
     let inside = |error: Vector3<f64>| error.dot(&(information * error)) < largest;
     let (mut in_world, mut in_tangent) = (0, 0);
     for end in drive.ends(40).take(DRAWS) {

@@ -1,8 +1,9 @@
 //! How normalized errors are distributed, and how they should be.
 
+use vislam::filtering::{chi_square_below, chi_square_quantile};
+
 use crate::bundle_adjustment::consistency::{
-    DEGREES, OUTSIDE_RUN, SHOWN_RUNS as RUNS, band, chi_square_below, chi_square_quantile, errors,
-    live_errors,
+    DEGREES, SHOWN_RUNS as RUNS, errors, live_errors, of_run,
 };
 use crate::comparison::altered;
 use crate::figure::{
@@ -20,7 +21,7 @@ pub fn consistency() -> Figure {
     let errors = [live_errors().to_vec(), errors(RUNS, UNDERSTATED)];
     let sorted = errors.map(|errors| altered(errors, |errors| errors.sort_by(f64::total_cmp)));
     let of_share = |run: usize| SHARES.map(|share| sorted[run][(share * RUNS as f64) as usize]);
-    let expected = SHARES.map(|share| chi_square_quantile(share, DEGREES));
+    let expected = SHARES.map(|share| chi_square_quantile(share, DEGREES).expect("a probability"));
     let columns = vec![
         ("share of runs below", decimals(2, SHARES)),
         ("chi-square of 41 degrees of freedom", decimals(1, expected)),
@@ -30,7 +31,7 @@ pub fn consistency() -> Figure {
     Figure::new(780, columns, |drawing| {
         let x_axis = ("normalized error of a run", 10.0..112.0, 6);
         let mut chart = figure::axes(drawing, x_axis, ("share of runs below", 0.0..1.0, 5))?;
-        for end in band(OUTSIDE_RUN, DEGREES) {
+        for end in of_run() {
             chart.line([(end, 0.0), (end, 1.0)], GRID, 6)?;
         }
         let curve = (0..=200).map(|step| 10.0 + 0.51 * f64::from(step));

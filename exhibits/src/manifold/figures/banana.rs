@@ -6,9 +6,9 @@ use nalgebra::{Vector2, Vector6};
 use plotters::element::{EmptyElement, Polygon};
 use plotters::series::DashedLineSeries;
 use plotters::style::Color;
+use vislam::filtering::chi_square_quantile;
 use vislam::manifold::se3;
 
-use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::figure::{self, Draw, ESTIMATED, Figure, INK, SERIES, decimals, letters_right_of};
 use crate::manifold::uncertainty::{Drive, plane_of};
 
@@ -57,7 +57,7 @@ fn outlines() -> (Outline, Outline) {
     let with_heading = covariance.fixed_view::<2, 1>(0, 2).into_owned();
     let factor = position.cholesky().expect("it is positive definite");
     let expected = Drive::WORKED.expected();
-    let radius = chi_square_quantile(0.95, 2.0).sqrt();
+    let radius = chi_square_quantile(0.95, 2).expect("a probability").sqrt();
     let corner = |k: i32| {
         let angle = TAU * f64::from(k) / f64::from(CORNERS);
         let rho = radius * factor.l() * Vector2::new(angle.cos(), angle.sin());

@@ -1,12 +1,12 @@
 //! How the nine errors hang together, and what is lost when their blocks are kept apart.
 
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+use vislam::filtering::chi_square_quantile;
 use vislam::inertial::{GRAVITY, ImuNoise, ImuSample};
 use vislam::preintegration::{Matrix9, Preintegrated, Rule};
 use vislam::simulation::Trajectory;
 
 use super::runs::{DT, SECOND, at_rest, by_rule, of_readings};
-use crate::bundle_adjustment::consistency::chi_square_quantile;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
@@ -126,7 +126,7 @@ fn apart(chapter: &mut Chapter, rest: &Preintegrated, flight: &Preintegrated) {
     chapter.number("covariance_lost_bits", bits(&rest), "bits", 1);
     chapter.number("covariance_lost_bits_flight", bits(&flight), "bits", 1);
     chapter.number("covariance_volume_ratio", 1.0 / rest.determinant().sqrt(), "", 0);
-    let bound = chi_square_quantile(0.95, 9.0);
+    let bound = chi_square_quantile(0.95, 9).expect("a probability");
     chapter.number("covariance_bound", bound, "", 1);
     chapter.number("covariance_apart_beyond", 100.0 * beyond(&rest, bound), "%", 0);
     chapter.number("covariance_apart_draws", DRAWS as f64, "", 0);

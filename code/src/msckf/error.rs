@@ -1,0 +1,38 @@
+//! Why a filter cannot go on.
+
+use thiserror::Error;
+
+use crate::filtering::{BeliefError, ChiSquareError, CorrectionError, TransitionError};
+use crate::inertial::WindowError;
+use crate::preintegration::PreintegrationError;
+
+/// Why a filter cannot go on.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MsckfError {
+    /// A reading is not later than the one before.
+    #[error("the reading at {nanoseconds} ns is not later than that at {last} ns; sort them")]
+    Late {
+        /// Its time.
+        nanoseconds: i64,
+        /// That of the last reading.
+        last: i64,
+    },
+    /// The readings do not reach from the estimate to the picture.
+    #[error(transparent)]
+    Readings(#[from] WindowError),
+    /// The readings cannot be summed up.
+    #[error(transparent)]
+    Preintegration(#[from] PreintegrationError),
+    /// The estimate cannot be carried on.
+    #[error(transparent)]
+    Transition(#[from] TransitionError),
+    /// A covariance is none.
+    #[error(transparent)]
+    Belief(#[from] BeliefError),
+    /// The covariance cannot be corrected.
+    #[error(transparent)]
+    Correction(#[from] CorrectionError),
+    /// The gate is no probability.
+    #[error(transparent)]
+    Gate(#[from] ChiSquareError),
+}

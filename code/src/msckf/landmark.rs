@@ -1,0 +1,78 @@
+//! Where the landmark of a track is if the poses that saw it are right.
+
+use nalgebra::{Cholesky, Isometry3, Matrix3, Vector1, Vector3};
+use thiserror::Error;
+
+use super::Sight;
+use crate::factors::BodyPixel;
+use crate::reprojection::Pinhole;
+use crate::two_views::{TriangulationError, View, triangulate};
+
+/// Steps of the search.
+const MOST_STEPS: usize = 10;
+/// A step that is shorter than this part of a standard deviation is the last.
+const LAST_STEP: f64 = 1e-3;
+
+// ANCHOR: landmark
+/// The point at which the pixels of a track are most likely, the poses being what they are believed
+/// to be: the linear triangulation, and steps of Gauss and Newton from there.
+///
+/// # Errors
+///
+/// A [`LandmarkError`]: two rays at least have to meet at `least_parallax` radians.
+pub fn landmark(
+    sights: &[Sight],
+    body_from_camera: &Isometry3<f64>,
+    (camera, sigma): (&Pinhole, f64),
+    least_parallax: f64,
+) -> Result<Vector3<f64>, LandmarkError> {
+    let view = |sight: &Sight| {
+        let world_from_camera = sight.pose.at_rest().pose() * body_from_camera;
+        let camera_from_world = world_from_camera.inverse();
+        View { camera: *camera, camera_from_world, pixel: sight.pixel, sigma }
+    };
+    let views: Vec<View> = sights.iter().map(view).collect();
+    let mut point = triangulate(&views, least_parallax)?;
+    for _ in 0..MOST_STEPS {
+        let step = step(sights, &point, body_from_camera, (camera, sigma));
+        let (step, length) = step.ok_or(LandmarkError::Lost)?;
+        point += step;
+        if length < LAST_STEP {
+            return Ok(point);
+        }
+    }
+    Err(LandmarkError::Lost)
+}
+// ANCHOR_END: landmark
+
+/// A step of Gauss and Newton for the landmark alone, and its length in standard deviations.
+fn step(
+    sights: &[Sight],
+    point: &Vector3<f64>,
+    body_from_camera: &Isometry3<f64>,
+    (camera, sigma): (&Pinhole, f64),
+) -> Option<(Vector3<f64>, f64)> {
+    let (mut hessian, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
+    for &Sight { pose, pixel, .. } in sights {
+        let (angular_velocity, inverse_sigma) = (Vector3::zeros(), 1.0 / sigma);
+        let seen = BodyPixel { camera, angular_velocity, pixel, inverse_sigma };
+        let clock = Vector1::zeros();
+        let (residual, (_, by_landmark, ..)) =
+            seen.linearize((&pose.at_rest(), point, body_from_camera, &clock))?;
+        hessian += by_landmark.tr_mul(&by_landmark);
+        gradient += by_landmark.tr_mul(&residual);
+    }
+    let step = -Cholesky::new(hessian)?.solve(&gradient);
+    Some((step, (-step.dot(&gradient)).max(0.0).sqrt()))
+}
+
+/// Why a track has no landmark.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LandmarkError {
+    /// The rays do not meet.
+    #[error(transparent)]
+    Triangulation(#[from] TriangulationError),
+    /// The search left the cameras' view or did not end.
+    #[error("no landmark fits the pixels of the track; leave it out")]
+    Lost,
+}
