@@ -13,7 +13,8 @@ use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
 /// A factor in square-root form, W (x ⊟ a) + d: what linearized factors say of the variables x that
-/// are left when others have been eliminated. The anchors a are where x stood then.
+/// are left when others have been eliminated. The anchors a are where x was linearized: where it stood
+/// then, or where its linearization point had been frozen before.
 ///
 /// Where a linearization point is frozen at the anchor, its Jacobian is the root W; elsewhere it is W
 /// times the derivative of [`local`](super::Manifold::local).
@@ -57,7 +58,7 @@ impl LinearPrior {
             let coordinates = coordinates.ok_or(SolveError::NoSuchVariable { variable })?;
             columns.select(coordinates).into_iter().for_each(|column| place[column] = column);
         }
-        let mut rows: Vec<SparseRow> = Vec::new();
+        let mut rows: Vec<SparseRow<f64>> = Vec::new();
         problem.at(values, |at| {
             problem.each_row(at, &columns, &mut Buffer::default(), |row| {
                 if row.entries.iter().any(|(column, _)| place[*column] < columns.count) {
@@ -71,17 +72,18 @@ impl LinearPrior {
         let gone = named.partition_point(|place| *place < columns.count);
         let (_, rest) = eliminate(rows, gone);
         let stays: Vec<usize> = named[gone..].iter().map(|place| place - columns.count).collect();
-        Ok(Self::of_rows(problem, values, &columns, (&stays, rest)))
+        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rest))))
     }
     // ANCHOR_END: marginalize
 
     /// The prior of rows that name these columns of a problem, and behind them the residual.
     fn of_rows(
         problem: &Problem,
-        values: &Values,
+        at: Point,
         columns: &Columns,
         (named, rows): (&[usize], DMatrix<f64>),
     ) -> Self {
+        let values = at.values;
         let coordinates = |variable| values.coordinates_of(variable).unwrap_or_default();
         let named = &named[..named.len().saturating_sub(1)];
         let place = |coordinate: usize| named.binary_search(&columns.of[coordinate]?).ok();
@@ -95,10 +97,54 @@ impl LinearPrior {
         let root = DMatrix::from_fn(count, whole.len(), |row, at| {
             whole[at].map_or(0.0, |column| rows[(row, column)])
         });
-        let offset = DVector::from_fn(count, |row, _| rows[(row, named.len())]);
-        let anchors = values.select(&variables).unwrap_or_default();
+        let mut offset = DVector::from_fn(count, |row, _| rows[(row, named.len())]);
+        // The rows are slopes at the linearization point, and their residuals stand at the values.
+        if let Some(frozen) = at.frozen {
+            let moved = frozen.local(values);
+            let moved = variables.iter().flat_map(|variable| &moved[coordinates(*variable)]);
+            offset -= &root * DVector::from_iterator(root.ncols(), moved.copied());
+        }
+        let anchors = at.frozen.unwrap_or(values).select(&variables).unwrap_or_default();
         Self::new(variables, anchors, root, offset)
     }
+
+    // ANCHOR: prior_of_root
+    /// The prior W (x ⊟ a) + d of variables that stand at their anchors a in `anchors`: the root W has a
+    /// column for each coordinate of each variable, in the order given, and the offset d a number
+    /// for each row of W. Both are whitened.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`] when a variable is none of `anchors`,
+    /// [`ProblemError::RepeatedVariable`], [`ProblemError::EmptyFactor`] when the root has no rows, and
+    /// [`ProblemError::Root`] when root or offset have another shape or a number that is not finite.
+    pub fn of_root(
+        anchors: &Values,
+        variables: &[usize],
+        root: DMatrix<f64>,
+        offset: DVector<f64>,
+    ) -> Result<Self, ProblemError> {
+        for (at, &variable) in variables.iter().enumerate() {
+            if anchors.coordinates_of(variable).is_none() {
+                return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
+            }
+            if variables[..at].contains(&variable) {
+                return Err(ProblemError::RepeatedVariable { factor: 0, variable });
+            }
+        }
+        let anchors = anchors.select(variables).unwrap_or_default();
+        let is_finite = root.iter().chain(&offset).all(|number| number.is_finite());
+        let (rows, columns, numbers) = (root.nrows(), root.ncols(), offset.len());
+        if !is_finite || columns != anchors.dimension() || rows != numbers {
+            let dimension = anchors.dimension();
+            return Err(ProblemError::Root { rows, columns, numbers, dimension });
+        }
+        if rows == 0 {
+            return Err(ProblemError::EmptyFactor { factor: 0 });
+        }
+        Ok(Self::new(variables.to_vec(), anchors, root, offset))
+    }
+    // ANCHOR_END: prior_of_root
 
     fn new(
         variables: Vec<usize>,
@@ -126,6 +172,10 @@ impl LinearPrior {
     /// What the residual is at the anchors.
     pub fn offset(&self) -> &DVector<f64> {
         &self.offset
+    }
+
+    fn named(&self) -> (Vec<usize>, Values) {
+        (self.variables.clone(), self.anchors.clone())
     }
 
     /// The same prior in a problem that calls the variables by other numbers.
@@ -269,4 +319,24 @@ impl Problem {
         }
         self.add_group(Box::new(prior))
     }
+
+    // ANCHOR: freeze_priors
+    /// Freezes the linearization point of every variable that a prior names at the prior's anchor, and
+    /// gives those that were not frozen before. All factors that name such a variable, whenever they are
+    /// added, then take their derivatives where the prior took its own: first-estimates Jacobians
+    /// ([@huang2008], [@dongsi2011]).
+    ///
+    /// What is frozen stays where it is: of two priors with different anchors the first one counts.
+    pub fn freeze_priors(&mut self) -> Vec<usize> {
+        let mut frozen = Vec::new();
+        for (variables, anchors) in self.priors().map(LinearPrior::named).collect::<Vec<_>>() {
+            for (own, variable) in variables.into_iter().enumerate() {
+                if self.freeze_first(variable, (&anchors, own)) {
+                    frozen.push(variable);
+                }
+            }
+        }
+        frozen
+    }
+    // ANCHOR_END: freeze_priors
 }
