@@ -21,6 +21,7 @@ pub mod factors;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod marginalization;
 pub mod observability;
 pub mod preintegration;
 mod registers;
