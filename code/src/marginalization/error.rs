@@ -74,7 +74,7 @@ pub enum MarginalizationError {
         /// What is left of its own information in that direction, as a fraction.
         pivot: f64,
     },
-    /// A direction of a block has negative information.
+    /// A direction of a block has negative information, beyond rounding.
     #[error(
         "block {name} has negative information, {pivot:.1e} of its own, once the blocks before it are \
          gone, so this is no Gaussian; use the square-root form or more digits, or do not drop the link"

@@ -16,7 +16,7 @@ pub(super) fn cast<T: RealField + Copy, U: RealField>(number: T) -> U {
 
 /// A pivot below this fraction of the diagonal is lost in rounding.
 fn lost<T: RealField + Copy>(dimension: usize) -> f64 {
-    double(T::default_epsilon()) * dimension as f64
+    4.0 * double(T::default_epsilon()) * dimension as f64
 }
 
 // ANCHOR: factorize
@@ -28,9 +28,14 @@ pub(super) fn factorize<T: RealField + Copy>(
     name_at: impl Fn(usize) -> usize,
 ) -> Result<Cholesky<T, Dyn>, MarginalizationError> {
     let lost = lost::<T>(diagonal.len());
+    let share = |column: usize, pivot: T| match diagonal[column].abs() {
+        own if own > T::zero() => double(pivot / own),
+        _ => double(pivot),
+    };
     let verdict = |column: usize, pivot: T| {
-        let (name, pivot) = (name_at(column), double(pivot / diagonal[column]));
-        match pivot < -lost {
+        let (name, pivot) = (name_at(column), share(column, pivot));
+        // A pivot that should be zero is off by the rounding of all that was subtracted.
+        match pivot < -double(T::default_epsilon()).sqrt() {
             true => MarginalizationError::Indefinite { name, pivot },
             false => MarginalizationError::Singular { name, pivot },
         }
@@ -41,7 +46,7 @@ pub(super) fn factorize<T: RealField + Copy>(
     };
     let triangle = factor.l_dirty();
     let pivot = |column: usize| triangle[(column, column)] * triangle[(column, column)];
-    let is_lost = |column: &usize| double(pivot(*column) / diagonal[*column]) <= lost;
+    let is_lost = |column: &usize| share(*column, pivot(*column)) <= lost;
     match (0..diagonal.len()).find(is_lost) {
         Some(column) => Err(verdict(column, pivot(column))),
         None => Ok(factor),
