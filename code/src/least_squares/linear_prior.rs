@@ -8,7 +8,7 @@ use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
-use super::square_root::{SparseRow, dense, eliminate};
+use super::square_root::{SparseRow, dense, eliminate, eliminate_fronts};
 use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
@@ -34,8 +34,9 @@ pub struct LinearPrior {
 
 impl LinearPrior {
     // ANCHOR: marginalize
-    /// Takes variables out of a problem: eliminates them from all factors that name one of them, as
-    /// these are linearized at `values`, and keeps what they say of their other variables.
+    /// Takes variables out of a problem: eliminates them, in this order, from all factors that name one
+    /// of them, as these are linearized at `values`, and keeps what they say of their other variables.
+    /// The result does not depend on the order; the time does: landmarks should come first.
     ///
     /// The problem stays as it is. The one that goes on is made without these variables and factors,
     /// and with the prior, whose variables [`LinearPrior::renumbered`] calls by their new numbers.
@@ -51,13 +52,7 @@ impl LinearPrior {
     ) -> Result<Self, SolveError> {
         problem.check_values(values)?;
         let columns = problem.columns();
-        // What goes stands first, what stays behind it, and last of all the residual.
-        let mut place: Vec<usize> = (columns.count..2 * columns.count).collect();
-        for &variable in variables {
-            let coordinates = values.coordinates_of(variable);
-            let coordinates = coordinates.ok_or(SolveError::NoSuchVariable { variable })?;
-            columns.select(coordinates).into_iter().for_each(|column| place[column] = column);
-        }
+        let (place, sizes) = first(&columns, values, variables)?;
         let mut rows: Vec<SparseRow<f64>> = Vec::new();
         problem.at(values, |at| {
             problem.each_row(at, &columns, &mut Buffer::default(), |row| {
@@ -68,11 +63,12 @@ impl LinearPrior {
                 }
             })
         })?;
-        let (named, rows) = dense(&rows);
-        let gone = named.partition_point(|place| *place < columns.count);
-        let (_, rest) = eliminate(rows, gone);
-        let stays: Vec<usize> = named[gone..].iter().map(|place| place - columns.count).collect();
-        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rest))))
+        let (_, rest) = eliminate_fronts(rows, &sizes);
+        let (named, rows) = dense(&rest);
+        // A last row, in which nothing but a residual stands, is a constant.
+        let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
+        let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();
+        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rows))))
     }
     // ANCHOR_END: marginalize
 
@@ -92,12 +88,10 @@ impl LinearPrior {
             leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
         let whole = variables.iter().flat_map(|variable| coordinates(*variable));
         let whole: Vec<Option<usize>> = whole.map(place).collect();
-        // A last row, in which nothing but a residual stands, is a constant.
-        let count = rows.nrows().min(named.len());
-        let root = DMatrix::from_fn(count, whole.len(), |row, at| {
+        let root = DMatrix::from_fn(rows.nrows(), whole.len(), |row, at| {
             whole[at].map_or(0.0, |column| rows[(row, column)])
         });
-        let mut offset = DVector::from_fn(count, |row, _| rows[(row, named.len())]);
+        let mut offset = DVector::from_fn(rows.nrows(), |row, _| rows[(row, named.len())]);
         // The rows are slopes at the linearization point, and their residuals stand at the values.
         if let Some(frozen) = at.frozen {
             let moved = frozen.local(values);
@@ -210,6 +204,30 @@ impl LinearPrior {
         call(residual, free)
     }
     // ANCHOR_END: prior_residual
+}
+
+/// Where each column of a problem stands when some variables go first, one after the other, and what
+/// stays stands behind as many columns as there are; and how many columns each of them has that none
+/// before it has.
+fn first(
+    columns: &Columns,
+    values: &Values,
+    variables: &[usize],
+) -> Result<(Vec<usize>, Vec<usize>), SolveError> {
+    let mut place: Vec<usize> = (columns.count..2 * columns.count).collect();
+    let (mut sizes, mut next) = (Vec::with_capacity(variables.len()), 0);
+    for &variable in variables {
+        let coordinates = values.coordinates_of(variable);
+        let before = next;
+        for column in columns.select(coordinates.ok_or(SolveError::NoSuchVariable { variable })?) {
+            if place[column] >= columns.count {
+                place[column] = next;
+                next += 1;
+            }
+        }
+        sizes.push(next - before);
+    }
+    Ok((place, sizes))
 }
 
 impl FactorGroup for LinearPrior {
