@@ -19,6 +19,7 @@ pub struct RelativePose {
     /// The matrix W, from [`sqrt_information`](crate::least_squares::sqrt_information).
     pub sqrt_information: Matrix6<f64>,
 }
+// ANCHOR_END: relative_pose
 
 impl Factor<6> for RelativePose {
     type Variables = (Isometry3<f64>, Isometry3<f64>);
@@ -28,6 +29,7 @@ impl Factor<6> for RelativePose {
         (self.first, self.second)
     }
 
+    // ANCHOR: relative_pose_residual
     fn residual(
         &self,
         (first, second): (&Isometry3<f64>, &Isometry3<f64>),
@@ -46,5 +48,5 @@ impl Factor<6> for RelativePose {
         let by_second = by_step * se3::adjoint(first);
         Some((self.sqrt_information * step, (-by_second, by_second)))
     }
+    // ANCHOR_END: relative_pose_residual
 }
-// ANCHOR_END: relative_pose

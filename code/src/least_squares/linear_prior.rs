@@ -33,7 +33,6 @@ pub struct LinearPrior {
 // ANCHOR_END: linear_prior
 
 impl LinearPrior {
-    // ANCHOR: marginalize
     /// Takes variables out of a problem: eliminates them, in this order, from all factors that name one
     /// of them, as these are linearized at `values`, and keeps what they say of their other variables.
     /// The result does not depend on the order; the time does: landmarks should come first.
@@ -45,6 +44,7 @@ impl LinearPrior {
     ///
     /// [`SolveError::NoSuchVariable`] when a variable does not exist, [`SolveError::WrongValues`], and what
     /// linearizing at `values` gives.
+    // ANCHOR: marginalize
     pub fn marginalize(
         problem: &Problem,
         values: &Values,
@@ -102,7 +102,6 @@ impl LinearPrior {
         Self::new(variables, anchors, root, offset)
     }
 
-    // ANCHOR: prior_of_root
     /// The prior W (x ⊟ a) + d of variables that stand at their anchors a in `anchors`: the root W has a
     /// column for each coordinate of each variable, in the order given, and the offset d a number
     /// for each row of W. Both are whitened.
@@ -118,10 +117,10 @@ impl LinearPrior {
         root: DMatrix<f64>,
         offset: DVector<f64>,
     ) -> Result<Self, ProblemError> {
+        if let Some(&variable) = variables.iter().find(|variable| **variable >= anchors.len()) {
+            return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
+        }
         for (at, &variable) in variables.iter().enumerate() {
-            if anchors.coordinates_of(variable).is_none() {
-                return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
-            }
             if variables[..at].contains(&variable) {
                 return Err(ProblemError::RepeatedVariable { factor: 0, variable });
             }
@@ -129,8 +128,8 @@ impl LinearPrior {
         let anchors = anchors.select(variables).unwrap_or_default();
         let is_finite = root.iter().chain(&offset).all(|number| number.is_finite());
         let (rows, columns, numbers) = (root.nrows(), root.ncols(), offset.len());
-        if !is_finite || columns != anchors.dimension() || rows != numbers {
-            let dimension = anchors.dimension();
+        let dimension = anchors.dimension();
+        if !is_finite || columns != dimension || rows != numbers {
             return Err(ProblemError::Root { rows, columns, numbers, dimension });
         }
         if rows == 0 {
@@ -138,7 +137,6 @@ impl LinearPrior {
         }
         Ok(Self::new(variables.to_vec(), anchors, root, offset))
     }
-    // ANCHOR_END: prior_of_root
 
     fn new(
         variables: Vec<usize>,

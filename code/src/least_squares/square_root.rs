@@ -21,13 +21,13 @@ pub(crate) fn dense<T: RealField + Copy>(rows: &[SparseRow<T>]) -> (Vec<usize>, 
     (columns, dense)
 }
 
-// ANCHOR: eliminate_rows
 /// Eliminates the first columns of some rows, the last column of which may be the residual: turns the
 /// rows by an orthogonal matrix until no more of them name these columns than there are of them.
 ///
 /// Gives these rows, as many as the columns have independent directions, and then those that say
 /// everything else that was said, without the first columns. A direction of a column that is seen by
 /// no more than rounding, beside the rows before it, has no row.
+// ANCHOR: eliminate_rows
 pub fn eliminate<T: RealField + Copy>(
     mut rows: DMatrix<T>,
     columns: usize,
@@ -75,6 +75,16 @@ fn reflect<T: RealField + Copy>(
 }
 // ANCHOR_END: reflect
 
+/// For each number its sum with all before it.
+fn running_sums(numbers: &[usize]) -> Vec<usize> {
+    let mut sum = 0;
+    let add = |number: &usize| {
+        sum += number;
+        sum
+    };
+    numbers.iter().map(add).collect()
+}
+
 /// The rows of a triangle that belong to one block of columns.
 pub(crate) struct Piece<T> {
     /// The columns of the block that rows name, then later ones.
@@ -83,34 +93,32 @@ pub(crate) struct Piece<T> {
     pub(crate) rows: DMatrix<T>,
 }
 
-// ANCHOR: eliminate_fronts
 /// Eliminates blocks of the first columns, of these sizes, front by front: all rows that name the next
 /// block are turned until only as many name it as it has columns. Those are its piece of the
 /// triangle; the others wait for the next block that they name.
 ///
 /// Gives the pieces, and the rows that are left: they name columns behind those of all blocks.
+// ANCHOR: eliminate_fronts
 pub(crate) fn eliminate_fronts<T: RealField + Copy>(
     rows: impl IntoIterator<Item = SparseRow<T>>,
     sizes: &[usize],
 ) -> (Vec<Piece<T>>, Vec<SparseRow<T>>) {
-    let front_of: Vec<usize> =
-        sizes.iter().enumerate().flat_map(|(front, size)| vec![front; *size]).collect();
-    let mut fronts: Vec<Vec<SparseRow<T>>> = vec![Vec::new(); sizes.len() + 1];
-    let wait = |row: SparseRow<T>, fronts: &mut [Vec<SparseRow<T>>]| {
-        if let Some(first) = row.iter().map(|(column, _)| *column).min() {
-            fronts[front_of.get(first).copied().unwrap_or(sizes.len())].push(row);
-        }
+    let ends = running_sums(sizes);
+    let front_of = |row: &SparseRow<T>| {
+        let first = row.iter().map(|(column, _)| *column).min().unwrap_or(usize::MAX);
+        ends.partition_point(|end| *end <= first)
     };
-    rows.into_iter().for_each(|row| wait(row, &mut fronts));
-    let (mut pieces, mut end) = (Vec::with_capacity(sizes.len()), 0);
-    for (number, size) in sizes.iter().enumerate() {
-        end += size;
+    let mut fronts: Vec<Vec<SparseRow<T>>> = vec![Vec::new(); sizes.len() + 1];
+    rows.into_iter().for_each(|row| fronts[front_of(&row)].push(row));
+    let mut pieces = Vec::with_capacity(sizes.len());
+    for (number, end) in ends.iter().enumerate() {
         let (columns, dense) = dense(&take(&mut fronts[number]));
-        let named = columns.partition_point(|column| *column < end);
+        let named = columns.partition_point(|column| column < end);
         let (rows, rest) = eliminate(dense, named);
         for (number, row) in rest.row_iter().enumerate() {
             let entries = columns[named..].iter().copied().zip(row.iter().copied());
-            wait(entries.skip(number).collect(), &mut fronts);
+            let row = entries.skip(number).collect();
+            fronts[front_of(&row)].push(row);
         }
         pieces.push(Piece { columns, rows });
     }

@@ -5,7 +5,6 @@ use nalgebra::RealField;
 use super::pivots::factorize_blocks;
 use super::{Information, MarginalizationError};
 
-// ANCHOR: divergence
 /// The Kullback-Leibler divergence D(p‖q) = E_p[ln p − ln q] in nats: what is lost when q stands for
 /// p. It is not negative, zero for the same Gaussian alone, the same in every unit of the blocks, and
 /// not symmetric.
@@ -16,6 +15,7 @@ use super::{Information, MarginalizationError};
 ///
 /// [`MarginalizationError::DifferentBlocks`], and [`MarginalizationError::Singular`] or
 /// [`MarginalizationError::Indefinite`] when either leaves a direction free or is no Gaussian.
+// ANCHOR: divergence
 pub fn divergence<T: RealField + Copy>(
     p: &Information<T>,
     q: &Information<T>,

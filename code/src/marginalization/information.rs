@@ -114,9 +114,9 @@ impl<T: RealField + Copy> Information<T> {
         Ok(Self { blocks, matrix, vector: self.vector.select_rows(&columns) })
     }
 
-    // ANCHOR: eliminate_block
     /// Eliminates one block: what it said of its neighbours goes into their blocks, and its own rows
     /// and columns become zero. `diagonal` is what the matrix had before anything was eliminated.
+    // ANCHOR: eliminate_block
     fn eliminate(
         &mut self,
         name: usize,
@@ -136,19 +136,24 @@ impl<T: RealField + Copy> Information<T> {
         let mut known = vector.rows_range(own.clone()).into_owned();
         triangle.l_dirty().solve_lower_triangular_unchecked_mut(&mut half);
         triangle.l_dirty().solve_lower_triangular_unchecked_mut(&mut known);
-        for (at, &column) in reach.iter().enumerate() {
-            vector[column] -= half.column(at).dot(&known);
-            for (below, &row) in reach.iter().enumerate().skip(at) {
-                let product = half.column(at).dot(&half.column(below));
-                matrix[(row, column)] -= product;
-                matrix[(column, row)] = matrix[(row, column)];
-            }
-        }
-        matrix.rows_range_mut(own.clone()).fill(T::zero());
-        matrix.columns_range_mut(own).fill(T::zero());
+        self.subtract(&reach, &half, &known);
+        self.matrix.rows_range_mut(own.clone()).fill(T::zero());
+        self.matrix.columns_range_mut(own).fill(T::zero());
         Ok(())
     }
     // ANCHOR_END: eliminate_block
+
+    /// Subtracts the square of some columns from the matrix, where these columns stand in it, and their
+    /// products with a vector from the vector.
+    fn subtract(&mut self, reach: &[usize], half: &DMatrix<T>, known: &DVector<T>) {
+        for (at, &column) in reach.iter().enumerate() {
+            self.vector[column] -= half.column(at).dot(known);
+            for (below, &row) in reach.iter().enumerate().skip(at) {
+                self.matrix[(row, column)] -= half.column(at).dot(&half.column(below));
+                self.matrix[(column, row)] = self.matrix[(row, column)];
+            }
+        }
+    }
 }
 
 // ANCHOR: marginalize

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, RealField};
 use super::pivots::factorize_blocks;
 use super::{Blocks, Information, MarginalizationError, marginalize};
 
-// ANCHOR: zero_link
 /// The Gaussian of the same mean in whose information matrix two blocks have no link: their
 /// off-diagonal blocks are zero, and all other numbers stay.
 ///
@@ -19,6 +18,7 @@ use super::{Blocks, Information, MarginalizationError, marginalize};
 /// [`MarginalizationError::Unknown`], [`MarginalizationError::NoLink`], [`MarginalizationError::Singular`]
 /// when nothing was determined before, and [`MarginalizationError::Indefinite`] or
 /// [`MarginalizationError::Singular`] when the result is no Gaussian.
+// ANCHOR: zero_link
 pub fn zero_link<T: RealField + Copy>(
     information: &Information<T>,
     first: usize,
@@ -62,7 +62,6 @@ pub fn keep_marginals<T: RealField + Copy>(
 }
 // ANCHOR_END: keep_marginals
 
-// ANCHOR: sparsify
 /// The sparsification of the sparse extended information filter: cuts all links between a block x,
 /// the robot, and some others, Y⁰. With Y⁺ those that stay linked with x, and Y⁻ the rest, it is
 /// p(x | Y⁺, Y⁻ held) p(Y⁰, Y⁺, Y⁻), of which the information matrix is Λ¹ − Λ² + Λ³:
@@ -78,6 +77,7 @@ pub fn keep_marginals<T: RealField + Copy>(
 ///
 /// As those of [`keep_marginals`], and [`MarginalizationError::NoneNamed`] and
 /// [`MarginalizationError::Repeated`].
+// ANCHOR: sparsify
 pub fn sparsify<T: RealField + Copy>(
     information: &Information<T>,
     robot: usize,

@@ -21,7 +21,6 @@ pub struct OverConfidence<T: RealField> {
 // ANCHOR_END: over_confidence
 
 impl<T: RealField + Copy> OverConfidence<T> {
-    // ANCHOR: over_confidence_of
     /// Compares what is reported with the truth.
     ///
     /// # Errors
@@ -29,6 +28,7 @@ impl<T: RealField + Copy> OverConfidence<T> {
     /// [`MarginalizationError::DifferentBlocks`], and [`MarginalizationError::Singular`] or
     /// [`MarginalizationError::Indefinite`] when the truth leaves a direction free. What is reported
     /// may be anything: a ratio that is not positive belongs to a quantity without a variance.
+    // ANCHOR: over_confidence_of
     pub fn of(
         truth: &Information<T>,
         reported: &Information<T>,

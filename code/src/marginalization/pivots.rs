@@ -19,6 +19,20 @@ fn lost<T: RealField + Copy>(dimension: usize) -> f64 {
     4.0 * double(T::default_epsilon()) * dimension as f64
 }
 
+/// A pivot as a fraction of the block's own information.
+fn share<T: RealField + Copy>(pivot: T, own: T) -> f64 {
+    if own == T::zero() { double(pivot) } else { double(pivot / own.abs()) }
+}
+
+/// What a pivot that is not positive says.
+fn verdict<T: RealField + Copy>(name: usize, pivot: f64) -> MarginalizationError {
+    // A pivot that should be zero is off by the rounding of all that was subtracted.
+    match pivot < -double(T::default_epsilon()).sqrt() {
+        true => MarginalizationError::Indefinite { name, pivot },
+        false => MarginalizationError::Singular { name, pivot },
+    }
+}
+
 // ANCHOR: factorize
 /// The Cholesky factor of the information of some blocks, none of whose pivots is lost beside the
 /// block's own information, `diagonal`.
@@ -28,29 +42,18 @@ pub(super) fn factorize<T: RealField + Copy>(
     name_at: impl Fn(usize) -> usize,
 ) -> Result<Cholesky<T, Dyn>, MarginalizationError> {
     let lost = lost::<T>(diagonal.len());
-    let share = |column: usize, pivot: T| match diagonal[column].abs() {
-        own if own > T::zero() => double(pivot / own),
-        _ => double(pivot),
-    };
-    let verdict = |column: usize, pivot: T| {
-        let (name, pivot) = (name_at(column), share(column, pivot));
-        // A pivot that should be zero is off by the rounding of all that was subtracted.
-        match pivot < -double(T::default_epsilon()).sqrt() {
-            true => MarginalizationError::Indefinite { name, pivot },
-            false => MarginalizationError::Singular { name, pivot },
-        }
-    };
     let Some(factor) = Cholesky::new(matrix.clone()) else {
         let (column, pivot) = failing_pivot(matrix);
-        return Err(verdict(column, pivot));
+        return Err(verdict::<T>(name_at(column), share(pivot, diagonal[column])));
     };
-    let triangle = factor.l_dirty();
-    let pivot = |column: usize| triangle[(column, column)] * triangle[(column, column)];
-    let is_lost = |column: &usize| share(*column, pivot(*column)) <= lost;
-    match (0..diagonal.len()).find(is_lost) {
-        Some(column) => Err(verdict(column, pivot(column))),
-        None => Ok(factor),
+    for (column, own) in diagonal.iter().enumerate() {
+        let root = factor.l_dirty()[(column, column)];
+        let pivot = share(root * root, *own);
+        if pivot <= lost {
+            return Err(verdict::<T>(name_at(column), pivot));
+        }
     }
+    Ok(factor)
 }
 // ANCHOR_END: factorize
 

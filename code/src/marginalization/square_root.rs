@@ -81,7 +81,6 @@ impl<T: RealField + Copy> SquareRoot<T> {
         SquareRoot { blocks: self.blocks.clone(), root, offset }
     }
 
-    // ANCHOR: marginalize_root
     /// What is known of the other blocks when some are taken out: all rows that name one of these are
     /// turned until no more of them name it than it has coordinates, and those few are left out
     /// ([@demmel2021]). What stays is triangular.
@@ -93,6 +92,7 @@ impl<T: RealField + Copy> SquareRoot<T> {
     ///
     /// As those of [`marginalize`](super::marginalize), but no block is indefinite, and the pivot of a
     /// singular one is zero.
+    // ANCHOR: marginalize_root
     pub fn marginalize(&self, names: &[usize]) -> Result<Self, MarginalizationError> {
         let survivors = self.blocks.without(names)?;
         let (gone, first) = self.blocks.select(names)?;
