@@ -341,6 +341,19 @@ fn what_is_held_is_no_block_and_part_of_a_variable_is_no_prior() {
 }
 
 #[test]
+fn what_is_tied_is_one_block_by_the_name_of_the_one_that_leads() {
+    let mut problem = Layout::chain(4, 8, 3).problem(&WindowSigmas::default(), 6).unwrap();
+    let pose = |number| problem.values().key::<Isometry3<f64>>(number).unwrap();
+    let [second, third] = [pose(1), pose(2)];
+    problem.tie(second, third).unwrap();
+    let window = SquareRoot::of_problem(&problem, problem.values()).unwrap();
+    assert!(window.blocks().columns_of(1).is_err());
+    let columns = problem.columns();
+    let own = window.blocks().columns_of(2).unwrap().collect::<Vec<_>>();
+    assert_eq!(own, columns.select(problem.values().coordinates_of(1).unwrap()));
+}
+
+#[test]
 fn divergence_is_that_of_two_normal_densities_by_quadrature() {
     let normal = |variance: f64, mean: f64| {
         let vector = DVector::from_element(1, mean / variance);

@@ -251,3 +251,28 @@ fn the_ratio_of_a_direction_is_the_ratio_of_the_variances_of_that_quantity() {
     assert_eq!(report.largest(), report.ratios[report.ratios.len() - 1]);
     assert_eq!(report.smallest(), report.ratios[0]);
 }
+
+#[test]
+fn in_single_precision_links_are_dropped_by_the_same_code() {
+    let matrix = DMatrix::from_row_slice(
+        4,
+        4,
+        &[3.0, 1.0, -0.5, 0.7, 1.0, 2.0, 0.4, 0.0, -0.5, 0.4, 2.0, 0.3, 0.7, 0.0, 0.3, 1.5],
+    );
+    let truth = numbers(matrix);
+    let single = truth.cast::<f32>();
+    let ways = [
+        (zero_link(&truth, 0, 1), zero_link(&single, 0, 1)),
+        (keep_marginals(&truth, 0, 1), keep_marginals(&single, 0, 1)),
+        (sparsify(&truth, 0, &[1]), sparsify(&single, 0, &[1])),
+    ];
+    for (double, found) in ways {
+        let (double, found) = (double.unwrap(), found.unwrap());
+        assert!(off(found.cast::<f64>().matrix(), double.matrix()) < 1e-6);
+        let nats = divergence(&single, &found).unwrap();
+        assert!((f64::from(nats) - divergence(&truth, &double).unwrap()).abs() < 1e-5);
+        let largest = OverConfidence::of(&single, &found).unwrap().largest();
+        let expected = OverConfidence::of(&truth, &double).unwrap().largest();
+        assert!((f64::from(largest) - expected).abs() < 1e-5);
+    }
+}
