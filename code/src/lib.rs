@@ -22,6 +22,7 @@ pub mod filtering;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod marginalization;
 pub mod msckf;
 pub mod observability;
 pub mod preintegration;

@@ -7,7 +7,8 @@ use nalgebra::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::factors::{
-    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, Prior, StereoByPose,
+    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, Prior, RelativePose,
+    StereoByPose,
 };
 use vislam::inertial::{GRAVITY, Gravity, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
@@ -394,4 +395,28 @@ fn a_state_and_a_bias_are_found_from_pixels_and_readings_together() {
     assert!(error.iter().all(|number| number.abs() < 1e-6), "{error:?}");
     assert!((solution.values[bias_key].vector() - bias.vector()).norm() < 1e-6);
     assert!(problem.covariance(&solution.values).is_ok());
+}
+
+#[test]
+fn odometry_has_the_slopes_of_its_residual_and_does_not_notice_where_the_world_is() {
+    let mut draws = Draws::new(19);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let poses = [0, 1].map(|_| se3::exp(&draws.vector(1.5)));
+        let [first, second] = poses.map(|pose| frozen.add(&mut draws, &mut problem, pose));
+        let measured = draws.nearby(&(poses[1] * poses[0].inverse()));
+        let sqrt_information = Matrix6::from_fn(|_, _| draws.number(1.0));
+        let odometry = RelativePose { first, second, measured, sqrt_information };
+        problem.add_factor(odometry.clone(), Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, first);
+            frozen.freeze(problem, second);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-6);
+        let world = se3::exp(&draws.vector(1.5));
+        let [one, other] = poses.map(|pose| pose * world);
+        let here = odometry.residual((&poses[0], &poses[1])).unwrap();
+        let there = odometry.residual((&one, &other)).unwrap();
+        assert!((here - there).norm() < 1e-12);
+    }
 }

@@ -6,10 +6,12 @@ mod inertial;
 mod pixel_by_body;
 mod pixel_by_camera;
 mod prior;
+mod relative_pose;
 mod stereo;
 
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};
 pub use pixel_by_camera::{MovingCamera, PixelByCamera};
 pub use prior::Prior;
+pub use relative_pose::RelativePose;
 pub use stereo::StereoByPose;

@@ -8,12 +8,13 @@ use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
-use super::square_root::{SparseRow, dense, eliminate};
+use super::square_root::{SparseRow, dense, eliminate, eliminate_fronts};
 use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
 /// A factor in square-root form, W (x ⊟ a) + d: what linearized factors say of the variables x that
-/// are left when others have been eliminated. The anchors a are where x stood then.
+/// are left when others have been eliminated. The anchors a are where x was linearized: where it stood
+/// then, or where its linearization point had been frozen before.
 ///
 /// Where a linearization point is frozen at the anchor, its Jacobian is the root W; elsewhere it is W
 /// times the derivative of [`local`](super::Manifold::local).
@@ -32,9 +33,9 @@ pub struct LinearPrior {
 // ANCHOR_END: linear_prior
 
 impl LinearPrior {
-    // ANCHOR: marginalize
-    /// Takes variables out of a problem: eliminates them from all factors that name one of them, as
-    /// these are linearized at `values`, and keeps what they say of their other variables.
+    /// Takes variables out of a problem: eliminates them, in this order, from all factors that name one
+    /// of them, as these are linearized at `values`, and keeps what they say of their other variables.
+    /// The result does not depend on the order; the time does: landmarks should come first.
     ///
     /// The problem stays as it is. The one that goes on is made without these variables and factors,
     /// and with the prior, whose variables [`LinearPrior::renumbered`] calls by their new numbers.
@@ -43,6 +44,7 @@ impl LinearPrior {
     ///
     /// [`SolveError::NoSuchVariable`] when a variable does not exist, [`SolveError::WrongValues`], and what
     /// linearizing at `values` gives.
+    // ANCHOR: marginalize
     pub fn marginalize(
         problem: &Problem,
         values: &Values,
@@ -50,14 +52,8 @@ impl LinearPrior {
     ) -> Result<Self, SolveError> {
         problem.check_values(values)?;
         let columns = problem.columns();
-        // What goes stands first, what stays behind it, and last of all the residual.
-        let mut place: Vec<usize> = (columns.count..2 * columns.count).collect();
-        for &variable in variables {
-            let coordinates = values.coordinates_of(variable);
-            let coordinates = coordinates.ok_or(SolveError::NoSuchVariable { variable })?;
-            columns.select(coordinates).into_iter().for_each(|column| place[column] = column);
-        }
-        let mut rows: Vec<SparseRow> = Vec::new();
+        let (place, sizes) = first(&columns, values, variables)?;
+        let mut rows: Vec<SparseRow<f64>> = Vec::new();
         problem.at(values, |at| {
             problem.each_row(at, &columns, &mut Buffer::default(), |row| {
                 if row.entries.iter().any(|(column, _)| place[*column] < columns.count) {
@@ -67,21 +63,23 @@ impl LinearPrior {
                 }
             })
         })?;
-        let (named, rows) = dense(&rows);
-        let gone = named.partition_point(|place| *place < columns.count);
-        let (_, rest) = eliminate(rows, gone);
-        let stays: Vec<usize> = named[gone..].iter().map(|place| place - columns.count).collect();
-        Ok(Self::of_rows(problem, values, &columns, (&stays, rest)))
+        let (_, rest) = eliminate_fronts(rows, &sizes);
+        let (named, rows) = dense(&rest);
+        // A last row, in which nothing but a residual stands, is a constant.
+        let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
+        let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();
+        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rows))))
     }
     // ANCHOR_END: marginalize
 
     /// The prior of rows that name these columns of a problem, and behind them the residual.
     fn of_rows(
         problem: &Problem,
-        values: &Values,
+        at: Point,
         columns: &Columns,
         (named, rows): (&[usize], DMatrix<f64>),
     ) -> Self {
+        let values = at.values;
         let coordinates = |variable| values.coordinates_of(variable).unwrap_or_default();
         let named = &named[..named.len().saturating_sub(1)];
         let place = |coordinate: usize| named.binary_search(&columns.of[coordinate]?).ok();
@@ -90,14 +88,54 @@ impl LinearPrior {
             leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
         let whole = variables.iter().flat_map(|variable| coordinates(*variable));
         let whole: Vec<Option<usize>> = whole.map(place).collect();
-        // A last row, in which nothing but a residual stands, is a constant.
-        let count = rows.nrows().min(named.len());
-        let root = DMatrix::from_fn(count, whole.len(), |row, at| {
+        let root = DMatrix::from_fn(rows.nrows(), whole.len(), |row, at| {
             whole[at].map_or(0.0, |column| rows[(row, column)])
         });
-        let offset = DVector::from_fn(count, |row, _| rows[(row, named.len())]);
-        let anchors = values.select(&variables).unwrap_or_default();
+        let mut offset = DVector::from_fn(rows.nrows(), |row, _| rows[(row, named.len())]);
+        // The rows are slopes at the linearization point, and their residuals stand at the values.
+        if let Some(frozen) = at.frozen {
+            let moved = frozen.local(values);
+            let moved = variables.iter().flat_map(|variable| &moved[coordinates(*variable)]);
+            offset -= &root * DVector::from_iterator(root.ncols(), moved.copied());
+        }
+        let anchors = at.frozen.unwrap_or(values).select(&variables).unwrap_or_default();
         Self::new(variables, anchors, root, offset)
+    }
+
+    /// The prior W (x ⊟ a) + d of variables that stand at their anchors a in `anchors`: the root W has a
+    /// column for each coordinate of each variable, in the order given, and the offset d a number
+    /// for each row of W. Both are whitened.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`] when a variable is none of `anchors`,
+    /// [`ProblemError::RepeatedVariable`], [`ProblemError::EmptyFactor`] when the root has no rows, and
+    /// [`ProblemError::Root`] when root or offset have another shape or a number that is not finite.
+    pub fn of_root(
+        anchors: &Values,
+        variables: &[usize],
+        root: DMatrix<f64>,
+        offset: DVector<f64>,
+    ) -> Result<Self, ProblemError> {
+        if let Some(&variable) = variables.iter().find(|variable| **variable >= anchors.len()) {
+            return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
+        }
+        for (at, &variable) in variables.iter().enumerate() {
+            if variables[..at].contains(&variable) {
+                return Err(ProblemError::RepeatedVariable { factor: 0, variable });
+            }
+        }
+        let anchors = anchors.select(variables).unwrap_or_default();
+        let is_finite = root.iter().chain(&offset).all(|number| number.is_finite());
+        let (rows, columns, numbers) = (root.nrows(), root.ncols(), offset.len());
+        let dimension = anchors.dimension();
+        if !is_finite || columns != dimension || rows != numbers {
+            return Err(ProblemError::Root { rows, columns, numbers, dimension });
+        }
+        if rows == 0 {
+            return Err(ProblemError::EmptyFactor { factor: 0 });
+        }
+        Ok(Self::new(variables.to_vec(), anchors, root, offset))
     }
 
     fn new(
@@ -126,6 +164,10 @@ impl LinearPrior {
     /// What the residual is at the anchors.
     pub fn offset(&self) -> &DVector<f64> {
         &self.offset
+    }
+
+    fn named(&self) -> (Vec<usize>, Values) {
+        (self.variables.clone(), self.anchors.clone())
     }
 
     /// The same prior in a problem that calls the variables by other numbers.
@@ -160,6 +202,30 @@ impl LinearPrior {
         call(residual, free)
     }
     // ANCHOR_END: prior_residual
+}
+
+/// Where each column of a problem stands when some variables go first, one after the other, and what
+/// stays stands behind as many columns as there are; and how many columns each of them has that none
+/// before it has.
+fn first(
+    columns: &Columns,
+    values: &Values,
+    variables: &[usize],
+) -> Result<(Vec<usize>, Vec<usize>), SolveError> {
+    let mut place: Vec<usize> = (columns.count..2 * columns.count).collect();
+    let (mut sizes, mut next) = (Vec::with_capacity(variables.len()), 0);
+    for &variable in variables {
+        let coordinates = values.coordinates_of(variable);
+        let before = next;
+        for column in columns.select(coordinates.ok_or(SolveError::NoSuchVariable { variable })?) {
+            if place[column] >= columns.count {
+                place[column] = next;
+                next += 1;
+            }
+        }
+        sizes.push(next - before);
+    }
+    Ok((place, sizes))
 }
 
 impl FactorGroup for LinearPrior {
@@ -269,4 +335,24 @@ impl Problem {
         }
         self.add_group(Box::new(prior))
     }
+
+    // ANCHOR: freeze_priors
+    /// Freezes the linearization point of every variable that a prior names at the prior's anchor, and
+    /// gives those that were not frozen before. All factors that name such a variable, whenever they are
+    /// added, then take their derivatives where the prior took its own: first-estimates Jacobians
+    /// ([@huang2008], [@dongsi2011]).
+    ///
+    /// What is frozen stays where it is: of two priors with different anchors the first one counts.
+    pub fn freeze_priors(&mut self) -> Vec<usize> {
+        let mut frozen = Vec::new();
+        for (variables, anchors) in self.priors().map(LinearPrior::named).collect::<Vec<_>>() {
+            for (own, variable) in variables.into_iter().enumerate() {
+                if self.freeze_first(variable, (&anchors, own)) {
+                    frozen.push(variable);
+                }
+            }
+        }
+        frozen
+    }
+    // ANCHOR_END: freeze_priors
 }

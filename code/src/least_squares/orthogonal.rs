@@ -1,7 +1,5 @@
 //! The triangle of a sparse Jacobian, by orthogonal elimination of one variable after the other.
 
-use std::mem::take;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::Columns;
@@ -11,7 +9,7 @@ use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
 use super::spectrum::scale_of;
-use super::square_root::{self, SparseRow, dense};
+use super::square_root::{Piece, SparseRow, eliminate_fronts};
 
 /// Weak measurements of zero of every column, far above rounding and far below anything that is
 /// seen, make the triangle regular.
@@ -23,27 +21,17 @@ const ITERATIONS: usize = 16;
 /// A sparse Jacobian with columns of length one, in the order of their elimination, and its
 /// triangle.
 pub(super) struct Triangle {
-    rows: Vec<SparseRow>,
+    rows: Vec<SparseRow<f64>>,
     scale: DVector<f64>,
     /// The place of each column of the problem in the order of elimination.
     place: Vec<usize>,
-    pieces: Vec<Piece>,
+    pieces: Vec<Piece<f64>>,
 }
-
-// ANCHOR: piece
-/// The rows of the triangle that belong to one variable.
-struct Piece {
-    /// The columns of the variable, then those of variables eliminated later.
-    columns: Vec<usize>,
-    /// As many rows as the variable has columns.
-    rows: DMatrix<f64>,
-}
-// ANCHOR_END: piece
 
 impl Triangle {
     /// Eliminates every variable of a problem.
     pub(super) fn of(problem: &Problem, at: Point, columns: &Columns) -> Result<Self, SolveError> {
-        let mut rows: Vec<SparseRow> = Vec::with_capacity(problem.rows());
+        let mut rows: Vec<SparseRow<f64>> = Vec::with_capacity(problem.rows());
         problem.each_row(at, columns, &mut Buffer::default(), |row| {
             rows.push(row.entries.to_vec());
         })?;
@@ -66,7 +54,8 @@ impl Triangle {
             *column = place[*column];
         }
         let sizes: Vec<usize> = order.iter().map(|block| sizes[*block]).collect();
-        let pieces = eliminate(&rows, &sizes);
+        let regular = (0..columns.count).map(|column| vec![(column, REGULAR)]);
+        let (pieces, _) = eliminate_fronts(rows.iter().cloned().chain(regular), &sizes);
         Ok(Self { rows, scale, place, pieces })
     }
 
@@ -133,7 +122,7 @@ impl Triangle {
     /// The Jacobian times a vector.
     fn product(&self, vector: &DVector<f64>) -> DVector<f64> {
         let entry =
-            |row: &SparseRow| row.iter().map(|(column, slope)| slope * vector[*column]).sum();
+            |row: &SparseRow<f64>| row.iter().map(|(column, slope)| slope * vector[*column]).sum();
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(entry))
     }
 
@@ -168,34 +157,3 @@ fn beside(others: &[DVector<f64>], vector: &mut DVector<f64>) {
     }
     vector.normalize_mut();
 }
-
-// ANCHOR: eliminate
-/// Front by front: all rows that contain the next variable are turned until only as many contain
-/// it as it has columns. Those are its piece of the triangle; the others wait for the next of
-/// their variables.
-fn eliminate(rows: &[SparseRow], sizes: &[usize]) -> Vec<Piece> {
-    let front_of: Vec<usize> =
-        sizes.iter().enumerate().flat_map(|(front, size)| vec![front; *size]).collect();
-    let mut fronts: Vec<Vec<SparseRow>> = vec![Vec::new(); sizes.len()];
-    let wait = |row: SparseRow, fronts: &mut [Vec<SparseRow>]| {
-        if let Some(first) = row.iter().map(|(column, _)| *column).min() {
-            fronts[front_of[first]].push(row);
-        }
-    };
-    rows.iter().for_each(|row| wait(row.clone(), &mut fronts));
-    let (mut pieces, mut start) = (Vec::with_capacity(sizes.len()), 0);
-    for (number, own) in sizes.iter().enumerate() {
-        let mut front = take(&mut fronts[number]);
-        front.extend((start..start + own).map(|column| vec![(column, REGULAR)]));
-        let (columns, dense) = dense(&front);
-        let (rows, rest) = square_root::eliminate(dense, *own);
-        for (number, row) in rest.row_iter().enumerate() {
-            let entries = columns[*own..].iter().copied().zip(row.iter().copied());
-            wait(entries.skip(number).collect(), &mut fronts);
-        }
-        pieces.push(Piece { columns, rows });
-        start += own;
-    }
-    pieces
-}
-// ANCHOR_END: eliminate

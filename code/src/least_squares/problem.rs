@@ -10,7 +10,7 @@ use super::group::{FactorGroup, FactorSet, Point, Undefined};
 use super::kernel::{Kernel, KernelError};
 use super::linearized::Linearized;
 use super::solver::SolveError;
-use super::{Factor, Jacobians, Key, Manifold, Values, Variables};
+use super::{Factor, Jacobians, Key, LinearPrior, Manifold, Values, Variables};
 
 // ANCHOR: problem
 /// A least-squares problem: variables of any kinds, some of them held, and factors.
@@ -155,6 +155,17 @@ impl Problem {
         Ok(())
     }
 
+    /// Freezes the linearization point of a variable at the value of one of other values, unless it is
+    /// frozen already. Whether it was frozen now.
+    pub(super) fn freeze_first(&mut self, variable: usize, at: (&Values, usize)) -> bool {
+        let is_new = !self.frozen[variable];
+        if is_new {
+            self.anchors.copy_of(variable, at);
+            self.frozen[variable] = true;
+        }
+        is_new
+    }
+
     // ANCHOR: add_factor
     /// Adds a factor with its kernel, and gives its number.
     ///
@@ -231,9 +242,17 @@ impl Problem {
         self.groups.retain(|group| !group.numbers.is_empty());
     }
 
-    /// Whether a variable takes steps of its own.
-    pub(super) fn leads(&self, variable: usize) -> bool {
-        self.leader[variable] == variable
+    /// Whether a variable takes steps of its own: it is not tied to another.
+    pub fn leads(&self, variable: usize) -> bool {
+        self.leader.get(variable) == Some(&variable)
+    }
+
+    /// What has been kept of factors that are gone.
+    pub(super) fn priors(&self) -> impl Iterator<Item = &LinearPrior> {
+        self.groups.iter().filter_map(|group| {
+            let any: &dyn Any = &*group.factors;
+            any.downcast_ref()
+        })
     }
 
     /// The values the variables begin at.
@@ -621,6 +640,22 @@ pub enum ProblemError {
         /// Columns of the derivatives.
         columns: usize,
         /// The dimension of the variable.
+        dimension: usize,
+    },
+    /// A prior is of another shape than its variables, or not finite.
+    #[error(
+        "a prior's root of {rows} by {columns} and its offset of {numbers} numbers do not fit variables \
+         of {dimension} coordinates, or a number is not finite; give finite numbers, one column for \
+         each coordinate, also of those that are held, and one offset for each row"
+    )]
+    Root {
+        /// Rows of the root.
+        rows: usize,
+        /// Columns of the root.
+        columns: usize,
+        /// Numbers of the offset.
+        numbers: usize,
+        /// How many coordinates the variables have together.
         dimension: usize,
     },
     /// A kernel has an impossible parameter.

@@ -1,12 +1,14 @@
 //! Elimination in square-root form: rows are turned, and nothing is squared.
 
-use nalgebra::DMatrix;
+use std::mem::take;
+
+use nalgebra::{DMatrix, DVector, RealField};
 
 /// Columns and entries.
-pub(super) type SparseRow = Vec<(usize, f64)>;
+pub(crate) type SparseRow<T> = Vec<(usize, T)>;
 
 /// The columns of some rows, ascending, and the rows with these alone.
-pub(super) fn dense(rows: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
+pub(crate) fn dense<T: RealField + Copy>(rows: &[SparseRow<T>]) -> (Vec<usize>, DMatrix<T>) {
     let mut columns: Vec<usize> = rows.iter().flatten().map(|(column, _)| *column).collect();
     columns.sort_unstable();
     columns.dedup();
@@ -19,18 +21,107 @@ pub(super) fn dense(rows: &[SparseRow]) -> (Vec<usize>, DMatrix<f64>) {
     (columns, dense)
 }
 
-// ANCHOR: eliminate_rows
 /// Eliminates the first columns of some rows, the last column of which may be the residual: turns the
-/// rows by an orthogonal matrix until only as many of them name these columns as there are of them.
+/// rows by an orthogonal matrix until no more of them name these columns than there are of them.
 ///
-/// Gives these rows, and then those that say everything else that was said, without the first
-/// columns. Whether a column is seen at all does not matter: what is not seen leaves zeros.
-pub fn eliminate(rows: DMatrix<f64>, columns: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+/// Gives these rows, as many as the columns have independent directions, and then those that say
+/// everything else that was said, without the first columns. A direction of a column that is seen by
+/// no more than rounding, beside the rows before it, has no row.
+// ANCHOR: eliminate_rows
+pub fn eliminate<T: RealField + Copy>(
+    mut rows: DMatrix<T>,
+    columns: usize,
+) -> (DMatrix<T>, DMatrix<T>) {
     let columns = columns.min(rows.ncols());
-    let triangle = rows.qr().unpack_r();
-    let own = columns.min(triangle.nrows());
-    let (left, width) = (triangle.nrows() - own, triangle.ncols() - columns);
-    let rest = triangle.view((own, columns), (left, width)).into_owned();
-    (triangle.rows(0, own).into_owned(), rest)
+    let lost = T::default_epsilon() * nalgebra::convert(rows.nrows() as f64);
+    let mut axis = DVector::zeros(rows.nrows());
+    let mut own = 0;
+    for column in 0..columns {
+        let lost = lost * rows.column(column).norm();
+        if own < rows.nrows() && rows.view_range(own.., column).norm() > lost {
+            reflect(&mut rows, own, column, &mut axis);
+            own += 1;
+        } else {
+            rows.view_range_mut(own.., column).fill(T::zero());
+        }
+    }
+    let rest = rows.view_range(own.., columns..).into_owned();
+    (rows.rows(0, own).into_owned(), rest.qr().unpack_r())
 }
 // ANCHOR_END: eliminate_rows
+
+// ANCHOR: reflect
+/// Mirrors the rows from `own` on so that this column, which is not zero there, keeps a number in the
+/// first of them alone (Householder). The columns before it are zero there and stay so.
+fn reflect<T: RealField + Copy>(
+    rows: &mut DMatrix<T>,
+    own: usize,
+    column: usize,
+    memory: &mut DVector<T>,
+) {
+    let mut axis = memory.rows_range_mut(own..);
+    axis.copy_from(&rows.view_range(own.., column));
+    let length = axis.norm().copysign(-axis[0]);
+    // Of the two mirrors, the one that does not subtract.
+    axis[0] -= length;
+    axis.normalize_mut();
+    for later in column + 1..rows.ncols() {
+        let mut turned = rows.view_range_mut(own.., later);
+        let along = axis.dot(&turned);
+        turned.axpy(-(along + along), &axis, T::one());
+    }
+    rows.view_range_mut(own.., column).fill(T::zero());
+    rows[(own, column)] = length;
+}
+// ANCHOR_END: reflect
+
+/// For each number its sum with all before it.
+fn running_sums(numbers: &[usize]) -> Vec<usize> {
+    let mut sum = 0;
+    let add = |number: &usize| {
+        sum += number;
+        sum
+    };
+    numbers.iter().map(add).collect()
+}
+
+/// The rows of a triangle that belong to one block of columns.
+pub(crate) struct Piece<T> {
+    /// The columns of the block that rows name, then later ones.
+    pub(crate) columns: Vec<usize>,
+    /// As many rows as the block has directions that are seen.
+    pub(crate) rows: DMatrix<T>,
+}
+
+/// Eliminates blocks of the first columns, of these sizes, front by front: all rows that name the next
+/// block are turned until only as many name it as it has columns. Those are its piece of the
+/// triangle; the others wait for the next block that they name.
+///
+/// Gives the pieces, and the rows that are left: they name columns behind those of all blocks.
+// ANCHOR: eliminate_fronts
+pub(crate) fn eliminate_fronts<T: RealField + Copy>(
+    rows: impl IntoIterator<Item = SparseRow<T>>,
+    sizes: &[usize],
+) -> (Vec<Piece<T>>, Vec<SparseRow<T>>) {
+    let ends = running_sums(sizes);
+    let front_of = |row: &SparseRow<T>| {
+        let first = row.iter().map(|(column, _)| *column).min().unwrap_or(usize::MAX);
+        ends.partition_point(|end| *end <= first)
+    };
+    let mut fronts: Vec<Vec<SparseRow<T>>> = vec![Vec::new(); sizes.len() + 1];
+    rows.into_iter().for_each(|row| fronts[front_of(&row)].push(row));
+    let mut pieces = Vec::with_capacity(sizes.len());
+    for (number, end) in ends.iter().enumerate() {
+        let (columns, dense) = dense(&take(&mut fronts[number]));
+        let named = columns.partition_point(|column| column < end);
+        let (rows, rest) = eliminate(dense, named);
+        for (number, row) in rest.row_iter().enumerate() {
+            let entries = columns[named..].iter().copied().zip(row.iter().copied());
+            let row = entries.skip(number).collect();
+            fronts[front_of(&row)].push(row);
+        }
+        pieces.push(Piece { columns, rows });
+    }
+    (pieces, fronts.pop().unwrap_or_default())
+}
+// ANCHOR_END: eliminate_fronts

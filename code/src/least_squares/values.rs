@@ -244,8 +244,17 @@ impl Values {
 
     /// Copies the value of one variable from values of the same variables.
     pub(super) fn copy(&mut self, from: &Self, index: usize) {
-        let Place { kind, place, .. } = self.variables[index];
-        self.kinds[kind as usize].copy(&*from.kinds[kind as usize], place as usize);
+        self.copy_of(index, (from, index));
+    }
+
+    /// Gives a variable the value of one of other values. Nothing happens when they are not of one
+    /// kind and dimension.
+    pub(super) fn copy_of(&mut self, own: usize, (from, variable): (&Self, usize)) {
+        if self.is_like(own, (from, variable)) {
+            let (to, place) = (self.variables[own], from.variables[variable]);
+            let list = &mut self.kinds[to.kind as usize];
+            list.copy(to.place as usize, &*from.kinds[place.kind as usize], place.place as usize);
+        }
     }
 }
 
@@ -276,7 +285,7 @@ trait Kind: Any + Send + Sync {
     fn local_jacobian(&self, place: usize, to: &dyn Kind, to_place: usize, into: &mut [f64]);
     fn empty(&self) -> Box<dyn Kind>;
     fn push(&mut self, from: &dyn Kind, place: usize) -> u32;
-    fn copy(&mut self, from: &dyn Kind, place: usize);
+    fn copy(&mut self, place: usize, from: &dyn Kind, from_place: usize);
 }
 
 fn is_list<V: Manifold>(kind: &dyn Kind) -> bool {
@@ -334,9 +343,9 @@ impl<V: Manifold> Kind for Vec<V> {
         self.len() as u32 - 1
     }
 
-    fn copy(&mut self, from: &dyn Kind, place: usize) {
+    fn copy(&mut self, place: usize, from: &dyn Kind, from_place: usize) {
         if let Some(from) = list::<V>(from) {
-            self[place] = from[place].clone();
+            self[place] = from[from_place].clone();
         }
     }
 }

@@ -8,7 +8,7 @@
 
 mod flight;
 mod landmarks;
-mod random;
+pub(crate) mod random;
 mod recording;
 mod scenes;
 mod trajectory;

@@ -247,10 +247,40 @@ fn elimination_leaves_what_the_rows_say_of_the_rest_and_nothing_of_what_is_gone(
 }
 
 #[test]
+fn elimination_keeps_what_the_rows_say_of_the_rest_where_columns_are_not_independent() {
+    let mut draws = Draws::new(43);
+    for (rows, gone, rank) in [(12, 3, 2), (12, 4, 1), (9, 3, 0), (6, 5, 3)] {
+        let seen = DMatrix::from_fn(rows, rank, |_, _| draws.number());
+        let mixing = DMatrix::from_fn(rank, gone, |_, _| draws.number());
+        let mut matrix = DMatrix::from_fn(rows, gone + 4, |_, _| draws.number());
+        matrix.columns_mut(0, gone).copy_from(&(&seen * mixing));
+        let (own, rest) = eliminate(matrix.clone(), gone);
+        assert_eq!(own.nrows(), rank);
+        // What is left of the others when what the columns that go can explain is taken out.
+        let (axes, others) = (seen.qr().q(), matrix.columns(gone, 4));
+        let left = others - &axes * axes.tr_mul(&others);
+        assert!((rest.tr_mul(&rest) - left.tr_mul(&left)).norm() < 1e-12, "rank {rank}");
+    }
+}
+
+#[test]
+fn elimination_in_single_precision_is_that_in_double_to_its_digits() {
+    let mut draws = Draws::new(44);
+    let matrix = DMatrix::from_fn(20, 9, |_, _| draws.number());
+    let (_, double) = eliminate(matrix.clone(), 4);
+    let (_, single) = eliminate(matrix.map(|number| number as f32), 4);
+    let off = (single.map(f64::from).abs() - double.abs()).norm() / double.norm();
+    assert!(off < 1e-5, "{off:e}");
+    assert!(off > 1e-9, "it was computed in single precision: {off:e}");
+}
+
+#[test]
 fn elimination_of_more_columns_than_there_are_takes_all_of_them() {
-    let (own, rest) = eliminate(DMatrix::from_element(3, 2, 1.0), 5);
+    let (own, rest) = eliminate(DMatrix::from_fn(3, 2, |row, column| (row * column) as f64), 5);
+    assert_eq!((own.shape(), rest.shape()), ((1, 2), (0, 0)));
+    let (own, rest) = eliminate(DMatrix::<f64>::identity(3, 2), 5);
     assert_eq!((own.shape(), rest.shape()), ((2, 2), (0, 0)));
-    let (own, rest) = eliminate(DMatrix::zeros(0, 4), 1);
+    let (own, rest) = eliminate(DMatrix::<f64>::zeros(0, 4), 1);
     assert_eq!((own.shape(), rest.shape()), ((0, 4), (0, 3)));
 }
 
@@ -263,4 +293,102 @@ fn a_variable_that_no_factor_names_leaves_nothing() {
     problem.add_factor(prior, Kernel::Squared).unwrap();
     let kept = LinearPrior::marginalize(&problem, problem.values(), &[lonely.index()]).unwrap();
     assert!(kept.variables().is_empty());
+}
+
+/// Poses that are measured against each other alone, without the first: free as a whole.
+fn free_graph() -> (Problem, Vec<Key<Isometry3<f64>>>) {
+    let graph = Graph::new(10);
+    let (problem, keys) = graph.problem(&graph.poses, |index| index > 0);
+    (problem, keys.into_iter().flatten().collect())
+}
+
+/// Takes two poses out, one after the other, with estimates that move in between, and says what is
+/// free in the end.
+fn free_after_two_slides(freeze: impl Fn(&mut Problem, &[usize])) -> Option<usize> {
+    let (mut problem, keys) = free_graph();
+    let mut draws = Draws::new(45);
+    let mut moved = |problem: &Problem| {
+        let count = problem.values().dimension();
+        let step: Vec<f64> = (0..count).map(|_| 0.05 * draws.number()).collect();
+        problem.values().retract(&step)
+    };
+    for key in [keys[0], keys[1]] {
+        let values = moved(&problem);
+        let named = problem.marginalize(&values, &[key.index()]).unwrap();
+        freeze(&mut problem, &named);
+    }
+    let values = moved(&problem);
+    problem.null_space(&values).ok().map(|free| free.nullity())
+}
+
+#[test]
+fn what_is_free_stays_free_over_two_slides_when_what_was_frozen_first_stays_frozen() {
+    let first_estimates = free_after_two_slides(|problem, _| {
+        problem.freeze_priors();
+    });
+    assert_eq!(first_estimates, Some(6));
+    assert_ne!(free_after_two_slides(|_, _| ()), Some(6), "derivatives follow the estimate");
+    let anew = free_after_two_slides(|problem, named| problem.freeze_here(named).unwrap());
+    assert_ne!(anew, Some(6), "the second slide freezes anew what the first one froze");
+}
+
+#[test]
+fn a_factor_that_comes_later_takes_its_derivatives_where_the_prior_did() {
+    let (mut problem, keys) = free_graph();
+    let values = problem.values().clone();
+    let named = problem.marginalize(&values, &[keys[0].index()]).unwrap();
+    assert_eq!(problem.freeze_priors(), named);
+    assert_eq!(problem.freeze_priors(), Vec::<usize>::new(), "each is frozen once");
+    let known = problem.values().key::<Isometry3<f64>>(named[0]).unwrap();
+    let other = keys.iter().rev().find(|key| !named.contains(&key.index())).copied().unwrap();
+    let rows = problem.rows();
+    let measured = se3::exp(&nalgebra::Vector6::repeat(0.1));
+    let later = Between { poses: [known, other], measured };
+    problem.add_factor(later, Kernel::Squared).unwrap();
+
+    let step = vec![0.1; problem.values().dimension()];
+    let moved = problem.values().retract(&step);
+    let mut mixed = moved.clone();
+    for number in &named {
+        let key = problem.values().key::<Isometry3<f64>>(*number).unwrap();
+        mixed.set(key, values[key]);
+    }
+    let mut alone = Problem::new();
+    let poses = [known, other].map(|key| alone.add_variable(mixed[key]));
+    alone.add_factor(Between { poses, measured }, Kernel::Squared).unwrap();
+    let (expected, _) = alone.jacobian(alone.values()).unwrap();
+    let (jacobian, _) = problem.jacobian(&moved).unwrap();
+    let columns = problem.columns();
+    let found = |key: Key<Isometry3<f64>>| {
+        let own = columns.select(moved.coordinates_of(key.index()).unwrap());
+        let with = jacobian.select_columns(&own);
+        (0..=with.nrows() - 6)
+            .map(|row| with.rows(row, 6).into_owned())
+            .find(|block| (block - expected.columns(0, 6)).norm() < 1e-12)
+    };
+    assert_eq!(problem.rows(), rows + 6);
+    assert!(found(known).is_some(), "its derivative stands where the prior was taken");
+}
+
+#[test]
+fn a_prior_of_a_root_is_refused_when_it_does_not_fit() {
+    let mut problem = Problem::new();
+    let keys = [1.0, 2.0].map(|x| problem.add_variable(Vector3::repeat(x)).index());
+    let of_root = |named: &[usize], rows, columns, numbers| {
+        let root = DMatrix::from_element(rows, columns, 1.0);
+        LinearPrior::of_root(problem.values(), named, root, DVector::zeros(numbers)).err()
+    };
+    assert_eq!(of_root(&keys, 2, 6, 2), None);
+    let root =
+        |rows, columns, numbers| Some(ProblemError::Root { rows, columns, numbers, dimension: 6 });
+    assert_eq!(of_root(&keys, 2, 5, 2), root(2, 5, 2));
+    assert_eq!(of_root(&keys, 2, 6, 3), root(2, 6, 3));
+    assert_eq!(of_root(&keys, 0, 6, 0), Some(ProblemError::EmptyFactor { factor: 0 }));
+    let twice = ProblemError::RepeatedVariable { factor: 0, variable: 1 };
+    assert_eq!(of_root(&[1, 1], 2, 6, 2), Some(twice));
+    let unknown = ProblemError::NoSuchVariable { variable: 7, variables: 2 };
+    assert_eq!(of_root(&[0, 7], 2, 6, 2), Some(unknown));
+    let root = DMatrix::from_element(1, 6, f64::NAN);
+    let refused = LinearPrior::of_root(problem.values(), &keys, root, DVector::zeros(1)).err();
+    assert!(matches!(refused, Some(ProblemError::Root { .. })));
 }
