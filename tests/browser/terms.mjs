@@ -89,6 +89,6 @@ export const terms = {
     "MSCKF": "msckf.html#sec:msckf",
     "null-space projection": "msckf.html#sec:null-space-projection",
     "Givens rotation": "msckf.html#sec:null-space-projection",
-    "zero-velocity update": "msckf.html#hovering-and-zero-velocity-updates",
+    "zero-velocity update": "msckf.html#sec:hovering",
     "Kalibr": "your_own_data.html#the-camera",
 };

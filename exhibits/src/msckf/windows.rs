@@ -9,7 +9,7 @@ use super::flights::flown;
 use crate::chapter::Chapter;
 use crate::record::{RecordValue, accepted};
 
-pub const WINDOWS: [usize; 6] = [4, 6, 8, 11, 16, 24];
+pub const WINDOWS: [usize; 6] = [6, 8, 11, 16, 24, 32];
 pub const POLICIES: [(&str, WindowPolicy); 2] =
     [("oldest", WindowPolicy::Oldest), ("thin", WindowPolicy::Thin)];
 const SEEDS: u64 = 10;

@@ -7,12 +7,15 @@ use crate::msckf::cost::{FEATURES, LENGTHS, WINDOWS, recorded};
 use crate::record::accepted;
 
 pub fn cost() -> Figure {
+    let without = accepted("msckf_cost", "features_0");
+    let features = recorded("features", &FEATURES).into_iter();
     let curves = [
         recorded("length", &LENGTHS),
-        recorded("features", &FEATURES),
+        features.map(|(count, time)| (count, time - without)).collect(),
         recorded("window", &WINDOWS),
     ];
-    let names = ["projection, by sights", "picture, by tracks", "correction, by poses"];
+    let names: [&str; 3] =
+        ["projection, by sights", "tracks of a picture, by their number", "correction, by poses"];
     let exponents = ["exponent_length", "exponent_features", "exponent_window"];
     let cells = || {
         curves.iter().zip(names).flat_map(|(curve, name)| curve.iter().map(move |at| (name, at)))
