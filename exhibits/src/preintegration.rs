@@ -2,7 +2,7 @@
 
 mod noise;
 pub mod oracle;
-mod speed;
+pub mod speed;
 mod sums;
 
 use crate::chapter::Chapter;

@@ -86,5 +86,9 @@ export const terms = {
     "observable": "observability.html#sec:observability",
     "unobservable directions": "observability.html#the-four-unobservable-directions-position-and-yaw",
     "degenerate motion": "observability.html#degenerate-motions",
+    "MSCKF": "msckf.html#sec:msckf",
+    "null-space projection": "msckf.html#sec:null-space-projection",
+    "Givens rotation": "msckf.html#sec:null-space-projection",
+    "zero-velocity update": "msckf.html#sec:hovering",
     "Kalibr": "your_own_data.html#the-camera",
 };

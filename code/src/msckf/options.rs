@@ -36,7 +36,8 @@ pub struct Calibrated {
     /// The standard deviations of `body_from_camera` as its retraction counts it: of its
     /// translation in metres and of its rotation in radians. `None` when it is known.
     pub extrinsics: Option<[f64; 2]>,
-    /// The standard deviation of the time offset, in seconds. `None` when it is known.
+    /// The standard deviation of the time offset, in seconds. `None` when it is known. It is
+    /// estimated through the poses of the window, {eq:clone-clock}, as @li2014 do.
     pub time_offset: Option<f64>,
 }
 

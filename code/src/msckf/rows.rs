@@ -85,6 +85,7 @@ impl Rows {
     // ANCHOR: compress
     /// Turns all rows by reflections of Householder into as few as there are columns before the
     /// last one, which is the residual, and drops those that say nothing of the columns any more.
+    /// Implements {eq:track-compressed}.
     /// Fewer rows than columns stay as they are.
     pub fn compress(&mut self) {
         let (width, count) = (self.width, self.len());

@@ -85,11 +85,13 @@ impl LinearizedTrack {
     /// Turns the rows by rotations of Givens until only the first three name the landmark. The
     /// others are what the track says of the poses, whatever the landmark may be: their noise is
     /// still white, because only rotations were used, and no null space was written down.
+    /// Implements {eq:track-projected}.
     ///
     /// # Errors
     ///
     /// [`TrackError::Rank`] when the landmark stays uncertain in some direction by more than
-    /// `largest_sigma` metres even with all poses known. The rows then say less than they seem to.
+    /// `largest_sigma` metres even with all poses known, {eq:landmark-sigma}. The rows then say
+    /// less than they seem to.
     pub fn project(&mut self, largest_sigma: f64) -> Result<(), TrackError> {
         for column in 0..3 {
             for row in (column + 1..self.rows.len()).rev() {

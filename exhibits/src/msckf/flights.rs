@@ -1,0 +1,168 @@
+//! Flights with the filter of `examples/filter.rs`.
+
+use vislam::inertial::NavState;
+use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
+
+use crate::chapter::Chapter;
+
+#[allow(dead_code)]
+#[path = "../../../code/examples/filter.rs"]
+pub mod example;
+
+use example::{fly, start};
+
+/// A flight, and what its sensors bring home.
+pub fn flown(flight: &Flight, seed: u64) -> FlightRecording {
+    example::flown(flight, seed).expect("it can be flown")
+}
+
+/// The options that are true of a flight.
+pub fn options(recording: &FlightRecording) -> MsckfOptions {
+    MsckfOptions::of_flight(&recording.flight)
+}
+
+/// What is seen of a filter after each picture.
+#[derive(Clone, Copy)]
+pub struct Seen {
+    /// Distance from the truth, in metres.
+    pub error: f64,
+    /// The root of the trace of the covariance of the position, in metres.
+    pub sigma: f64,
+    /// The standard deviation of yaw, in radians.
+    pub yaw: f64,
+    pub report: PictureReport,
+}
+
+impl Seen {
+    fn of(truth: &NavState, filter: &Msckf, report: &PictureReport) -> Self {
+        let covariance = filter.covariance();
+        let world_from_body = filter.state().world_from_body;
+        let turn = covariance.fixed_view::<3, 3>(0, 0);
+        let turn = world_from_body.matrix() * turn * world_from_body.matrix().transpose();
+        Self {
+            error: (truth.position - filter.state().position).norm(),
+            sigma: covariance.fixed_view::<3, 3>(6, 6).trace().sqrt(),
+            yaw: turn[(2, 2)].sqrt(),
+            report: *report,
+        }
+    }
+}
+
+/// A flight as the filter goes along.
+pub fn followed(recording: &FlightRecording, options: MsckfOptions, seed: u64) -> Vec<Seen> {
+    let mut seen = Vec::new();
+    fly(recording, options, &start(recording, seed), |number, filter, report| {
+        seen.push(Seen::of(&recording.truth.states[number], filter, report));
+    })
+    .expect("the flight is followed");
+    seen
+}
+
+/// Root mean square of the distances from the truth, in metres.
+pub fn rmse(seen: &[Seen]) -> f64 {
+    (seen.iter().map(|seen| seen.error * seen.error).sum::<f64>() / seen.len() as f64).sqrt()
+}
+
+/// A hover of a minute: without a word about rest, and with.
+pub fn hovers() -> [Vec<Seen>; 2] {
+    let hover = Flight { motion: Trajectory::hover(), ..example::flight(60.0) };
+    let recording = flown(&hover, 5);
+    let rest = Rest { motion: 3.0, velocity_sigma: 0.01, turning_sigma: 0.01 };
+    [None, Some(rest)].map(|rest| {
+        let options = MsckfOptions { rest, ..options(&recording) };
+        followed(&recording, options, 5)
+    })
+}
+
+pub fn numbers(chapter: &mut Chapter) {
+    size(chapter);
+    hovering(chapter);
+    outliers(chapter);
+    heading(chapter);
+}
+
+fn size(chapter: &mut Chapter) {
+    let recording = flown(&example::flight(60.0), 0);
+    let options = options(&recording);
+    let seen = followed(&recording, options, 0);
+    chapter.number("window", options.clones as f64, "", 0);
+    chapter.number("columns", 15.0 + 6.0 * options.clones as f64, "", 0);
+    chapter.number("flight_seconds", recording.flight.seconds, "s", 0);
+    chapter.number("flight_pictures", recording.pictures.len() as f64, "", 0);
+    chapter.number("flight_tracks", recording.truth.landmark_of_track.len() as f64, "", 0);
+    chapter.number("flight_rmse", 100.0 * rmse(&seen), "cm", 1);
+    let last = seen.last().expect("there are pictures");
+    chapter.number("flight_error", 100.0 * last.error, "cm", 1);
+    chapter.number("flight_sigma", 100.0 * last.sigma, "cm", 1);
+    let used = seen.iter().map(|seen| seen.report.used).sum::<usize>();
+    chapter.number("flight_used", used as f64, "", 0);
+    let refused = refused(&seen);
+    chapter.number("flight_short", refused.short as f64, "", 0);
+    chapter.number("flight_gated", refused.gated as f64, "", 0);
+    let rows = seen.iter().map(|seen| seen.report.rows).sum::<usize>() as f64;
+    chapter.number("flight_rows", rows / seen.len() as f64, "", 0);
+}
+
+fn refused(seen: &[Seen]) -> Refusals {
+    seen.iter().fold(Refusals::default(), |sum, seen| {
+        let Refusals { short, landmark, rank, gated } = seen.report.refused;
+        Refusals {
+            short: sum.short + short,
+            landmark: sum.landmark + landmark,
+            rank: sum.rank + rank,
+            gated: sum.gated + gated,
+        }
+    })
+}
+
+fn hovering(chapter: &mut Chapter) {
+    let [adrift, told] = hovers();
+    let (first, last) = (adrift[0], adrift[adrift.len() - 1]);
+    chapter.number("hover_error", last.error, "m", 1);
+    chapter.number("hover_sigma", last.sigma, "m", 1);
+    chapter.number("hover_yaw_first", 1e3 * first.yaw, "mrad", 1);
+    chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 1);
+    chapter.number(
+        "hover_used",
+        adrift.iter().map(|seen| seen.report.used).sum::<usize>() as f64,
+        "",
+        0,
+    );
+    let Refusals { short, landmark, rank, gated } = refused(&adrift);
+    chapter.number("hover_refused", (short + landmark + rank + gated) as f64, "", 0);
+    let last = told[told.len() - 1];
+    chapter.number("rest_error", 100.0 * last.error, "cm", 1);
+    chapter.number("rest_sigma", 100.0 * last.sigma, "cm", 1);
+    chapter.number("rest_yaw", 1e3 * last.yaw, "mrad", 1);
+    let resting = told.iter().filter(|seen| seen.report.at_rest).count();
+    chapter.number("rest_pictures", resting as f64, "", 0);
+}
+
+/// A flight with wrong pixels, with the gate and without.
+fn outliers(chapter: &mut Chapter) {
+    let flight = Flight { outliers: 0.02, ..example::flight(20.0) };
+    let recording = flown(&flight, 2);
+    let gated = followed(&recording, options(&recording), 2);
+    let open = MsckfOptions { gate: 1.0, ..options(&recording) };
+    let open = followed(&recording, open, 2);
+    chapter.number("outlier_percent", 100.0 * flight.outliers, "%", 0);
+    chapter.number("outlier_rmse_gated", 100.0 * rmse(&gated), "cm", 1);
+    chapter.number("outlier_rmse_open", 100.0 * rmse(&open), "cm", 1);
+    chapter.number("outlier_gated", refused(&gated).gated as f64, "", 0);
+}
+
+/// The standard deviation of yaw with kept landmarks, by the places of linearization.
+fn heading(chapter: &mut Chapter) {
+    let recording = flown(&example::flight(40.0), 4);
+    let yaw = |landmarks, linearization| {
+        let options = MsckfOptions { landmarks, linearization, ..options(&recording) };
+        let seen = followed(&recording, options, 4);
+        1e3 * seen[seen.len() - 1].yaw
+    };
+    chapter.number("kept", 30.0, "", 0);
+    chapter.number("heading_seconds", 40.0, "s", 0);
+    chapter.number("heading_none", yaw(0, Linearization::Latest), "mrad", 2);
+    chapter.number("heading_latest", yaw(30, Linearization::Latest), "mrad", 2);
+    chapter.number("heading_first", yaw(30, Linearization::FirstEstimates), "mrad", 2);
+}
