@@ -10,6 +10,7 @@ pub mod figure;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod marginalization;
 pub mod observability;
 pub mod preintegration;
 pub mod random;
@@ -41,6 +42,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("preintegration", preintegration::exhibits, preintegration::records),
     ("real_flights", real_flights::exhibits, real_flights::records),
     ("observability", observability::exhibits, no_records),
+    ("marginalization", marginalization::exhibits, no_records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}
