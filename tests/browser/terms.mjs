@@ -86,5 +86,9 @@ export const terms = {
     "observable": "observability.html#sec:observability",
     "unobservable directions": "observability.html#the-four-unobservable-directions-position-and-yaw",
     "degenerate motion": "observability.html#degenerate-motions",
+    "marginalization": "marginalization.html#sec:marginalization",
+    "fill-in": "marginalization.html#fill-in-and-the-markov-blanket",
+    "sparsification": "marginalization.html#sec:marginalization",
+    "Chow-Liu": "marginalization.html#chow-liu-trees-and-factor-recovery",
     "Kalibr": "your_own_data.html#the-camera",
 };

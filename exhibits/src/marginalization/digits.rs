@@ -31,7 +31,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("digits-lost", digits_lost, bounds, &mutants);
 
-    let kept = Rounded { rounding: 1e-6, change: |root| single(root, |r| Some(r.qr().r())) };
+    let kept = Rounded { rounding: 2e-7, change: |root| single(root, |r| Some(r.qr().r())) };
     let squared: Change = |root| single(root, |r| Some(r.tr_mul(&r).cholesky()?.unpack().transpose()));
     for (condition, dropped) in [
         ("relative", Rounded { change: squared, ..kept }),
@@ -84,7 +84,7 @@ fn digits_lost(formula: Bounds) -> Comparison {
 }
 
 /// The condition of the theorem's cases.
-const CONDITION: f64 = 1e3;
+const CONDITION: f64 = 2e3;
 
 type Change = fn(&DMatrix<f64>) -> DMatrix<f64>;
 

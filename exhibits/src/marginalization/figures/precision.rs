@@ -1,7 +1,5 @@
 //! Errors of both forms in single precision, over the condition.
 
-use plotters::coord::combinators::IntoLogRange;
-
 use crate::figure::{self, Draw, Figure, INK, SERIES, powers};
 use crate::marginalization::digits::{all, bounds};
 
@@ -30,24 +28,22 @@ pub fn precision() -> Figure {
         ("Gaussians from the information matrix", figure::plain(all.iter().map(|d| d.gaussians[0]))),
         ("Gaussians from the square root", figure::plain(all.iter().map(|d| d.gaussians[1]))),
     ];
-    let ends = [all[0].condition / 2.0, all[all.len() - 1].condition * 2.0];
     Figure::new(900, columns, |drawing| {
-        let x_axis = ("condition number of the root", (ends[0]..ends[1]).log_scale(), 5);
-        let y_axis = ("largest error of a variance", (1e-7..1e4).log_scale(), 6);
+        let x_axis = ("log\u{2081}\u{2080} of the root's condition number", 2.2..7.2, 6);
+        let y_axis = ("log\u{2081}\u{2080} of the error of a variance", -6.0..3.2, 5);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for form in 0..2 {
-            let curve = figure::geometric(ends[0], ends[1] / ends[0], 200);
-            let curve = curve.map(|condition| (condition, bound(condition, form)));
-            let curve = curve.filter(|(_, bound)| (1e-7..2e2).contains(bound));
-            chart.line(curve, SERIES[form], 2)?;
+            let curve = (0..=200).map(|k| 2.2 + 5.0 * f64::from(k) / 200.0);
+            let curve = curve.map(|digits| (digits, bound(10_f64.powf(digits), form).log10()));
+            chart.line(curve.filter(|(_, bound)| (-6.0..1.2).contains(bound)), SERIES[form], 2)?;
             let points = all.iter().zip(errors(form));
             let points: Vec<(f64, f64)> =
-                points.filter_map(|(d, error)| Some((d.condition, error?))).collect();
+                points.filter_map(|(d, error)| Some((d.condition.log10(), error?.log10()))).collect();
             chart.line(points.iter().copied(), SERIES[form], 5)?;
             chart.marks(points, form)?;
-            let (x, y) = (ends[0] * 1.6, 2e3 / 8.0_f64.powi(form as i32));
-            chart.key(form, NAMES[form], (x, y), x * 1.4)?;
+            let (x, y) = (2.45, 2.75 - 0.7 * form as f64);
+            chart.key(form, NAMES[form], (x, y), x + 0.12)?;
         }
-        chart.write("thin: bounds for one rounding", (ends[0] * 2.24, 3e1), figure::letters_right_of(INK))
+        chart.write("thin: bounds for one rounding", (4.3, 0.9), figure::letters_right_of(INK))
     })
 }

@@ -1,8 +1,7 @@
 //! What is reported of an end of a link that was dropped.
 
-use crate::figure::{self, Draw, Figure, INK, decimals};
+use crate::figure::{self, Draw, Figure, INK, decimals, letters_around};
 use crate::marginalization::windows::{WAYS, dropped_links};
-use plotters::coord::combinators::IntoLogRange;
 
 pub fn sigmas() -> Figure {
     let all = dropped_links();
@@ -18,21 +17,19 @@ pub fn sigmas() -> Figure {
         ("marginals kept", cells(1)),
         ("as the SEIF does", cells(2)),
     ];
-    let most = all.iter().map(|d| d.sigma).fold(0.0, f64::max);
-    let least = all.iter().map(|d| d.sigma).fold(f64::INFINITY, f64::min);
-    let ratios = || all.iter().flat_map(|d| d.reported).flatten();
-    let low = ratios().fold(f64::INFINITY, f64::min);
-    let high = ratios().fold(0.0, f64::max);
     Figure::new(900, columns, |drawing| {
-        let x_axis = ("true sigma of the position (mm)", (least / 1.1..most * 1.1).log_scale(), 5);
-        let y_axis = ("reported over true sigma", (low / 1.2..high * 3.0).log_scale(), 6);
+        let x_axis = ("true sigma of the position (mm)", 0.0..520.0, 6);
+        let y_axis = ("reported over true sigma", 0.3..2.3, 5);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        chart.line([(least / 1.1, 1.0), (most * 1.1, 1.0)], INK, 3)?;
+        chart.line([(0.0, 1.0), (520.0, 1.0)], INK, 3)?;
         for (way, name) in WAYS.iter().enumerate() {
             let points = all.iter().filter_map(|d| Some((d.sigma, d.reported[way]?)));
             chart.marks(points.collect::<Vec<_>>(), way)?;
-            let (x, y) = (least * 1.05, high * 2.5 / 1.3_f64.powi(way as i32));
-            chart.key(way, name, (x, y), x * 1.05)?;
+            let (x, y) = (20.0, 2.2 - 0.13 * way as f64);
+            chart.key(way, name, (x, y), x + 12.0)?;
+        }
+        for (name, x) in [("keyframes", 65.0), ("landmarks", 340.0)] {
+            chart.write(name, (x, 0.36), letters_around(INK))?;
         }
         Ok(())
     })
