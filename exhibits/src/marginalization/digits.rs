@@ -32,7 +32,8 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.equation("digits-lost", digits_lost, bounds, &mutants);
 
     let kept = Rounded { rounding: 2e-7, change: |root| single(root, |r| Some(r.qr().r())) };
-    let squared: Change = |root| single(root, |r| Some(r.tr_mul(&r).cholesky()?.unpack().transpose()));
+    let squared: Change =
+        |root| single(root, |r| Some(r.tr_mul(&r).cholesky()?.unpack().transpose()));
     for (condition, dropped) in [
         ("relative", Rounded { change: squared, ..kept }),
         ("small", Rounded { rounding: 1.5 / CONDITION, change: weakest_lost }),
@@ -95,10 +96,7 @@ struct Rounded {
 }
 
 /// What single precision makes of a matrix.
-fn single(
-    root: &DMatrix<f64>,
-    of: impl Fn(DMatrix<f32>) -> Option<DMatrix<f32>>,
-) -> DMatrix<f64> {
+fn single(root: &DMatrix<f64>, of: impl Fn(DMatrix<f32>) -> Option<DMatrix<f32>>) -> DMatrix<f64> {
     let changed = of(root.map(|number| number as f32));
     changed.map_or_else(|| DMatrix::zeros(5, 5), |changed| changed.map(f64::from))
 }
@@ -201,4 +199,3 @@ pub fn lost(form: usize, [well, badly]: [usize; 2]) -> f64 {
     let error = |index: usize| at(index).errors[form].unwrap_or(f64::NAN);
     (error(badly) / error(well)).ln() / (at(badly).condition / at(well).condition).ln()
 }
-

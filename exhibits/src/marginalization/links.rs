@@ -129,7 +129,8 @@ fn kept_marginals(formula: Cut) -> Comparison {
     Comparison::relative(against, 1e-6).over(STATES, 52, |random| {
         let window = gaussian(random, &DIMENSIONS);
         let mut covariance = inverse(window.matrix());
-        let (a, b, rest) = (columns(&window, &[0]), columns(&window, &[2]), columns(&window, &[1, 3]));
+        let (a, b, rest) =
+            (columns(&window, &[0]), columns(&window, &[2]), columns(&window, &[1, 3]));
         let of_rest = inverse(&part(&covariance, &rest, &rest));
         let between = part(&covariance, &a, &rest) * of_rest * part(&covariance, &rest, &b);
         put(&mut covariance, &a, &b, &between);
@@ -179,7 +180,8 @@ fn robot_given(
 }
 
 fn filter_sparsification(formula: Cut) -> Comparison {
-    let against = "the inverse of a covariance made of the robot's regression on what it stays linked with";
+    let against =
+        "the inverse of a covariance made of the robot's regression on what it stays linked with";
     Comparison::relative(against, 1e-6).over(STATES, 53, |random| {
         let window = sparse(random);
         let near = window.select(&[0, 1, 2]).and_then(|near| marginalize(&near, &[2]));

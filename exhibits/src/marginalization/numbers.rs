@@ -5,9 +5,7 @@ use vislam::marginalization::{Layout, divergence, fill_in, zero_link};
 use super::digits::{SEEDS as WINDOWS, all, lost};
 use super::links::{COUNTEREXAMPLE, of_rows};
 use super::trees::{best_tree, left_out, tree};
-use super::windows::{
-    Freeze, GONE, SEEDS, forgotten, free_after_two_slides, slid, usual, zeroed,
-};
+use super::windows::{Freeze, GONE, SEEDS, forgotten, free_after_two_slides, slid, usual, zeroed};
 use crate::chapter::Chapter;
 
 pub fn numbers(chapter: &mut Chapter) {
@@ -102,7 +100,8 @@ fn links(chapter: &mut Chapter) {
 fn trees(chapter: &mut Chapter) {
     let window = slid(0);
     let keyframes: Vec<usize> = (1..8).collect();
-    let gone: Vec<usize> = window.blocks().names().filter(|name| !keyframes.contains(name)).collect();
+    let gone: Vec<usize> =
+        window.blocks().names().filter(|name| !keyframes.contains(name)).collect();
     let dense = vislam::marginalization::marginalize(&window, &gone).expect("determined");
     let best = best_tree(&dense);
     chapter.number("tree_edges", best.len() as f64, "", 0);
@@ -110,7 +109,8 @@ fn trees(chapter: &mut Chapter) {
     chapter.number("tree_nats", left_out(&dense, &best), "nats", 1);
     let star: Vec<(usize, usize)> = (2..8).map(|other| (1, other)).collect();
     chapter.number("star_nats", left_out(&dense, &star), "nats", 1);
-    let off = divergence(&dense, &tree(&dense, &best)).expect("determined") - left_out(&dense, &best);
+    let off =
+        divergence(&dense, &tree(&dense, &best)).expect("determined") - left_out(&dense, &best);
     assert!(off.abs() < 1e-6 * left_out(&dense, &best).max(1.0), "{off}");
 }
 

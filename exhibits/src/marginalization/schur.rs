@@ -150,9 +150,7 @@ fn least_over_one(cost: Cost) -> Comparison {
     let places = (-4000..=4000).map(|k| 2.5e-3 * f64::from(k));
     let least = |b: f64| places.clone().map(|a| cost(a, b)).fold(f64::INFINITY, f64::min);
     let against = Comparison::absolute("the least cost over what leaves, on a grid", 1e-4, "");
-    against.each([-1.0, -0.3, 0.5, 1.2], |b| {
-        (0.5 * left * b * b - pull * b, least(b) - least(0.0))
-    })
+    against.each([-1.0, -0.3, 0.5, 1.2], |b| (0.5 * left * b * b - pull * b, least(b) - least(0.0)))
 }
 
 /// Two numbers that leave, coupled with each other or not, the first of them with two survivors, the second with a

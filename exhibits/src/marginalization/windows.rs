@@ -84,7 +84,8 @@ fn of_window(truth: &Information<f64>) -> Vec<Dropped> {
     let mut all = Vec::new();
     for (first, second) in Couplings::of(truth).pairs() {
         let ends = [(first, second), (second, first)];
-        let (zeroed, kept) = (zero_link(truth, first, second), keep_marginals(truth, first, second));
+        let (zeroed, kept) =
+            (zero_link(truth, first, second), keep_marginals(truth, first, second));
         for (end, other) in ends {
             let filters = sparsify(truth, end, &[other]);
             let sigma = size(truth, end).unwrap_or(f64::NAN);
@@ -151,7 +152,8 @@ pub fn free_after_two_slides(freeze: Freeze) -> f64 {
             let noise = Vector6::from_fn(|_, _| random.normal(0.01));
             let measured = se3::retract(&truth, &noise);
             let sqrt_information = Matrix6::identity() / 0.01;
-            let factor = RelativePose { first: *first, second: *second, measured, sqrt_information };
+            let factor =
+                RelativePose { first: *first, second: *second, measured, sqrt_information };
             problem.add_factor(factor, Kernel::Squared).expect("both are there");
         }
     }

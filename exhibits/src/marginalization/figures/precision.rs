@@ -25,7 +25,10 @@ pub fn precision() -> Figure {
         ("condition of the root", powers(1, all.iter().map(|d| d.condition))),
         ("largest error of a variance from the information matrix", cells(0)),
         ("from the square root", cells(1)),
-        ("Gaussians from the information matrix", figure::plain(all.iter().map(|d| d.gaussians[0]))),
+        (
+            "Gaussians from the information matrix",
+            figure::plain(all.iter().map(|d| d.gaussians[0])),
+        ),
         ("Gaussians from the square root", figure::plain(all.iter().map(|d| d.gaussians[1]))),
     ];
     Figure::new(900, columns, |drawing| {
@@ -37,8 +40,9 @@ pub fn precision() -> Figure {
             let curve = curve.map(|digits| (digits, bound(10_f64.powf(digits), form).log10()));
             chart.line(curve.filter(|(_, bound)| (-6.0..1.2).contains(bound)), SERIES[form], 2)?;
             let points = all.iter().zip(errors(form));
-            let points: Vec<(f64, f64)> =
-                points.filter_map(|(d, error)| Some((d.condition.log10(), error?.log10()))).collect();
+            let points: Vec<(f64, f64)> = points
+                .filter_map(|(d, error)| Some((d.condition.log10(), error?.log10())))
+                .collect();
             chart.line(points.iter().copied(), SERIES[form], 5)?;
             chart.marks(points, form)?;
             let (x, y) = (2.45, 2.75 - 0.7 * form as f64);
