@@ -202,11 +202,12 @@ impl Window {
 
     // ANCHOR: take_out
     /// Takes out the oldest state and its bias, keeps what the factors said that go with them, and
-    /// holds the linearization point of all that they said it about.
+    /// holds the linearization point of all that they said it about where it is now, unless an earlier
+    /// prior holds it already.
     pub fn take_out_oldest(&mut self, values: &Values) -> Result<Vec<usize>, Box<dyn Error>> {
         let oldest = [self.states.remove(0).index(), self.biases.remove(0).index()];
         let named = self.problem.marginalize(values, &oldest)?;
-        self.problem.freeze_here(&named)?;
+        self.problem.freeze_priors();
         Ok(named)
     }
     // ANCHOR_END: take_out

@@ -10,6 +10,7 @@ pub mod figure;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
+pub mod marginalization;
 pub mod msckf;
 pub mod observability;
 pub mod preintegration;
@@ -43,6 +44,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("real_flights", real_flights::exhibits, real_flights::records),
     ("observability", observability::exhibits, no_records),
     ("msckf", msckf::exhibits, msckf::records),
+    ("marginalization", marginalization::exhibits, no_records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}

@@ -90,5 +90,9 @@ export const terms = {
     "null-space projection": "msckf.html#sec:null-space-projection",
     "Givens rotation": "msckf.html#sec:null-space-projection",
     "zero-velocity update": "msckf.html#sec:hovering",
+    "marginalization": "marginalization.html#sec:marginalization",
+    "fill-in": "marginalization.html#fill-in-and-the-markov-blanket",
+    "sparsification": "marginalization.html#sec:marginalization",
+    "Chow-Liu": "marginalization.html#chow-liu-trees-and-factor-recovery",
     "Kalibr": "your_own_data.html#the-camera",
 };
