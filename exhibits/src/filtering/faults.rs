@@ -19,12 +19,13 @@ const OUTSIDE: f64 = 0.05;
 const DISPLACED: Filter = Filter { sensor: Sensor::Displacement, ..RIGHT };
 
 /// The filters, with the word that their numbers begin with.
-pub const FILTERS: [(&str, Filter); 6] = [
+pub const FILTERS: [(&str, Filter); 7] = [
     ("map", RIGHT),
     ("pixels", Filter { noise: 2.0, ..RIGHT }),
     ("density", Filter { density: 0.25, ..RIGHT }),
     ("transition", Filter { coupled: false, ..RIGHT }),
     ("odometry", DISPLACED),
+    ("uncoupled", Filter { coupled: false, ..DISPLACED }),
     ("untied", Filter { tied: false, ..DISPLACED }),
 ];
 
@@ -102,8 +103,8 @@ impl Tested {
 }
 
 /// For each filter and length the five statistics.
-pub fn tested() -> &'static [[[Tested; 5]; 4]; 6] {
-    static TESTED: OnceLock<[[[Tested; 5]; 4]; 6]> = OnceLock::new();
+pub fn tested() -> &'static [[[Tested; 5]; 4]; 7] {
+    static TESTED: OnceLock<[[[Tested; 5]; 4]; 7]> = OnceLock::new();
     TESTED.get_or_init(|| {
         let share = OUTSIDE / (STATISTICS.len() * LENGTHS.len()) as f64;
         FILTERS.map(|(word, _)| {

@@ -67,8 +67,6 @@ pub struct Moment {
     pub error: StateError,
     /// Standard deviations of yaw and of the position along x.
     pub sigmas: [f64; 2],
-    /// Whether the covariance could be used.
-    pub innovation: [f64; 2],
 }
 
 /// The flight of the chapter: a figure-eight with a poor sensor.
@@ -97,9 +95,8 @@ pub fn flown(filter: &Filter, recording: &FlightRecording, seed: u64) -> Vec<Mom
     let visit = pictures.map(|picture| {
         flown.carry(picture);
         let innovation = flown.correct(picture);
-        let dimension = innovation[1];
-        innovations = [innovations[0] + innovation[0], innovations[1] + dimension];
-        Moment { innovations, innovation, ..flown.moment(picture) }
+        innovations = [innovations[0] + innovation[0], innovations[1] + innovation[1]];
+        Moment { innovations, ..flown.moment(picture) }
     });
     visit.collect()
 }
@@ -248,7 +245,6 @@ impl<'a> Flown<'a> {
             nees: BlockNees::of(estimate, truth, &covariance).expect("a covariance"),
             whole: nees(&error, &covariance).expect("a covariance"),
             innovations: [0.0; 2],
-            innovation: [0.0; 2],
             error: StateError::between(estimate, truth),
             sigmas: [turn[(2, 2)].sqrt(), covariance[(6, 6)].sqrt()],
         }

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::Vector2;
-use vislam::filtering::{NeesBand, chi_square_quantile};
+use nalgebra::{DMatrix, DVector, Vector1, Vector2};
+use vislam::filtering::{Belief, Form, NeesBand, chi_square_quantile};
 use vislam::inertial::ImuNoise;
 
 use super::carried::second_at_rest;
@@ -59,6 +59,7 @@ pub fn numbers(chapter: &mut Chapter) {
     bent_numbers(chapter);
     digit_numbers(chapter);
     gate_numbers(chapter);
+    copy_numbers(chapter);
     live_numbers(chapter);
     fault_numbers(chapter);
     hover_numbers(chapter);
@@ -114,23 +115,55 @@ fn bent_numbers(chapter: &mut Chapter) {
 }
 
 fn digit_numbers(chapter: &mut Chapter) {
-    chapter.number("rounding_exponent", ROUNDING.log10(), "", 1);
     let exhausted = ROUNDING.recip();
     chapter.number("exhausted_exponent", exhausted.log10(), "", 1);
     let at = |condition: f64| {
         CONDITIONS.iter().position(|c| *c == condition).map_or([f64::NAN; 3], |at| lost()[at])
     };
     chapter.number("lost_root_8", 100.0 * at(1e8)[2], "%", 2);
-    chapter.number("lost_difference_5", 100.0 * at(1e5)[0], "%", 1);
     chapter.number("lost_joseph_8", at(1e8)[1], "", 0);
     chapter.number("lost_difference_8", at(1e8)[0], "", 0);
+    for (name, form) in [("slope_difference", 0), ("slope_joseph", 1), ("slope_root", 2)] {
+        let points = CONDITIONS.into_iter().zip(lost().iter().map(|lost| lost[form]));
+        chapter.number(name, slope(points.collect()), "", 2);
+    }
+}
+
+/// Of a straight line through the logarithms of some points.
+fn slope(points: Vec<(f64, f64)>) -> f64 {
+    let points: Vec<_> = points.into_iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+    let (x, y) = (x / count, y / count);
+    let cross: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    cross / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+}
+
+/// A place, a step from it, and a measurement of the step.
+fn copy_numbers(chapter: &mut Chapter) {
+    let one = |value: f64| DMatrix::from_element(1, 1, value);
+    let (before, step, noise) = (4.0, 1.0, 1.0);
+    let by_both = DMatrix::from_row_slice(1, 2, &[-1.0, 1.0]) / f64::sqrt(noise);
+    let after = |mut belief: Belief| {
+        belief.correct(&by_both, &DVector::zeros(1), Form::Joseph).expect("a covariance");
+        belief.covariance()[(1, 1)]
+    };
+    let mut tied = Belief::new();
+    tied.add(Vector1::new(0.0), &one(before)).expect("it fits");
+    let mut untied = tied.clone();
+    tied.add_function(Vector1::new(0.0), &one(1.0), &one(step)).expect("it fits");
+    untied.add(Vector1::new(0.0), &one(before + step)).expect("it fits");
+    chapter.number("copy_before", before, "m²", 0);
+    chapter.number("copy_step", step, "m²", 0);
+    chapter.number("copy_noise", noise, "m²", 0);
+    chapter.number("copy_after", after(tied), "m²", 1);
+    chapter.number("copy_untied", after(untied), "m²", 1);
 }
 
 fn gate_numbers(chapter: &mut Chapter) {
     let gate = |degrees| chi_square_quantile(0.99, degrees).expect("a probability");
     chapter.number("gate_two", gate(2), "", 2);
     chapter.number("gate_two_sigmas", gate(2).sqrt(), "", 2);
-    // Four pixels at a picture, ten pictures a second.
     let a_minute = 0.01 * LANDMARKS as f64 * PICTURE_RATE * 60.0;
     chapter.number("gate_a_minute", a_minute, "", 0);
 }
@@ -167,14 +200,12 @@ fn fault_numbers(chapter: &mut Chapter) {
         all.filter(|tested| tested.verdict() != 0).count() as f64
     };
     chapter.number("map_outside", outside("map"), "", 0);
+    chapter.number("transition_outside", outside("transition"), "", 0);
     chapter.number("odometry_outside", outside("odometry"), "", 0);
     let worse = |word: &str, right: &str| {
         100.0 * (faults::rmse(word, 3) / faults::rmse(right, 3) - 1.0)
     };
     chapter.number("pixels_worse", worse("pixels", "map"), "%", 0);
-    chapter.number("density_worse", worse("density", "map"), "%", 0);
-    chapter.number("transition_worse", worse("transition", "map"), "%", 0);
-    chapter.number("untied_times", faults::rmse("untied", 3) / faults::rmse("odometry", 3), "", 1);
 }
 
 fn hover_numbers(chapter: &mut Chapter) {

@@ -5,11 +5,11 @@ use vislam::filtering::{Belief, Update, UpdateOptions};
 use vislam::least_squares::{Factor, Kernel, Key, Problem};
 
 /// Where the spot is believed to be, in metres; the post stands at the origin.
-pub const ESTIMATE: Vector2<f64> = Vector2::new(0.8, 1.1);
+pub const ESTIMATE: Vector2<f64> = Vector2::new(0.6, 0.5);
 /// Standard deviations of both coordinates, in metres.
-pub const SIGMAS: [f64; 2] = [0.5, 0.8];
+pub const SIGMAS: [f64; 2] = [0.4, 1.0];
 /// The distance as measured, and its standard deviation, in metres.
-pub const DISTANCE: f64 = 2.1;
+pub const DISTANCE: f64 = 1.6;
 pub const SIGMA: f64 = 0.06;
 
 /// The distance of a spot from the origin, as it was measured.

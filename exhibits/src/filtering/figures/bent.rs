@@ -22,17 +22,17 @@ pub fn bent() -> Figure {
         ("sigma along y (m)", decimals(3, both.map(|b| b.covariance.m22.sqrt()))),
     ];
     Figure::new(1080, columns, |drawing| {
-        let mut chart = figure::axes(drawing, ("x (m)", 0.2..2.2, 5), ("y (m)", 0.9..2.6, 5))?;
+        let mut chart = figure::axes(drawing, ("x (m)", 0.0..1.8, 6), ("y (m)", 0.9..2.2, 6))?;
         for side in crescent(least) {
             chart.line(side, INK, 4)?;
         }
-        chart.write("posterior", (0.32, 1.75), letters_right_of(INK))?;
+        chart.write("posterior", (0.05, 1.25), letters_right_of(INK))?;
         let names = ["one linearization", "iterated"];
         for (index, belief) in both.into_iter().enumerate() {
             let colour = SERIES[index + 1];
             chart.line(ellipse(&belief.estimate, &belief.covariance), colour, 5)?;
             chart.marks([(belief.estimate.x, belief.estimate.y)], index + 1)?;
-            chart.key(index + 1, names[index], (1.35, 2.48 - 0.13 * index as f64), 1.42)?;
+            chart.key(index + 1, names[index], (0.95, 2.12 - 0.1 * index as f64), 1.0)?;
         }
         Ok(())
     })
@@ -44,7 +44,7 @@ fn crescent(least: f64) -> Vec<Vec<(f64, f64)>> {
     for step in 0..=600 {
         let angle = std::f64::consts::FRAC_PI_2 * f64::from(step) / 600.0;
         let (sine, cosine) = angle.sin_cos();
-        let radii = (0..400).map(|k| 1.6 + 2.5e-3 * f64::from(k));
+        let radii = (0..400).map(|k| 1.2 + 2.0e-3 * f64::from(k));
         let at = |radius: f64| Vector2::new(radius * cosine, radius * sine);
         let inside: Vec<f64> = radii.filter(|r| cost(&at(*r)) <= least + LEVEL).collect();
         if let (Some(first), Some(last)) = (inside.first(), inside.last()) {

@@ -3,15 +3,16 @@
 use plotters::element::Rectangle;
 use plotters::style::Color;
 
-use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of, plain};
+use crate::figure::{Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of, plain};
 use crate::filtering::faults::{FILTERS, LENGTHS, tested};
 
-const NAMES: [&str; 6] = [
+const NAMES: [&str; 7] = [
     "map: as stated",
     "map: pixels twice as noisy",
     "map: densities a quarter",
     "map: attitude not coupled",
     "displacement: as stated",
+    "displacement: attitude not coupled",
     "displacement: copies untied",
 ];
 const HEADS: [&str; 5] = ["yaw", "tilt", "velocity", "position", "NIS"];
@@ -31,10 +32,10 @@ pub fn faults() -> Figure {
         ("of position", of(3)),
         ("NIS", of(4)),
     ];
-    Figure::new(1240, columns, |drawing| {
+    Figure::new(1400, columns, |drawing| {
         let mut chart = plotters::chart::ChartBuilder::on(drawing)
             .margin(20)
-            .build_cartesian_2d(0.0..20.0, 12.9..0.0)?;
+            .build_cartesian_2d(0.0..20.0, 14.9..0.0)?;
         for (statistic, head) in HEADS.into_iter().enumerate() {
             chart.write(head, (4.0 * statistic as f64 + 2.0, 0.45), letters_around(INK))?;
         }
