@@ -161,6 +161,7 @@ fn copy_numbers(chapter: &mut Chapter) {
 }
 
 fn gate_numbers(chapter: &mut Chapter) {
+    chapter.number("gate_percent", 99.0, "%", 0);
     let gate = |degrees| chi_square_quantile(0.99, degrees).expect("a probability");
     chapter.number("gate_two", gate(2), "", 2);
     chapter.number("gate_two_sigmas", gate(2).sqrt(), "", 2);
@@ -186,12 +187,16 @@ fn live_numbers(chapter: &mut Chapter) {
     let pooled = NeesBand::new(count as usize, 1, 0.05).expect("a probability");
     chapter.number("nis_low", pooled.low, "", 3);
     chapter.number("nis_high", pooled.high, "", 3);
-    // Six independent tests at 95 %.
+    chapter.number("test_percent", 95.0, "%", 0);
     chapter.number("six_tests", 100.0 * (1.0 - 0.95_f64.powi(6)), "%", 0);
 }
 
 fn fault_numbers(chapter: &mut Chapter) {
     chapter.number("displacement_cm", 100.0 * STEP_SIGMA, "cm", 0);
+    let lengths = ["length_0", "length_1", "length_2", "length_3"];
+    for (name, length) in lengths.into_iter().zip(LENGTHS) {
+        chapter.number(name, length, "s", 0);
+    }
     chapter.number("fault_tests", (5 * LENGTHS.len()) as f64, "", 0);
     let tested = faults::tested();
     let place = |word: &str| FILTERS.iter().position(|(own, _)| *own == word).unwrap_or(0);
@@ -210,11 +215,28 @@ fn fault_numbers(chapter: &mut Chapter) {
 
 fn hover_numbers(chapter: &mut Chapter) {
     let sigma = hover::told("latest", "sigma");
+    let names = [
+        "hover_time_0",
+        "hover_time_1",
+        "hover_time_2",
+        "hover_time_3",
+        "hover_time_4",
+        "hover_time_5",
+        "hover_time_6",
+        "hover_time_7",
+    ];
+    for (name, time) in names.into_iter().zip(hover::TIMES) {
+        chapter.number(name, time, "s", 0);
+    }
+    let [latest, first] = hover::live();
+    chapter.number("hover_live_seconds", hover::LIVE_SECONDS, "s", 0);
+    chapter.number("hover_live_latest", latest, "°", 2);
+    chapter.number("hover_live_first", first, "°", 2);
     chapter.number("hover_kept", hover::KEPT as f64, "", 0);
     chapter.number("hover_start", sigma[0], "°", 1);
-    chapter.number("hover_end", sigma[12], "°", 2);
-    chapter.number("hover_error", hover::told("latest", "error")[12], "°", 2);
-    chapter.number("hover_nees", hover::told("latest", "nees")[12], "", 1);
-    chapter.number("hover_first_end", hover::told("first", "sigma")[12], "°", 2);
-    chapter.number("hover_first_nees", hover::told("first", "nees")[12], "", 1);
+    chapter.number("hover_end", sigma[7], "°", 2);
+    chapter.number("hover_error", hover::told("latest", "error")[7], "°", 2);
+    chapter.number("hover_nees", hover::told("latest", "nees")[7], "", 1);
+    chapter.number("hover_first_end", hover::told("first", "sigma")[7], "°", 2);
+    chapter.number("hover_first_nees", hover::told("first", "nees")[7], "", 1);
 }
