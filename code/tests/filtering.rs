@@ -1,6 +1,6 @@
 //! Beliefs: carried on, corrected, copied and cut.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, Vector1, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -336,6 +336,33 @@ fn a_clone_is_as_the_variable_until_the_variable_moves_on() {
     let expected = by_bias * own * by_bias.transpose() + transition.noise.fixed_view::<9, 9>(0, 0);
     assert!((left - expected).amax() < 1e-12);
 }
+
+// ANCHOR: worked_example
+/// A place is known to a variance of four, and a step adds one. The step is measured with a variance
+/// of one: whatever comes out, it says nothing of where the step began.
+#[test]
+fn a_measured_step_says_nothing_of_where_it_began() {
+    let one = |value| DMatrix::from_element(1, 1, value);
+    let mut belief = Belief::new();
+    let before = belief.add(Vector1::new(0.0), &one(4.0)).unwrap();
+    let now = belief.add_function(Vector1::new(3.0), &one(1.0), &one(1.0)).unwrap();
+    let mut untied = Belief::new();
+    untied.add(Vector1::new(0.0), &one(4.0)).unwrap();
+    untied.add(Vector1::new(3.0), &one(5.0)).unwrap();
+
+    let by_both = DMatrix::from_row_slice(1, 2, &[-1.0, 1.0]);
+    let residual = DVector::from_element(1, -2.0);
+    belief.correct(&by_both, &residual, Form::Joseph).unwrap();
+    untied.correct(&by_both, &residual, Form::Joseph).unwrap();
+
+    let near = |is: f64, expected: f64| assert!((is - expected).abs() < 1e-12, "{is}");
+    near(belief.values()[before].x, 0.0);
+    near(belief.values()[now].x, 4.0);
+    near(belief.of(before).unwrap()[0], 4.0);
+    near(belief.of(now).unwrap()[0], 4.5);
+    near(untied.of(now).unwrap()[0], 2.5);
+}
+// ANCHOR_END: worked_example
 
 #[test]
 fn what_stays_is_believed_as_before() {

@@ -7,6 +7,7 @@ pub mod chapter;
 pub mod comparison;
 pub mod data;
 pub mod figure;
+pub mod filtering;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
@@ -43,6 +44,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("preintegration", preintegration::exhibits, preintegration::records),
     ("real_flights", real_flights::exhibits, real_flights::records),
     ("observability", observability::exhibits, no_records),
+    ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
 ];

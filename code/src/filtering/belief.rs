@@ -49,7 +49,6 @@ impl Belief {
         self.covariance.view_mut((second, first), transposed.shape()).copy_from(&transposed);
     }
 
-    // ANCHOR: add_function
     /// Adds a variable that is a function of the others, but for noise of its own. `by_all` has the
     /// derivatives of its error by theirs, with a row for each of its coordinates and a column for
     /// each of theirs; `noise` is the covariance of the rest.
@@ -57,6 +56,7 @@ impl Belief {
     /// # Errors
     ///
     /// [`BeliefError::Covariance`] when a matrix is not finite or not of that size.
+    // ANCHOR: add_function
     pub fn add_function<V: Manifold>(
         &mut self,
         value: V,

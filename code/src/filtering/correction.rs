@@ -26,7 +26,6 @@ pub struct Correction<T = f64> {
     pub innovation: T,
 }
 
-// ANCHOR: correct
 /// Updates the covariance P of an error e by a whitened measurement r + H e + n, whose noise n has
 /// the unit covariance: r is the residual at the estimate, prediction minus measurement, and H its
 /// m×n derivative.
@@ -34,6 +33,7 @@ pub struct Correction<T = f64> {
 /// # Errors
 ///
 /// A [`CorrectionError`]; the covariance then stays as it was.
+// ANCHOR: correct
 pub fn correct<T: RealField + Copy>(
     covariance: &mut DMatrix<T>,
     jacobian: &DMatrix<T>,
@@ -83,7 +83,6 @@ fn innovation_root<T: RealField + Copy>(
     root.map(Cholesky::unpack).ok_or(CorrectionError::Covariance)
 }
 
-// ANCHOR: correct_root
 /// Updates the upper root U of a covariance Uᵀ U. The rows (I 0) and (U Hᵀ, U) are turned into a
 /// triangle, which holds the root of S, the gain, and the new root below it. Nothing is squared,
 /// and nothing subtracted.
@@ -91,6 +90,7 @@ fn innovation_root<T: RealField + Copy>(
 /// # Errors
 ///
 /// A [`CorrectionError`]; the root then stays as it was.
+// ANCHOR: correct_root
 pub fn correct_root<T: RealField + Copy>(
     root: &mut DMatrix<T>,
     jacobian: &DMatrix<T>,

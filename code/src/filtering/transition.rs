@@ -38,7 +38,6 @@ impl Transition {
         Self::linearized_at(state, readings, state, bias, gravity)
     }
 
-    // ANCHOR: linearized_at
     /// The same with derivatives as if the interval had begun at another state: that of the first
     /// estimate, so that what was once free stays free.
     ///
@@ -49,6 +48,7 @@ impl Transition {
     /// # Errors
     ///
     /// As those of [`Transition::new`].
+    // ANCHOR: linearized_at
     pub fn linearized_at(
         first: &NavState,
         readings: &CombinedPreintegrated,

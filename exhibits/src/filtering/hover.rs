@@ -1,0 +1,143 @@
+//! A camera that hovers for a minute before the same landmarks.
+
+use nalgebra::Vector3;
+use vislam::filtering::StateError;
+use vislam::least_squares::Manifold;
+use vislam::msckf::{Linearization, Msckf, MsckfOptions, Start};
+use vislam::preintegration::Matrix15;
+use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
+
+use crate::chapter::Chapter;
+use crate::random::Random;
+use crate::record::{RecordValue, accepted};
+
+pub const SEEDS: usize = 20;
+pub const SECONDS: f64 = 60.0;
+const PICTURE_RATE: f64 = 5.0;
+/// Landmarks that are kept in the state.
+pub const KEPT: usize = 24;
+/// Of the flight that is flown for each build.
+pub const LIVE_SECONDS: f64 = 5.0;
+/// When the yaw is asked for, in seconds.
+pub const TIMES: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0, 60.0];
+/// Standard deviations at the beginning, in the order of the state and the biases.
+const START: [f64; 15] =
+    [0.01, 0.01, 0.03, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
+
+/// Within a metre of one spot.
+fn motion() -> Trajectory {
+    let wave = ScalarTrajectory::wave;
+    let angles = EulerAngles {
+        yaw: wave(0.05, 0.7, 0.3),
+        pitch: wave(0.05, 0.9, 1.0),
+        roll: wave(0.05, 1.1, 0.0),
+    };
+    Trajectory { position: [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)], angles }
+}
+
+fn recorded(seconds: f64, seed: u64) -> FlightRecording {
+    let flight = Flight {
+        seconds,
+        picture_rate: PICTURE_RATE,
+        tracks: KEPT,
+        ..Flight::new(motion())
+    };
+    let room = flight.room(2.5, 250, seed).expect("the hover has a room");
+    flight.record(&room, seed).expect("the hover can be flown")
+}
+
+fn start(recording: &FlightRecording, seed: u64) -> Start {
+    let mut random = Random::new(seed ^ 0x40e);
+    let off = START.map(|sigma| random.normal(sigma));
+    let (truth, rig) = (&recording.truth, recording.flight.rig);
+    Start {
+        nanoseconds: rig.imu_nanoseconds(recording.pictures[0].nanoseconds),
+        state: truth.states[0].retract(&off[..9]),
+        bias: truth.biases[0].retract(&off[9..]),
+        covariance: Matrix15::from_diagonal(&START.map(|sigma| sigma * sigma).into()),
+        rig,
+    }
+}
+
+/// The standard deviation of the yaw and its error, in degrees.
+fn yaw(filter: &Msckf, recording: &FlightRecording, picture: usize) -> [f64; 2] {
+    let (state, covariance) = (filter.state(), filter.covariance());
+    let up = state.world_from_body.inverse() * Vector3::z();
+    let variance = up.dot(&(covariance.fixed_view::<3, 3>(0, 0) * up));
+    let error = StateError::between(state, &recording.truth.states[picture]);
+    [variance.sqrt().to_degrees(), error.yaw().to_degrees()]
+}
+
+/// At each of the times.
+fn hovered(linearization: Linearization, seconds: f64, seed: u64) -> [[f64; 2]; 8] {
+    let recording = recorded(seconds, seed);
+    let options = MsckfOptions {
+        linearization,
+        landmarks: KEPT,
+        clones: 11,
+        ..MsckfOptions::of_flight(&recording.flight)
+    };
+    let mut filter = Msckf::new(options, &start(&recording, seed)).expect("a filter");
+    let (mut readings, mut last) = (recording.readings.iter().peekable(), i64::MIN);
+    let mut found = [[f64::NAN; 2]; 8];
+    for (number, picture) in recording.pictures.iter().enumerate() {
+        while let Some(reading) = readings.next_if(|_| last < picture.nanoseconds) {
+            last = reading.nanoseconds;
+            filter.reading(*reading).expect("readings are in order");
+        }
+        filter.picture(picture).expect("the filter has a covariance");
+        for (time, found) in TIMES.iter().zip(&mut found) {
+            if number == (time * PICTURE_RATE).round() as usize {
+                *found = yaw(&filter, &recording, number);
+            }
+        }
+    }
+    found
+}
+
+/// What is believed of the yaw after the first five seconds of one flight, at the latest estimates and
+/// at the first.
+pub fn live() -> [f64; 2] {
+    POLICIES.map(|(_, linearization)| hovered(linearization, LIVE_SECONDS, 0)[4][0])
+}
+
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
+    let inputs = vec![
+        ("seeds", format!("0 to {}", SEEDS - 1)),
+        ("flight", format!("{SECONDS} s within a metre of one spot, ImuNoise::euroc(), {PICTURE_RATE} pictures a second")),
+        ("kept", format!("{KEPT} landmarks in the state")),
+        ("linearization", "at the latest estimates, and at the first".into()),
+    ];
+    chapter.record("filter_hover", inputs, hover);
+}
+
+const POLICIES: [(&str, Linearization); 2] =
+    [("latest", Linearization::Latest), ("first", Linearization::FirstEstimates)];
+
+fn hover() -> Vec<RecordValue> {
+    let mut values = vec![RecordValue::new("seeds", SEEDS as f64, "", 0, 0.0)];
+    for (word, linearization) in POLICIES {
+        let runs: Vec<_> = (0..SEEDS as u64).map(|seed| hovered(linearization, SECONDS, seed)).collect();
+        for at in 0..TIMES.len() {
+            let mean = |of: &dyn Fn([f64; 2]) -> f64| {
+                runs.iter().map(|run| of(run[at])).sum::<f64>() / SEEDS as f64
+            };
+            let sigma = mean(&|[sigma, _]| sigma * sigma).sqrt();
+            let error = mean(&|[_, error]| error * error).sqrt();
+            let nees = mean(&|[sigma, error]| (error / sigma).powi(2));
+            for (name, value, unit) in
+                [("sigma", sigma, "°"), ("error", error, "°"), ("nees", nees, "")]
+            {
+                let name = format!("{word}_{name}_{at}");
+                values.push(RecordValue::new(name, value, unit, 2, 1e-3));
+            }
+        }
+    }
+    values
+}
+
+/// A value of a policy at each of the times.
+pub fn told(policy: &str, name: &str) -> [f64; 8] {
+    std::array::from_fn(|at| accepted("filter_hover", &format!("{policy}_{name}_{at}")))
+}
