@@ -207,9 +207,8 @@ fn fault_numbers(chapter: &mut Chapter) {
     chapter.number("map_outside", outside("map"), "", 0);
     chapter.number("transition_outside", outside("transition"), "", 0);
     chapter.number("odometry_outside", outside("odometry"), "", 0);
-    let worse = |word: &str, right: &str| {
-        100.0 * (faults::rmse(word, 3) / faults::rmse(right, 3) - 1.0)
-    };
+    let worse =
+        |word: &str, right: &str| 100.0 * (faults::rmse(word, 3) / faults::rmse(right, 3) - 1.0);
     chapter.number("pixels_worse", worse("pixels", "map"), "%", 0);
 }
 
