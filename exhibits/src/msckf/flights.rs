@@ -119,10 +119,10 @@ fn refused(seen: &[Seen]) -> Refusals {
 fn hovering(chapter: &mut Chapter) {
     let [adrift, told] = hovers();
     let (first, last) = (adrift[0], adrift[adrift.len() - 1]);
-    chapter.number("hover_error", last.error, "m", 1);
-    chapter.number("hover_sigma", last.sigma, "m", 1);
+    chapter.number("hover_error", last.error, "m", 0);
+    chapter.number("hover_sigma", last.sigma, "m", 0);
     chapter.number("hover_yaw_first", 1e3 * first.yaw, "mrad", 1);
-    chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 1);
+    chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 0);
     chapter.number(
         "hover_used",
         adrift.iter().map(|seen| seen.report.used).sum::<usize>() as f64,

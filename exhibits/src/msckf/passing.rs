@@ -150,7 +150,8 @@ pub fn numbers(chapter: &mut Chapter) {
     {
         chapter.number(name, 100.0 * uncertain, "cm", 0);
         let ways = pass.ways();
-        chapter.number(left_name, ways[1], "standard deviations", 4);
+        let decimals = if ways[1] < 0.01 { 4 } else { 2 };
+        chapter.number(left_name, ways[1], "standard deviations", decimals);
     }
     let relative = {
         let (step, _) = passes[1].corrected();

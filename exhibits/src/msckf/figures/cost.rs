@@ -30,13 +30,13 @@ pub fn cost() -> Figure {
         let lowest = times().fold(f64::INFINITY, f64::min);
         let highest = times().fold(0.0_f64, f64::max);
         let x_axis = ("sights, tracks or poses", (5.0..220.0).log_scale(), 4);
-        let y_axis = ("µs", (0.5 * lowest..60.0 * highest).log_scale(), 6);
+        let y_axis = ("µs", (0.5 * lowest..20.0 * highest).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for (index, (curve, exponent)) in curves.iter().zip(exponents).enumerate() {
             chart.line(curve.iter().copied(), SERIES[index], 4)?;
             chart.marks(curve.iter().copied(), index)?;
             let slope = accepted("msckf_cost", exponent);
-            let height = highest * [25.0, 10.0, 4.0][index];
+            let height = highest * [10.0, 4.0, 1.6][index];
             let name = format!("{}: exponent {slope:.1}", names[index]);
             chart.key(index, &name, (6.0, height), 6.8)?;
         }

@@ -51,19 +51,20 @@ pub fn rays() -> Figure {
 }
 
 fn half(drawing: &Drawing, wrong: f64, meetings: &[Vector2<f64>; 3]) -> Drawn {
-    let mut chart = figure::axes(drawing, ("x (m)", -2.4..3.0, 5), ("y (m)", -0.6..5.8, 6))?;
+    let mut chart = figure::axes(drawing, ("x (m)", -2.4..3.0, 5), ("y (m)", -1.3..5.4, 6))?;
     let places = believed(wrong);
     for (place, direction) in places.iter().zip(directions()) {
-        let far = place + 5.2 * direction;
+        let far = place + 5.3 * direction;
         chart.line([(place.x, place.y), (far.x, far.y)], MEASURED, 4)?;
     }
     if wrong > 0.0 {
         let corners = [0, 1, 2, 0].map(|k| (meetings[k].x, meetings[k].y));
         chart.line(corners, INK, 7)?;
         let truth = Vector2::from(PLACES[2]);
-        chart.arrow(&truth, &places[2], (0.25, 0.09), INK)?;
+        let short = places[2] - Vector2::new(0.22, 0.0);
+        chart.arrow(&truth, &short, (0.4, 0.16), INK)?;
     }
     chart.dots(places.iter().map(|place| (place.x, place.y)), 15, ESTIMATED)?;
     let title = if wrong > 0.0 { "one place is wrong" } else { "places as they were" };
-    chart.write(title, (0.3, 5.4), letters_around(INK))
+    chart.write(title, (0.3, -0.8), letters_around(INK))
 }

@@ -20,20 +20,19 @@ pub fn windows() -> Figure {
         let all = || curves.iter().flatten();
         let lowest = all().fold(f64::INFINITY, |a, at| a.min(at.0));
         let slowest = all().fold(0.0_f64, |a, at| a.max(at.0));
-        let best = all().fold(f64::INFINITY, |a, at| a.min(at.1));
         let worst = all().fold(0.0_f64, |a, at| a.max(at.1));
         let x_axis = ("time of a picture (ms)", (0.7 * lowest..1.4 * slowest).log_scale(), 5);
-        let y_axis = ("RMSE (cm)", (0.75 * best..2.6 * worst).log_scale(), 5);
+        let y_axis = ("RMSE (cm)", 0.0..1.15 * worst, 5);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for (index, curve) in curves.iter().enumerate() {
             chart.line(*curve, SERIES[index], 4)?;
             chart.marks(*curve, index)?;
-            let away = if index == 0 { 1.12 } else { 0.9 };
+            let away = if index == 0 { 0.06 } else { -0.06 } * worst;
             for (window, (time, rmse)) in WINDOWS.iter().zip(curve) {
                 let style = letters_around(SERIES[index]);
-                chart.write(&window.to_string(), (*time, away * rmse), style)?;
+                chart.write(&window.to_string(), (*time, rmse + away), style)?;
             }
-            let height = worst * [2.1, 1.6][index];
+            let height = worst * [1.05, 0.95][index];
             let left = lowest * (slowest / lowest).powf(0.35);
             chart.key(index, NAMES[index], (left, height), 1.07 * left)?;
         }
