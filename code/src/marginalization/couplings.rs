@@ -141,7 +141,7 @@ impl Couplings {
 }
 
 // ANCHOR: fill_in
-/// What eliminating some blocks, in this order, couples among the others.
+/// What eliminating some blocks, in this order, couples among the others, {thm:blanket}.
 ///
 /// # Errors
 ///

@@ -9,7 +9,7 @@ use super::{Information, MarginalizationError};
 /// p. It is not negative, zero for the same Gaussian alone, the same in every unit of the blocks, and
 /// not symmetric.
 ///
-/// Of n coordinates it is ½ (tr Λ_q Σ_p − n + ln det Λ_p − ln det Λ_q + ‖μ_q − μ_p‖² in Λ_q).
+/// Implements {eq:gaussian-divergence}.
 ///
 /// # Errors
 ///

@@ -7,7 +7,7 @@ use super::{Blocks, MarginalizationError};
 
 // ANCHOR: information
 /// A Gaussian over named blocks in information form: the density of x is exp(−½ xᵀΛx + ηᵀx), up to a
-/// factor. It need not be determined in all directions.
+/// factor, {eq:information-form}. It need not be determined in all directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Information<T> {
     blocks: Blocks,
@@ -159,7 +159,7 @@ impl<T: RealField + Copy> Information<T> {
 // ANCHOR: marginalize
 /// What is known of the other blocks when some are taken out: the Schur complements
 /// Λ_ββ − Λ_βα Λ_αα⁻¹ Λ_αβ and η_β − Λ_βα Λ_αα⁻¹ η_α, by one Cholesky factorization for each block of
-/// α. Mean and covariance of the survivors β stay what they were.
+/// α. Mean and covariance of the survivors β stay what they were. Implements {eq:marg-schur}.
 ///
 /// Blocks are eliminated in the order given. The result does not depend on it; the time does: those
 /// with the fewest neighbours, landmarks, should come first.

@@ -10,8 +10,8 @@ use super::{Blocks, Information, MarginalizationError, marginalize};
 ///
 /// What is subtracted from the matrix has as many positive as negative eigenvalues, the rank of the link
 /// of each. So some directions become better known than the measurements say, and as many others worse
-/// known; which of them a variable's variance follows depends on the rest of the graph. The result need
-/// not be a Gaussian at all.
+/// known ({thm:link-balance}); which of them a variable's variance follows depends on the rest of the
+/// graph, {eq:link-slope}. The result need not be a Gaussian at all.
 ///
 /// # Errors
 ///
@@ -38,7 +38,7 @@ pub fn zero_link<T: RealField + Copy>(
 /// The Gaussian of the same mean in which two blocks have no link, and that is nearest to the given one
 /// in the divergence D(given‖it): p(a | rest) p(b, rest). Each of the two keeps its joint covariance with
 /// all others, so no single block is claimed to be known better or worse than it is; what changes is how
-/// the two vary together. All neighbours of either become coupled.
+/// the two vary together. All neighbours of either become coupled. Implements {eq:kept-marginals}.
 ///
 /// # Errors
 ///
@@ -71,7 +71,8 @@ pub fn keep_marginals<T: RealField + Copy>(
 /// - Λ³ that of all but x, with x marginalized.
 ///
 /// The result is always a Gaussian, and all blocks but x keep their joint covariance. x does not: it
-/// takes Y⁻ as known. Y⁺ and Y⁰ become coupled with each other.
+/// takes Y⁻ as known. Y⁺ and Y⁰ become coupled with each other. Implements
+/// {eq:filter-sparsification} ([@thrun2004]).
 ///
 /// # Errors
 ///

@@ -83,7 +83,7 @@ impl<T: RealField + Copy> SquareRoot<T> {
 
     /// What is known of the other blocks when some are taken out: all rows that name one of these are
     /// turned until no more of them name it than it has coordinates, and those few are left out
-    /// ([@demmel2021]). What stays is triangular.
+    /// ([@demmel2021]). What stays is triangular. Implements {eq:marg-projection}.
     ///
     /// Blocks are eliminated in the order given. The result does not depend on it, except for signs of
     /// rows; the time does, see [`marginalize`](super::marginalize).

@@ -68,7 +68,7 @@ fn precision(chapter: &mut Chapter) {
         let one = &all()[at];
         chapter.number(condition, one.condition, "", 0);
         let percent = one.errors.map(|error| 100.0 * error.unwrap_or(f64::NAN));
-        chapter.number(hessian, percent[0], "%", 3);
+        chapter.number(hessian, percent[0], "%", 2);
         chapter.number(root, percent[1], "%", 4);
     }
     let worse = &all()[QUOTED[2]];

@@ -18,17 +18,17 @@ pub fn sigmas() -> Figure {
         ("as the SEIF does", cells(2)),
     ];
     Figure::new(900, columns, |drawing| {
-        let x_axis = ("true sigma of the position (mm)", 0.0..520.0, 6);
+        let x_axis = ("true sigma of the position (mm)", 0.0..340.0, 6);
         let y_axis = ("reported over true sigma", 0.3..2.3, 5);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        chart.line([(0.0, 1.0), (520.0, 1.0)], INK, 3)?;
+        chart.line([(0.0, 1.0), (340.0, 1.0)], INK, 3)?;
         for (way, name) in WAYS.iter().enumerate() {
             let points = all.iter().filter_map(|d| Some((d.sigma, d.reported[way]?)));
             chart.marks(points.collect::<Vec<_>>(), way)?;
-            let (x, y) = (20.0, 2.2 - 0.13 * way as f64);
-            chart.key(way, name, (x, y), x + 12.0)?;
+            let (x, y) = (12.0, 2.2 - 0.13 * way as f64);
+            chart.key(way, name, (x, y), x + 8.0)?;
         }
-        for (name, x) in [("keyframes", 65.0), ("landmarks", 340.0)] {
+        for (name, x) in [("keyframes", 65.0), ("landmarks", 235.0)] {
             chart.write(name, (x, 0.36), letters_around(INK))?;
         }
         Ok(())
