@@ -27,7 +27,7 @@ pub fn absorb(prior: Prior, row: DVector<f32>, residual: f32) -> Prior {
 ///
 /// The result has as many rows as coordinates stay and zeros below the diagonal. Together,
 /// prior and rows determine all coordinates; some of them ten thousand times as well as
-/// others, and the result should know both kinds to a tenth of a standard deviation.
+/// others, and the result should know both kinds to a hundredth of a standard deviation.
 pub fn slide(prior: Prior, rows: DMatrix<f32>, residual: DVector<f32>, gone: Vec<usize>) -> Prior {
     let _ = (prior, rows, residual, gone);
     todo!("what is known of those that stay")

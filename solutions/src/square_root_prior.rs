@@ -44,7 +44,7 @@ fn turned((a, b): (f32, f32), c: f32, s: f32) -> (f32, f32) {
 ///
 /// The result has as many rows as coordinates stay and zeros below the diagonal. Together,
 /// prior and rows determine all coordinates; some of them ten thousand times as well as
-/// others, and the result should know both kinds to a tenth of a standard deviation.
+/// others, and the result should know both kinds to a hundredth of a standard deviation.
 pub fn slide(prior: Prior, rows: DMatrix<f32>, residual: DVector<f32>, gone: Vec<usize>) -> Prior {
     let columns = rows.ncols();
     let stays = (0..columns).filter(|column| !gone.contains(column));

@@ -45,7 +45,7 @@ crate::signatures! {
     ///
     /// The result has as many rows as coordinates stay and zeros below the diagonal. Together,
     /// prior and rows determine all coordinates; some of them ten thousand times as well as
-    /// others, and the result should know both kinds to a tenth of a standard deviation.
+    /// others, and the result should know both kinds to a hundredth of a standard deviation.
     fn slide(
         prior: Prior,
         rows: DMatrix<f32>,

@@ -342,7 +342,8 @@ pub struct Tested {
 impl Tested {
     /// A mean over runs with errors of the same dimension, or of several.
     pub fn drawn(draw: &mut Draw, alike: bool) -> Self {
-        let runs = draw.index(4..40);
+        // More runs than any dimension, so that nobody's degrees of freedom are another's by chance.
+        let runs = draw.index(10..40);
         let dimension = draw.index(2..7);
         let dimensions =
             (0..runs).map(|_| if alike { dimension } else { draw.index(1..9) }).collect();
