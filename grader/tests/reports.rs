@@ -79,11 +79,11 @@ fn the_gradebook_leaves_empty_what_could_not_be_graded() {
     let rows = gradebook(&[every_kind("ada"), every_kind_graded("brook")]);
     assert_eq!(rows[0][..5], ["submission", "student", "points", "of", "left_perturbation"]);
     assert_eq!(rows[1][..11], ["ada", "", "", "70", "10", "3.333", "0", "0", "0", "", ""]);
-    assert_eq!(rows[1][14], "could not be graded: residual_jacobian noise_growth");
+    assert_eq!(rows[1][16], "could not be graded: residual_jacobian noise_growth");
     assert_eq!(rows[2][..5], ["brook", "", "13.333", "50", "10"]);
-    assert_eq!(rows[2][14], "graded");
+    assert_eq!(rows[2][16], "graded");
     assert_eq!(rows[3][0..4], ["'=gone", "'@gone", "", ""]);
-    assert_eq!(rows[3][14], "nothing handed in");
+    assert_eq!(rows[3][16], "nothing handed in");
 }
 
 #[test]
@@ -326,7 +326,7 @@ fn a_table_of_markdown_has_as_many_cells_in_each_line_whatever_stands_in_it() {
         let cells = |line: &str| line.replace("\\\\", "").replace("\\|", "").matches('|').count();
         let counts: Vec<usize> =
             report.lines().filter(|line| line.starts_with('|')).map(cells).collect();
-        assert_eq!(counts, [13; 4], "{report}");
+        assert_eq!(counts, [15; 4], "{report}");
     }
 }
 
@@ -454,7 +454,7 @@ fn an_untouched_skeleton_is_no_attempt_and_has_one_line() {
     let text = markdown::feedback(&grades[0], Detail::Full);
     assert!(text.contains("| 0 of 10 | not begun |") && !text.contains("##"), "{text}");
     assert!(summary(&grades).contains("| ada | 0 | n |"));
-    assert_eq!(gradebook(&grades)[1][14], "graded: no answer was begun");
+    assert_eq!(gradebook(&grades)[1][16], "graded: no answer was begun");
     assert_eq!(cases(&grades[0], Detail::Full).len(), 1);
     let text = gradescope::json(&grades[0], Detail::Full);
     assert!(text.contains("The file is as it was handed out"), "{text}");

@@ -131,7 +131,7 @@ fn a_first_exercise_of_a_first_chapter_stands_before_the_others() {
     let (runner, first) =
         (targets.find("name = \"exercises\"\nharness"), targets.find("blind_spot"));
     assert!(runner < first && first < targets.find("left_perturbation"), "{targets}");
-    assert_eq!(check_in(copy.path(), None).expect("a report").0.matches("complete").count(), 10);
+    assert_eq!(check_in(copy.path(), None).expect("a report").0.matches("complete").count(), 12);
 }
 
 #[test]

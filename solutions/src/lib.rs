@@ -5,12 +5,14 @@ pub mod along_or_across;
 pub mod fill_in;
 pub mod left_perturbation;
 pub mod misconceptions;
+pub mod nees_diagnosis;
 pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
+pub mod square_root_prior;
 pub mod stereo_gauge;
 
 use exercise_spec::answer::{Native, Transport};
@@ -51,7 +53,9 @@ pub fn answers() -> Vec<Answers> {
         residual_jacobian,
         noise_growth,
         scale_and_gravity,
+        nees_diagnosis,
         null_space,
         fill_in,
+        square_root_prior,
     ]
 }

@@ -7,12 +7,14 @@
 pub mod along_or_across;
 pub mod fill_in;
 pub mod left_perturbation;
+pub mod nees_diagnosis;
 pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
+pub mod square_root_prior;
 pub mod stereo_gauge;
 
 use exercise_spec::check::Check;
@@ -30,8 +32,10 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "residual_jacobian" => Some(residual_jacobian::checks(seed)),
         "noise_growth" => Some(noise_growth::checks(seed)),
         "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
+        "nees_diagnosis" => Some(nees_diagnosis::checks(seed)),
         "null_space" => Some(null_space::checks(seed)),
         "fill_in" => Some(fill_in::checks(seed)),
+        "square_root_prior" => Some(square_root_prior::checks(seed)),
         _ => None,
     }
 }

@@ -13,12 +13,14 @@ pub mod declaration;
 pub mod fill_in;
 pub mod left_perturbation;
 pub mod navigation;
+pub mod nees_diagnosis;
 pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
+pub mod square_root_prior;
 pub mod stereo_gauge;
 
 #[cfg(feature = "checks")]
@@ -37,8 +39,10 @@ pub const EXERCISES: &[&Exercise] = &[
     &residual_jacobian::EXERCISE,
     &noise_growth::EXERCISE,
     &scale_and_gravity::EXERCISE,
+    &nees_diagnosis::EXERCISE,
     &null_space::EXERCISE,
     &fill_in::EXERCISE,
+    &square_root_prior::EXERCISE,
 ];
 
 /// The exercise of a name.

@@ -38,7 +38,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("relative", Rounded { change: squared, ..kept }),
         ("small", Rounded { rounding: 1.5 / CONDITION, change: weakest_lost }),
     ] {
-        chapter.counterexample("root-digits", condition, within, [kept, dropped]);
+        chapter.counterexample("prior-digits", condition, within, [kept, dropped]);
     }
 }
 

@@ -496,6 +496,15 @@ fn same<T: Same>() -> T {{ T::same() }}
             "impl Same for Exponents { fn same() -> Self { Self { attitude: Same::same(), \
              velocity: Same::same(), position: Same::same() } } }"
         }
+        "nees_diagnosis" => {
+            "impl Same for Parts { fn same() -> Self { Self { position: Same::same(), \
+             velocity: Same::same(), tilt: Same::same(), yaw: Same::same() } } }\n\
+             impl Same for Fault { fn same() -> Self { Fault::Density } }"
+        }
+        "square_root_prior" => {
+            "impl Same for Prior { fn same() -> Self { Self { root: \
+             na::DMatrix::repeat(6, 6, 1e-30), offset: na::DVector::repeat(6, 1e-30) } } }"
+        }
         "scale_null_space" => "impl Same for Scene { fn same() -> Self { todo!(\"no scene\") } }",
         "scale_and_gravity" => {
             "impl Same for Window { fn same() -> Self { todo!(\"no window\") } }"
