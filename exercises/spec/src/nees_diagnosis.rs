@@ -33,7 +33,9 @@ pub struct Parts {
 /// accelerometer's bias, two numbers each; at the start it knows the velocity exactly, and of the
 /// two others as much as it says. Each step integrates one reading of the accelerometer. From time
 /// to time a camera measures the displacement since the last clone of the position. The filter
-/// uses it and then makes a new clone; the first one was made at the start.
+/// uses it and then makes a new clone; the first one was made at the start. In a single step the
+/// bias moves the velocity by less than a fifth of what noise does. From one displacement to the
+/// next there are steps enough for every fault that acts in them to show.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
     /// How many runs there are.
@@ -41,7 +43,9 @@ pub struct Campaign {
     /// In the order of time. The first one is made after a single step.
     pub reports: Vec<Report>,
 }
+// ANCHOR_END: campaign
 
+// ANCHOR: report
 /// Means over the runs, of NEES and NIS divided by their dimension, which is two.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -59,9 +63,11 @@ pub struct Report {
     /// one, or when there is none.
     pub displacement: Option<f64>,
 }
+// ANCHOR_END: report
 
-/// What is wrong with the covariance of a filter. What it integrates, measures and adds to its
-/// estimate by its gain is right in every case.
+// ANCHOR: fault
+/// What is wrong with the covariance of a filter. All else that it does is right: it integrates
+/// readings and measures displacements as it should, and makes its gain of the covariance it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
     /// Nothing.
@@ -75,7 +81,7 @@ pub enum Fault {
     /// Clones have the right variance, and no covariance with the rest of the state.
     Clones,
 }
-// ANCHOR_END: campaign
+// ANCHOR_END: fault
 
 crate::signatures! {
     // ANCHOR: parts_of
