@@ -1,6 +1,8 @@
 //! Beliefs: carried on, corrected, copied and cut.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, Vector1, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix6, Rotation3, SMatrix, Vector1, Vector2, Vector3,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;

@@ -151,7 +151,8 @@ fn transition_noise(formula: Block) -> Comparison {
     Comparison::relative(against, 1e-5).over(STATES, 2, |random| {
         let interval = Interval::random(random);
         let (white, walk) = (NOISE.discrete(STEP), NOISE.bias_walk(STEP));
-        let variances = white.diagonal().iter().chain(&walk.diagonal()).copied().collect::<Vec<_>>();
+        let variances =
+            white.diagonal().iter().chain(&walk.diagonal()).copied().collect::<Vec<_>>();
         let mut oracle = Matrix15::zeros();
         let mut noise = vec![0.0; 12 * interval.samples.len()];
         for place in 0..noise.len() {
@@ -197,12 +198,15 @@ fn carried_covariance(formula: Carried) -> Comparison {
         let moved = draws::ensemble(&before).into_iter().flat_map(|error| {
             let (state, other) = (error.rows(0, 15) * 1.0, error.rows(15, 3).into_owned());
             let carried = &by_error * state;
-            noises.iter().map(move |noise| {
-                let mut after = DVector::zeros(18);
-                after.rows_mut(0, 15).copy_from(&(&carried + noise));
-                after.rows_mut(15, 3).copy_from(&other);
-                after
-            }).collect::<Vec<_>>()
+            noises
+                .iter()
+                .map(move |noise| {
+                    let mut after = DVector::zeros(18);
+                    after.rows_mut(0, 15).copy_from(&(&carried + noise));
+                    after.rows_mut(15, 3).copy_from(&other);
+                    after
+                })
+                .collect::<Vec<_>>()
         });
         (formula(&before, &by_error, &noise), draws::scatter(moved))
     })

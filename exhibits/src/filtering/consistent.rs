@@ -89,7 +89,8 @@ type Band = fn(usize, usize, f64, usize) -> [f64; 2];
 
 fn nees_band(formula: Band) -> Comparison {
     let against = "the density of a sum of squares, integrated below and above the band";
-    let cases = [(1, 2, 0.05, 1), (1, 3, 0.05, 6), (10, 3, 0.05, 12), (50, 2, 0.01, 4), (30, 3, 0.1, 8)];
+    let cases =
+        [(1, 2, 0.05, 1), (1, 3, 0.05, 6), (10, 3, 0.05, 12), (50, 2, 0.01, 4), (30, 3, 0.1, 8)];
     // The share of each end is a number of its own size.
     Comparison::relative(against, 1e-5).each(cases, |(runs, dimension, outside, tests)| {
         let band = formula(runs, dimension, outside, tests);
@@ -133,7 +134,8 @@ fn aligned_yaw(formula: Yaw) -> Comparison {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
         let shift = random.direction(5.0);
         let truth: Vec<NavState> = (0..12).map(|_| draws::state(random)).collect();
-        let estimate: Vec<NavState> = truth.iter().map(|state| moved(state, &turn, &shift, random)).collect();
+        let estimate: Vec<NavState> =
+            truth.iter().map(|state| moved(state, &turn, &shift, random)).collect();
         (formula(&estimate, &truth), searched(&estimate, &truth))
     })
 }

@@ -12,7 +12,8 @@ pub fn exhibits(chapter: &mut Chapter) {
         let mut belief = Belief::new();
         let first = covariance.view((0, 0), (3, 3)).into_owned();
         belief.add(Vector3::<f64>::zeros(), &first).expect("it fits");
-        let before = covariance.view((3, 0), (3, 3)) * first.clone().try_inverse().expect("a covariance");
+        let before =
+            covariance.view((3, 0), (3, 3)) * first.clone().try_inverse().expect("a covariance");
         let left = covariance.view((3, 3), (3, 3)) - &before * covariance.view((0, 3), (3, 3));
         belief.add_function(Vector3::<f64>::zeros(), &before, &left).expect("it fits");
         belief.add_function(Vector3::<f64>::zeros(), by_all, noise).expect("it fits");

@@ -14,9 +14,8 @@ const CASES: usize = 60;
 const DIMENSION: usize = 5;
 
 pub fn exhibits(chapter: &mut Chapter) {
-    let formula: Bound = |condition, error| {
-        2.0 * error * condition.sqrt() + error * error * condition
-    };
+    let formula: Bound =
+        |condition, error| 2.0 * error * condition.sqrt() + error * error * condition;
     let mutants: [(_, Bound); 3] = [
         ("condition for its root", |condition, error| {
             2.0 * error * condition + (error * condition).powi(2)
@@ -43,7 +42,10 @@ impl Root {
         let values = DVector::from_fn(DIMENSION, |at, _| match at {
             0 => 1.0,
             1 => condition.sqrt().recip(),
-            _ => random.uniform(0.0..1.0) * (1.0 - condition.sqrt().recip()) + condition.sqrt().recip(),
+            _ => {
+                random.uniform(0.0..1.0) * (1.0 - condition.sqrt().recip())
+                    + condition.sqrt().recip()
+            }
         });
         Self { left, values, right }
     }

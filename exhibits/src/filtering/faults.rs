@@ -83,7 +83,11 @@ fn faults() -> Vec<RecordValue> {
             }
             let rmse = format!("{word}_rmse_{length}");
             values.push(RecordValue::new(rmse, position, "cm", 1, 1e-3));
-            assert_eq!(numbers, innovations(filter, length) as f64, "landmarks are always in sight");
+            assert_eq!(
+                numbers,
+                innovations(filter, length) as f64,
+                "landmarks are always in sight"
+            );
         }
     }
     values
@@ -120,7 +124,8 @@ pub fn tested() -> &'static [[[Tested; 5]; 4]; 7] {
             [0, 1, 2, 3].map(|length| {
                 [0, 1, 2, 3, 4].map(|statistic| {
                     let name = STATISTICS[statistic];
-                    let of = |name: &str| accepted("filter_faults", &format!("{word}_{name}_{length}"));
+                    let of =
+                        |name: &str| accepted("filter_faults", &format!("{word}_{name}_{length}"));
                     let (runs, dimension) = match DIMENSIONS.get(statistic) {
                         Some(dimension) => (RUNS, *dimension),
                         None => (innovations(&filter, length), 1),

@@ -119,8 +119,7 @@ impl<'a> Flown<'a> {
         let mut random = Random::new(seed ^ 0x5eed);
         let off = START.map(|sigma| random.normal(sigma));
         let variances = START.map(|sigma| sigma * sigma);
-        let diagonal =
-            |of: &[f64]| DMatrix::from_diagonal(&DVector::from_row_slice(of));
+        let diagonal = |of: &[f64]| DMatrix::from_diagonal(&DVector::from_row_slice(of));
         let truth = &recording.truth;
         let mut belief = Belief::new();
         let state = truth.states[0].retract(&off[..9]);
@@ -197,7 +196,8 @@ impl<'a> Flown<'a> {
         let residual = residual - &jacobian * gone;
         self.belief = before.clone();
         let scale = self.filter.noise.recip();
-        let corrected = self.belief.correct(&(scale * jacobian), &(scale * &residual), Form::Joseph);
+        let corrected =
+            self.belief.correct(&(scale * jacobian), &(scale * &residual), Form::Joseph);
         let Correction { innovation, .. } = corrected.expect("a covariance");
         [innovation, residual.len() as f64]
     }
@@ -221,7 +221,8 @@ impl<'a> Flown<'a> {
                 pixel: feature.pixel,
                 inverse_sigma: 1.0 / recording.flight.pixel_sigma,
             };
-            let (residual, by) = seen.linearize((state, &landmark, &extrinsics, &Vector1::zeros()))?;
+            let (residual, by) =
+                seen.linearize((state, &landmark, &extrinsics, &Vector1::zeros()))?;
             Some((residual, by.0))
         });
         let rows: Vec<_> = rows.collect();

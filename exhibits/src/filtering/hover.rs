@@ -32,16 +32,15 @@ fn motion() -> Trajectory {
         pitch: wave(0.05, 0.9, 1.0),
         roll: wave(0.05, 1.1, 0.0),
     };
-    Trajectory { position: [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)], angles }
+    Trajectory {
+        position: [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)],
+        angles,
+    }
 }
 
 fn recorded(seconds: f64, seed: u64) -> FlightRecording {
-    let flight = Flight {
-        seconds,
-        picture_rate: PICTURE_RATE,
-        tracks: KEPT,
-        ..Flight::new(motion())
-    };
+    let flight =
+        Flight { seconds, picture_rate: PICTURE_RATE, tracks: KEPT, ..Flight::new(motion()) };
     let room = flight.room(2.5, 250, seed).expect("the hover has a room");
     flight.record(&room, seed).expect("the hover can be flown")
 }
@@ -105,7 +104,12 @@ pub fn live() -> [f64; 2] {
 pub fn record(chapter: &mut Chapter) {
     let inputs = vec![
         ("seeds", format!("0 to {}", SEEDS - 1)),
-        ("flight", format!("{SECONDS} s within a metre of one spot, ImuNoise::euroc(), {PICTURE_RATE} pictures a second")),
+        (
+            "flight",
+            format!(
+                "{SECONDS} s within a metre of one spot, ImuNoise::euroc(), {PICTURE_RATE} pictures a second"
+            ),
+        ),
         ("kept", format!("{KEPT} landmarks in the state")),
         ("linearization", "at the latest estimates, and at the first".into()),
     ];
@@ -118,7 +122,8 @@ const POLICIES: [(&str, Linearization); 2] =
 fn hover() -> Vec<RecordValue> {
     let mut values = vec![RecordValue::new("seeds", SEEDS as f64, "", 0, 0.0)];
     for (word, linearization) in POLICIES {
-        let runs: Vec<_> = (0..SEEDS as u64).map(|seed| hovered(linearization, SECONDS, seed)).collect();
+        let runs: Vec<_> =
+            (0..SEEDS as u64).map(|seed| hovered(linearization, SECONDS, seed)).collect();
         for at in 0..TIMES.len() {
             let mean = |of: &dyn Fn([f64; 2]) -> f64| {
                 runs.iter().map(|run| of(run[at])).sum::<f64>() / SEEDS as f64

@@ -19,7 +19,9 @@ const ALL: usize = 40;
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Iterated = |turn, steps| turn.by_library(steps).0;
     let mutants: [(_, Iterated); 4] = [
-        ("from the iterate", |turn, steps| turn.by_hand(steps, Rule { anchored: false, ..RIGHT }).0),
+        ("from the iterate", |turn, steps| {
+            turn.by_hand(steps, Rule { anchored: false, ..RIGHT }).0
+        }),
         ("derivative of the step dropped", |turn, steps| {
             turn.by_hand(steps, Rule { curved: false, ..RIGHT }).0
         }),
@@ -69,8 +71,7 @@ struct Rule {
     whitened: bool,
 }
 
-const RIGHT: Rule =
-    Rule { anchored: true, curved: true, latest: true, back: true, whitened: true };
+const RIGHT: Rule = Rule { anchored: true, curved: true, latest: true, back: true, whitened: true };
 
 /// A rotation that is believed in, and two known directions that it turned.
 struct Turn {
@@ -237,7 +238,6 @@ fn moved_covariance(formula: Moved) -> Comparison {
 /// The iterates of a rule and those of Gauss-Newton.
 fn same_steps(rule: Rule) -> Comparison {
     let turn = Turn::random(&mut Random::new(23));
-    Comparison::absolute("the iterates of Gauss-Newton", 1e-7, "").each(1..=STEPS, |steps| {
-        (turn.by_hand(steps, rule).0, turn.by_gauss_newton(steps))
-    })
+    Comparison::absolute("the iterates of Gauss-Newton", 1e-7, "")
+        .each(1..=STEPS, |steps| (turn.by_hand(steps, rule).0, turn.by_gauss_newton(steps)))
 }

@@ -23,9 +23,7 @@ pub fn darkened() -> &'static [Vec<Moment>; 2] {
     static FLOWN: OnceLock<[Vec<Moment>; 2]> = OnceLock::new();
     FLOWN.get_or_init(|| {
         let recording = recorded(SECONDS, 3);
-        [1, 5].map(|iterations| {
-            flown(&Filter { dark: DARK, iterations, ..RIGHT }, &recording, 3)
-        })
+        [1, 5].map(|iterations| flown(&Filter { dark: DARK, iterations, ..RIGHT }, &recording, 3))
     })
 }
 
@@ -96,7 +94,8 @@ fn carried_numbers(chapter: &mut Chapter) {
     chapter.number("tilt_to_speed_mm", (by[(3, 1)]).abs(), "mm/s", 1);
     chapter.number("tilt_to_place_mm", (by[(6, 1)]).abs(), "mm", 1);
     let [once, often] = darkened();
-    let of = |moments: &[Moment], seconds: f64| moments[(seconds * PICTURE_RATE).round() as usize - 1];
+    let of =
+        |moments: &[Moment], seconds: f64| moments[(seconds * PICTURE_RATE).round() as usize - 1];
     let at = |seconds: f64| of(once, seconds);
     let error = |moments| 1e3 * of(moments, DARK[1] + 0.1).error.position.x.abs();
     chapter.number("dark_x_error_mm", error(once), "mm", 0);
@@ -217,9 +216,8 @@ fn fault_numbers(chapter: &mut Chapter) {
     chapter.number("map_outside", outside("map"), "", 0);
     chapter.number("transition_outside", outside("transition"), "", 0);
     chapter.number("odometry_outside", outside("odometry"), "", 0);
-    let worse = |word: &str, right: &str| {
-        100.0 * (faults::rmse(word, 3) / faults::rmse(right, 3) - 1.0)
-    };
+    let worse =
+        |word: &str, right: &str| 100.0 * (faults::rmse(word, 3) / faults::rmse(right, 3) - 1.0);
     chapter.number("pixels_worse", worse("pixels", "map"), "%", 0);
 }
 

@@ -30,7 +30,8 @@ const UNDECIDED: f64 = 1e-12;
 /// together, state by state.
 ///
 /// The translation takes mean to mean, whatever the rotation is, and the rotation R makes the sum of
-/// bᵀ R a largest, over the estimated positions a and the true ones b, less their means.
+/// bᵀ R a largest, over the estimated positions a and the true ones b, less their means. For a turn
+/// about the vertical that is {eq:aligned-yaw}.
 ///
 /// # Errors
 ///

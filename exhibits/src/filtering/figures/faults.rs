@@ -3,7 +3,9 @@
 use plotters::element::Rectangle;
 use plotters::style::Color;
 
-use crate::figure::{Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of, plain};
+use crate::figure::{
+    Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of, plain,
+};
 use crate::filtering::faults::{FILTERS, LENGTHS, tested};
 
 const NAMES: [&str; 7] = [
@@ -21,7 +23,10 @@ pub fn faults() -> Figure {
     let tested = tested();
     let each = || (0..FILTERS.len()).flat_map(|filter| (0..4).map(move |length| (filter, length)));
     let of = |at: usize| {
-        decimals(2, each().map(|(filter, length)| tested[filter][length][at].value).collect::<Vec<_>>())
+        decimals(
+            2,
+            each().map(|(filter, length)| tested[filter][length][at].value).collect::<Vec<_>>(),
+        )
     };
     let columns = vec![
         ("filter", plain(each().map(|(filter, _)| NAMES[filter]))),
@@ -51,7 +56,8 @@ pub fn faults() -> Figure {
                         -1 => (SERIES[0], "\u{2212}"),
                         _ => (GRID, ""),
                     };
-                    let filled = if sign.is_empty() { colour.stroke_width(3) } else { colour.filled() };
+                    let filled =
+                        if sign.is_empty() { colour.stroke_width(3) } else { colour.filled() };
                     chart.draw_series([Rectangle::new(corners, filled)])?;
                     let middle = (left + 0.42, top + 1.25);
                     chart.write(sign, middle, letters_around(INK))?;

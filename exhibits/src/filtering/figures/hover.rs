@@ -21,8 +21,7 @@ pub fn hover() -> Figure {
         let most = curves.iter().flatten().fold(0.0_f64, |most, value| most.max(*value));
         let y_axis = ("yaw (°)", 0.0..1.35 * most, 5);
         let mut chart = figure::axes(drawing, ("time (s)", 0.0..SECONDS, 6), y_axis)?;
-        let names =
-            ["believed, latest", "error, latest", "believed, first", "error, first"];
+        let names = ["believed, latest", "error, latest", "believed, first", "error, first"];
         for (index, curve) in curves.iter().enumerate() {
             chart.line(TIMES.into_iter().zip(*curve), SERIES[index], 4)?;
             chart.marks(TIMES.into_iter().zip(*curve), index)?;

@@ -2,7 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::figure::{self, Draw, ESTIMATED, Figure, INK, MEASURED, SERIES, decimals, letters_right_of, plain};
+use crate::figure::{
+    self, Draw, ESTIMATED, Figure, INK, MEASURED, SERIES, decimals, letters_right_of, plain,
+};
 use crate::filtering::figures::ellipse;
 use crate::filtering::spot::{DISTANCE, ESTIMATE, SIGMA, after, prior_covariance};
 
