@@ -51,7 +51,7 @@ impl Belief {
 
     /// Adds a variable that is a function of the others, but for noise of its own. `by_all` has the
     /// derivatives of its error by theirs, with a row for each of its coordinates and a column for
-    /// each of theirs; `noise` is the covariance of the rest.
+    /// each of theirs; `noise` is the covariance of the rest. Implements {eq:cloned-covariance}.
     ///
     /// # Errors
     ///
@@ -79,7 +79,8 @@ impl Belief {
     // ANCHOR_END: add_function
 
     // ANCHOR: clone_variable
-    /// Adds a second copy of a variable, which stays where it is when the first one moves on.
+    /// Adds a second copy of a variable, which stays where it is when the first one moves on:
+    /// stochastic cloning [@roumeliotis2002].
     ///
     /// # Errors
     ///

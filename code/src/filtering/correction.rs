@@ -12,7 +12,8 @@ pub enum Form {
     /// it can lose all digits, and then its sign.
     #[default]
     Difference,
-    /// (I − K H) P (I − K H)ᵀ + K Kᵀ: a sum of squares, for any gain K. It is the form of Joseph.
+    /// (I − K H) P (I − K H)ᵀ + K Kᵀ: a sum of squares, for any gain K. It is the form of Joseph,
+    /// {eq:joseph-form}.
     Joseph,
 }
 // ANCHOR_END: form
@@ -28,7 +29,7 @@ pub struct Correction<T = f64> {
 
 /// Updates the covariance P of an error e by a whitened measurement r + H e + n, whose noise n has
 /// the unit covariance: r is the residual at the estimate, prediction minus measurement, and H its
-/// m×n derivative.
+/// m×n derivative. Implements {eq:gain-update} and {eq:innovation-cost}.
 ///
 /// # Errors
 ///
@@ -85,7 +86,7 @@ fn innovation_root<T: RealField + Copy>(
 
 /// Updates the upper root U of a covariance Uᵀ U. The rows (I 0) and (U Hᵀ, U) are turned into a
 /// triangle, which holds the root of S, the gain, and the new root below it. Nothing is squared,
-/// and nothing subtracted.
+/// and nothing subtracted. Implements {eq:root-array}; [@kaminski1971] survey such forms.
 ///
 /// # Errors
 ///

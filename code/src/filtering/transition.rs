@@ -43,7 +43,8 @@ impl Transition {
     ///
     /// The residual of the interval, r(x, b, y), is zero at the prediction y. Its derivatives there
     /// say how an error of y follows from those of x and b: {eq:residual-by-first},
-    /// {eq:residual-by-second} and {eq:residual-by-bias}, divided by one another.
+    /// {eq:residual-by-second} and {eq:residual-by-bias}, divided by one another. Implements
+    /// {eq:transition} and {eq:transition-noise}.
     ///
     /// # Errors
     ///
@@ -75,7 +76,7 @@ impl Transition {
 impl Belief {
     // ANCHOR: carry_on
     /// Carries a state and its biases over an interval. All other variables stay where they are,
-    /// and as tied to these as the transition leaves them.
+    /// and as tied to these as the transition leaves them. Implements {eq:carried-covariance}.
     ///
     /// # Errors
     ///

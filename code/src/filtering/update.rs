@@ -51,7 +51,7 @@ impl Belief {
     /// there. What the problem holds is not corrected.
     ///
     /// Each iteration is a step of Gauss and Newton for the factors together with the belief, taken
-    /// at the estimates that the last one found. The covariance is that of the last linearization,
+    /// at the estimates that the last one found [@bell1993]. Implements {eq:iterated-step}. The covariance is that of the last linearization,
     /// of errors of the estimates that it led to.
     ///
     /// # Errors
@@ -157,7 +157,8 @@ impl Moved {
     }
 
     // ANCHOR: reset
-    /// Turns the covariance of the error of the belief into that of the values it has moved to.
+    /// Turns the covariance of the error of the belief into that of the values it has moved to, as in
+    /// {eq:moved-covariance}.
     fn reset(&self, covariance: &mut DMatrix<f64>) {
         for (coordinates, inverse) in &self.inverse {
             let rows = inverse * covariance.rows_range(coordinates.clone());

@@ -9,6 +9,7 @@ use vislam::manifold::so3;
 use vislam::preintegration::CombinedPreintegrator;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
+use crate::comparison::inverse;
 use crate::random::Random;
 
 /// The standard deviations of what is known at the beginning: turns, velocity and position, in rad,
@@ -44,6 +45,8 @@ pub struct Filter {
     pub tied: bool,
     /// From when to when it is dark, in seconds.
     pub dark: [f64; 2],
+    /// How often pixels are linearized.
+    pub iterations: usize,
 }
 
 pub const RIGHT: Filter = Filter {
@@ -53,6 +56,7 @@ pub const RIGHT: Filter = Filter {
     coupled: true,
     tied: true,
     dark: [0.0, 0.0],
+    iterations: 1,
 };
 
 /// What is known of the filter at a picture.
@@ -160,8 +164,20 @@ impl<'a> Flown<'a> {
         }
     }
 
-    /// Corrects the belief; the innovation squared and its dimension.
+    /// Corrects the belief, and again from where it was before with pixels that are linearized where
+    /// it came to.
     fn correct(&mut self, picture: usize) -> [f64; 2] {
+        let before = self.belief.clone();
+        let innovation = self.correct_from(&before, picture);
+        for _ in 1..self.filter.iterations {
+            self.correct_from(&before, picture);
+        }
+        innovation
+    }
+
+    /// Corrects what was believed before, by measurements that are linearized at what is believed now;
+    /// the innovation squared and its dimension.
+    fn correct_from(&mut self, before: &Belief, picture: usize) -> [f64; 2] {
         let (jacobian, residual) = match self.filter.sensor {
             Sensor::Map => self.pixels(picture),
             Sensor::Displacement => self.displacement(picture),
@@ -169,6 +185,16 @@ impl<'a> Flown<'a> {
         if residual.is_empty() {
             return [0.0, 0.0];
         }
+        let (from, to) = (&before.values()[self.state], &self.belief.values()[self.state]);
+        let mut gone = DVector::zeros(jacobian.ncols());
+        from.local(to, &mut gone.as_mut_slice()[..9]);
+        let mut by_step = SMatrix::<f64, 9, 9>::zeros();
+        from.local_jacobian(to, by_step.as_mut_slice());
+        let mut jacobian = jacobian;
+        let own = jacobian.columns(0, 9) * inverse(by_step);
+        jacobian.columns_mut(0, 9).copy_from(&own);
+        let residual = residual - &jacobian * gone;
+        self.belief = before.clone();
         let scale = self.filter.noise.recip();
         let corrected =
             self.belief.correct(&(scale * jacobian), &(scale * &residual), Form::Joseph);

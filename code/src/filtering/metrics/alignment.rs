@@ -29,7 +29,8 @@ const UNDECIDED: f64 = 1e-12;
 /// squares of what is left between the positions of every two states, in closed form [@zhang2018].
 ///
 /// The translation takes mean to mean, whatever the rotation is, and the rotation R makes the sum of
-/// bᵀ R a largest, over the estimated positions a and the true ones b, less their means.
+/// bᵀ R a largest, over the estimated positions a and the true ones b, less their means. For a turn
+/// about the vertical that is {eq:aligned-yaw}.
 ///
 /// # Errors
 ///

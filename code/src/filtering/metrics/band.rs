@@ -49,6 +49,7 @@ impl NeesBand {
     ///
     /// Each test gets an equal share of it, as Bonferroni has it. Šidák's share, a little larger, is
     /// right for tests that do not depend on one another; parts of one state and times of one run do.
+    /// Implements {eq:nees-band}.
     ///
     /// # Errors
     ///

@@ -1,7 +1,5 @@
 //! Normalized errors of many flights over time.
 
-use plotters::coord::combinators::IntoLogRange;
-
 use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, decimals, letters_right_of};
 use crate::filtering::numbers::{LIVE_RUNS, LIVE_SECONDS, live, mean_band, run_band};
 
@@ -23,7 +21,7 @@ pub fn nees() -> Figure {
     ];
     Figure::new(940, columns, |drawing| {
         let x_axis = ("time (s)", 0.0..LIVE_SECONDS, 6);
-        let mut chart = figure::axes(drawing, x_axis, ("NEES", (0.15..5.0).log_scale(), 4))?;
+        let mut chart = figure::axes(drawing, x_axis, ("NEES", 0.0..2.8, 5))?;
         for run in &runs[..DRAWN] {
             chart.line(run.iter().map(|moment| (moment.seconds, moment.whole)), GRID, 3)?;
         }
@@ -34,8 +32,8 @@ pub fn nees() -> Figure {
             chart.line([(0.0, end), (LIVE_SECONDS, end)], INK, 4)?;
         }
         chart.line(seconds.iter().copied().zip(mean), SERIES[0], 6)?;
-        chart.write("one flight", (0.3, run_band()[1] * 1.18), letters_right_of(SERIES[1]))?;
-        chart.write("mean", (0.3, band.high * 1.12), letters_right_of(INK))?;
+        chart.write("one flight", (0.3, run_band()[1] + 0.14), letters_right_of(SERIES[1]))?;
+        chart.write("mean", (0.3, band.high + 0.13), letters_right_of(INK))?;
         Ok(())
     })
 }
