@@ -340,8 +340,8 @@ fn a_clone_is_as_the_variable_until_the_variable_moves_on() {
 }
 
 // ANCHOR: worked_example
-/// A place is known to a variance of four, and a step adds one. The step is measured with a variance
-/// of one: whatever comes out, it says nothing of where the step began.
+/// A place is known to a variance of four, and a step adds one. The step is measured
+/// with a variance of one: that says nothing of where it began.
 #[test]
 fn a_measured_step_says_nothing_of_where_it_began() {
     let one = |value| DMatrix::from_element(1, 1, value);

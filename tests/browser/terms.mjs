@@ -92,7 +92,7 @@ export const terms = {
     "Kalman gain": "filtering.html#the-update",
     "innovation": "filtering.html#sec:filter-gate",
     "iterated update": "filtering.html#the-iterated-update",
-    "Joseph form": "filtering.html#covariances-in-few-digits",
+    "Joseph form": "filtering.html#joseph-form-and-square-root",
     "square root": "filtering.html#sec:filter-root",
     "stochastic cloning": "filtering.html#stochastic-cloning",
     "consistency": "filtering.html#sec:filter-consistency",

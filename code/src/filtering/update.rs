@@ -157,8 +157,7 @@ impl Moved {
     }
 
     // ANCHOR: reset
-    /// Turns the covariance of the error of the belief into that of the values it has moved to, as in
-    /// {eq:moved-covariance}.
+    /// Turns the covariance of the error of the belief into that of the values it has moved to.
     fn reset(&self, covariance: &mut DMatrix<f64>) {
         for (coordinates, inverse) in &self.inverse {
             let rows = inverse * covariance.rows_range(coordinates.clone());

@@ -130,8 +130,8 @@ fn digit_numbers(chapter: &mut Chapter) {
         CONDITIONS.iter().position(|c| *c == condition).map_or([f64::NAN; 3], |at| lost()[at])
     };
     chapter.number("lost_root_8", 100.0 * at(1e8)[2], "%", 2);
-    chapter.number("lost_joseph_8", at(1e8)[1], "", 0);
-    chapter.number("lost_difference_8", at(1e8)[0], "", 0);
+    chapter.number("lost_joseph_8", at(1e8)[1], "", 1);
+    chapter.number("lost_difference_8", at(1e8)[0], "", 1);
     for (name, form) in [("slope_difference", 0), ("slope_joseph", 1), ("slope_root", 2)] {
         let points = CONDITIONS.into_iter().zip(lost().iter().map(|lost| lost[form]));
         chapter.number(name, slope(points.collect()), "", 2);
