@@ -1,7 +1,7 @@
 //! Runs a module that nobody trusts: it imports nothing, and its steps, memory and stack are
 //! counted.
 //!
-//! The engine is wasmtime. It compiles a module before it runs it, which takes 0.3 s for the ten
+//! The engine is wasmtime. It compiles a module before it runs it, which takes 0.3 s for ten
 //! reference answers, and then all of their checks take 0.5 s on one core; in wasmi, which
 //! interprets, they begin at once and take 3.1 s.
 

@@ -88,7 +88,7 @@ pub fn diagnosis(campaign: Campaign, outside: f64) -> Fault {
     let Campaign { runs, reports } = campaign;
     let tests = reports.iter().flat_map(numbers).count();
     let (low, high) = band(vec![2; runs], tests, outside);
-    let leaves = |report: &&Report| numbers(report).any(|mean| mean < low || mean > high);
+    let leaves = |report: &&Report| numbers(report).any(|mean| !(low..=high).contains(&mean));
     // Whatever was done before the first number left its band has been done well.
     match reports.iter().find(leaves) {
         None => Fault::None,

@@ -16,7 +16,7 @@ use crate::text::harmless_line;
 
 /// Columns of the terminal.
 const WIDTH: usize = 80;
-/// Columns of a name, which beside ten exercises leaves room for their points.
+/// Columns that a name has at most.
 const NAME: u16 = 20;
 /// Columns that a name has at least.
 const NARROW: u16 = 12;
