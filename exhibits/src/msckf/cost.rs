@@ -26,7 +26,7 @@ pub const FEATURES: [usize; 5] = [10, 20, 40, 80, 160];
 /// Poses in a window whose covariance is corrected by as many rows as it has.
 pub const WINDOWS: [usize; 5] = [6, 11, 20, 36, 64];
 /// The fastest of so many turns counts.
-const TURNS: usize = 12;
+const TURNS: usize = 40;
 /// The window and the readings of a typical picture.
 const CLONES: usize = 11;
 const READINGS: usize = 20;
@@ -198,7 +198,7 @@ fn cost() -> Vec<RecordValue> {
     };
     let slope = |name: &'static str, sizes: &[usize], times: &[f64]| {
         let sizes: Vec<f64> = sizes.iter().map(|size| *size as f64).collect();
-        RecordValue::new(name, exponent(&sizes, times), "", 2, 0.3)
+        RecordValue::new(name, exponent(&sizes, times), "", 1, 1.0)
     };
     let mut values: Vec<RecordValue> =
         parts().into_iter().map(|(name, micros)| time(name.to_owned(), micros)).collect();
