@@ -17,14 +17,16 @@ pub fn sigmas() -> Figure {
         often.iter().map(|moment| moment.error.yaw().abs()).collect::<Vec<_>>(),
         often.iter().map(|moment| moment.error.position.x.abs()).collect(),
     ];
+    // The table has every fourth picture.
+    let milli = |values: Vec<f64>| decimals(2, values.into_iter().step_by(4).map(|v| 1e3 * v));
     let columns = vec![
-        ("time (s)", decimals(1, seconds())),
-        ("sigma of the yaw (mrad)", decimals(2, sigma(0).map(|s| 1e3 * s))),
-        ("error of the yaw (mrad)", decimals(2, errors[0].iter().map(|e| 1e3 * e))),
-        ("sigma of x (mm)", decimals(2, sigma(1).map(|s| 1e3 * s))),
-        ("error of x (mm)", decimals(2, errors[1].iter().map(|e| 1e3 * e))),
-        ("error of the yaw, iterated (mrad)", decimals(2, iterated[0].iter().map(|e| 1e3 * e))),
-        ("error of x, iterated (mm)", decimals(2, iterated[1].iter().map(|e| 1e3 * e))),
+        ("time (s)", decimals(1, seconds().step_by(4))),
+        ("sigma of the yaw (mrad)", milli(sigma(0).collect())),
+        ("error of the yaw (mrad)", milli(errors[0].clone())),
+        ("sigma of x (mm)", milli(sigma(1).collect())),
+        ("error of x (mm)", milli(errors[1].clone())),
+        ("error of the yaw, iterated (mrad)", milli(iterated[0].clone())),
+        ("error of x, iterated (mm)", milli(iterated[1].clone())),
     ];
     Figure::new(1240, columns, |drawing| {
         let titles = ["yaw (mrad)", "x (mm)"];
