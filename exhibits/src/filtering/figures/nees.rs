@@ -14,10 +14,10 @@ pub fn nees() -> Figure {
         .collect();
     let band = mean_band();
     let columns = vec![
-        ("time (s)", decimals(1, seconds.iter().copied())),
-        ("mean of all flights", decimals(2, mean.iter().copied())),
-        ("first flight", decimals(2, runs[0].iter().map(|moment| moment.whole))),
-        ("second flight", decimals(2, runs[1].iter().map(|moment| moment.whole))),
+        ("time (s)", decimals(1, seconds.iter().copied().step_by(3))),
+        ("mean of all flights", decimals(2, mean.iter().copied().step_by(3))),
+        ("first flight", decimals(2, runs[0].iter().step_by(3).map(|moment| moment.whole))),
+        ("second flight", decimals(2, runs[1].iter().step_by(3).map(|moment| moment.whole))),
     ];
     Figure::new(940, columns, |drawing| {
         let x_axis = ("time (s)", 0.0..LIVE_SECONDS, 6);
