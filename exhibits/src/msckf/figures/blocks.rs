@@ -26,19 +26,21 @@ pub fn blocks() -> Figure {
     let mut after = before.clone();
     after.project(f64::INFINITY).expect("nothing is refused");
     let (before, after) = (numbers(&before), numbers(&after));
-    let width = before[0].len();
-    let name = |column: usize| match column {
-        0..3 => format!("landmark {}", column + 1),
-        _ if column == width - 1 => "residual".to_owned(),
-        _ => format!("pose {} {}", (column - 3) / 6 + 1, (column - 3) % 6 + 1),
+    let landmark =
+        |row: &Vec<f64>| row[..3].iter().map(|number| number * number).sum::<f64>().sqrt();
+    let residual = |row: &Vec<f64>| row[row.len() - 1];
+    let poses = |row: &Vec<f64>| {
+        let named = row[3..row.len() - 1].chunks(6).filter(|pose| pose.iter().any(|n| *n != 0.0));
+        named.count().to_string()
     };
-    let rows = 2 * SIGHTS;
-    let cells = || (0..rows).flat_map(|row| (0..width).map(move |column| (row, column)));
     let columns = vec![
-        ("row", cells().map(|(row, _)| (row + 1).to_string()).collect()),
-        ("column", cells().map(|(_, column)| name(column)).collect()),
-        ("before (1/m, 1/rad, none)", powers(1, cells().map(|(row, column)| before[row][column]))),
-        ("after (1/m, 1/rad, none)", powers(1, cells().map(|(row, column)| after[row][column]))),
+        ("row", (1..=before.len()).map(|row| row.to_string()).collect()),
+        ("length of the landmark's part (1/m)", powers(1, before.iter().map(landmark))),
+        ("after", powers(1, after.iter().map(landmark))),
+        ("poses that are named", before.iter().map(poses).collect()),
+        ("poses after", after.iter().map(poses).collect()),
+        ("residual", powers(1, before.iter().map(residual))),
+        ("residual after", powers(1, after.iter().map(residual))),
     ];
     Figure::new(980, columns, |drawing| {
         let (above, below) = drawing.split_vertically(490);
