@@ -386,6 +386,11 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
         ("fill_in", "use vislam::least_squares::LandmarkElimination;", "least_squares"),
         ("fill_in", "use vislam::marginalization::*; fn f() { marginalize(); }", "marginalize"),
         ("left_perturbation", "fn f(c: Camera) { c.pinhole().jacobians(); }", "jacobians"),
+        ("fill_in", "use vislam::marginalization::{Couplings, fill_in};", "Couplings"),
+        ("fill_in", "use vislam::marginalization::{Information, divergence};", "Information"),
+        ("null_space", "use vislam::msckf::LinearizedTrack;", "msckf"),
+        ("null_space", "fn f() { vislam::filtering::correct_root(); }", "filtering"),
+        ("along_or_across", "use vislam::msckf::landmark;", "msckf"),
         ("nees_diagnosis", "use vislam::filtering::NeesBand;", "NeesBand"),
         ("nees_diagnosis", "fn f() { vislam::filtering::nees(&error, &covariance); }", "nees"),
         (

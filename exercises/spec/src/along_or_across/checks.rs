@@ -18,7 +18,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["View"],
-    forbidden: &["two_views"],
+    forbidden: &["msckf", "two_views"],
     hints: include_str!("hints.md"),
     checks,
 };
