@@ -14,8 +14,8 @@ pub enum Linearization {
     /// At the estimates of the moment.
     #[default]
     Latest,
-    /// Of a pose, velocity or kept landmark always at the first estimate that there was of it, so
-    /// that all derivatives belong to one trajectory.
+    /// Of a pose or velocity always at the first estimate that there was of it, and of a kept
+    /// landmark where its track was linearized, so that all derivatives belong to one trajectory.
     FirstEstimates,
 }
 // ANCHOR_END: linearization

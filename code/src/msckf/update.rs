@@ -166,11 +166,11 @@ impl Msckf {
                 by_all.set_column(*into, &(-inverse * column(3 + place)));
             }
         }
-        let first = landmark - inverse * column(rows.width() - 1);
+        let estimate = landmark - inverse * column(rows.width() - 1);
         let noise = inverse * inverse.transpose();
         let noise = DMatrix::from_column_slice(3, 3, noise.as_slice());
-        let key = self.belief.add_function(first, &by_all, &noise)?;
-        self.window.kept.push(Kept { track, variable: key.index(), first });
+        let key = self.belief.add_function(estimate, &by_all, &noise)?;
+        self.window.kept.push(Kept { track, variable: key.index(), first: landmark });
         Ok(())
     }
     // ANCHOR_END: keep_landmark

@@ -25,6 +25,7 @@ pub(super) struct Clone {
 pub(super) struct Kept {
     pub track: usize,
     pub variable: usize,
+    /// Where its track was linearized when it came into the state.
     pub first: Vector3<f64>,
 }
 
