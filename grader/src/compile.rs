@@ -6,7 +6,6 @@
 mod confine;
 mod kit;
 mod known;
-mod toolchain;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -38,3 +38,4 @@ pub mod theorems;
 pub mod uses;
 pub mod warnings;
 mod ways;
+pub mod widgets;

@@ -186,6 +186,7 @@ fn preprocess(maker: &Maker, name: &str) -> Result<Faults> {
     let book = match name {
         "press" => {
             maker.refresh_exhibits()?;
+            maker.refresh_widgets()?;
             Press::new(maker.layout.clone(), faults.clone(), None).run(&context, book)?
         }
         "guard" => Guard.run(&context, book)?,

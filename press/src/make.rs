@@ -19,6 +19,7 @@ use crate::program::Program;
 use crate::settings::{Layout, Settings};
 use crate::steps::Steps;
 use crate::warnings::Warnings;
+use crate::widgets::Widgets;
 
 /// What every build of the book needs.
 #[derive(Clone)]
@@ -39,8 +40,10 @@ impl Maker {
     /// that cannot be written.
     pub fn build(&self, site: &Path) -> Result<Faults> {
         self.refresh_exhibits()?;
+        let still = self.refresh_widgets()?;
         let mut faults = self.pages(site, None, None, true)?;
         faults.extend(self.links(site)?);
+        self.say_still(still);
         Ok(faults)
     }
 
@@ -51,9 +54,19 @@ impl Maker {
     /// As [`Maker::build`].
     pub fn build_live(&self, site: &Path, news: &str, shown: impl FnOnce()) -> Result<Faults> {
         self.refresh_exhibits()?;
+        let widgets = Widgets::new(&self.layout);
+        // The first pages wait for them; those after an edit do not.
+        let still = if widgets.scripts()?.is_empty() { self.refresh_widgets()? } else { None };
         let later = Later::default();
         let mut faults = self.pages(site, Some(&later), Some(news), true)?;
         shown();
+        if !widgets.are_fresh()? && still.is_none() {
+            self.refresh_widgets()?;
+            for (path, script) in widgets.scripts()? {
+                files::write(&site.join("generated").join(path), &script)?;
+            }
+        }
+        self.say_still(still);
         let plan = later.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(plan) = plan {
             faults.extend(self.steps.step("pages of the library", || plan.make())?);
@@ -93,6 +106,17 @@ impl Maker {
 
     fn links(&self, site: &Path) -> Result<Faults> {
         self.steps.step("links", || links::faults(site, &self.layout.src()))
+    }
+
+    /// Compiles the pictures to take hold of, or gives why they stand still.
+    pub fn refresh_widgets(&self) -> Result<Option<String>> {
+        Widgets::new(&self.layout).refresh(&self.steps)
+    }
+
+    fn say_still(&self, still: Option<String>) {
+        if let Some(why) = still {
+            self.steps.say(&format!("The pictures to take hold of stand still: {why}."));
+        }
     }
 
     /// Computes the exhibits of the chapters whose inputs changed.

@@ -1,6 +1,7 @@
 //! The preprocessor that keeps the promises of the book.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
@@ -28,6 +29,7 @@ use crate::sources;
 use crate::symbols::Symbols;
 use crate::theorems::Theorems;
 use crate::ways::Ways;
+use crate::widgets::Widgets;
 
 /// Resolves labels, numbers, figures and listings, and finds what the book says and no program does.
 ///
@@ -92,7 +94,13 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let accepted = Accepted::read_all(layout)?;
     let theorems = Theorems::collect(&pages, &mut faults);
     theorems.check(&pages, &exhibits, &mut faults);
+    let widgets = Widgets::new(layout);
+    let scripts = widgets.scripts()?;
+    let made = |name: &String| scripts.contains_key(Path::new(&format!("widgets/{name}.js")));
+    let names = widgets.names()?.into_iter().map(|name| (name.clone(), made(&name)));
+    let names: BTreeMap<String, bool> = names.collect();
     let known = Known {
+        widgets: &names,
         labels: &labels,
         theorems: &theorems,
         ways: &ways,
@@ -111,7 +119,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         symbols: Symbols::default(),
         printed: BTreeMap::new(),
         sources: BTreeSet::new(),
-        generated: BTreeMap::new(),
+        generated: scripts.clone(),
         lint: Lint::new(&settings.allow),
     };
     let mut contents = BTreeMap::new();

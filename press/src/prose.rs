@@ -47,6 +47,8 @@ pub struct Known<'a> {
     pub library: &'a Library,
     /// The accepted TeX of the equations, by the chapter that owns their checks.
     pub accepted: &'a BTreeMap<String, Accepted>,
+    /// The names of the pictures to take hold of, and whether each was compiled.
+    pub widgets: &'a BTreeMap<String, bool>,
 }
 
 /// What the press learns while it writes the pages.

@@ -328,6 +328,30 @@
         arrive();
     })();
 
+    // ---- Pictures to take hold of: their script and their module are loaded when they come near.
+    (function widgets() {
+        const figures = all("figure[data-widget]", text);
+        if (printed || figures.length === 0 || typeof WebAssembly === "undefined") {
+            return;
+        }
+        let script = null;
+        const loaded = figure => script ??= new Promise((resolve, reject) => {
+            const address = figure.dataset.script;
+            const sheet = element("link", { rel: "stylesheet", href: address.replace(/js$/, "css") });
+            const made = element("script", { src: address });
+            made.addEventListener("load", resolve);
+            made.addEventListener("error", reject);
+            document.head.append(sheet, made);
+        });
+        const near = new IntersectionObserver(entries => entries.filter(entry => entry.isIntersecting).forEach(({ target }) => {
+            near.unobserve(target);
+            loaded(target).then(() => window.vislamWidgets.start(target)).catch(() => {
+                target.querySelector(".widget-note").textContent = "The program of this picture could not be loaded. It stands still.";
+            });
+        }), { rootMargin: "400px" });
+        figures.forEach(figure => near.observe(figure));
+    })();
+
     // ---- Paper has every answer.
     const folds = all(".reveal", text);
     let shut = [];

@@ -12,8 +12,8 @@ use serde::Deserialize;
 use tempfile::TempDir;
 
 use super::stamp;
-use super::toolchain::{TARGET, Toolchain};
 use crate::repository;
+use toolchain::{TARGET, Toolchain};
 
 /// The crates that an answer may name.
 const NAMED: [&str; 3] = ["exercise_spec", "nalgebra", "vislam"];

@@ -68,13 +68,41 @@ impl Emitter<'_, '_> {
             .collect::<Vec<_>>()
             .join(" ");
         let plot = html! { div.plot role="img" aria-label=(alt) { (PreEscaped(svg)) } };
+        let (marks, note) = self.widget(block, attributes);
         let html = format!(
-            "<figure class=\"exhibit\" id=\"{id}\">\n{}\n<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
+            "<figure class=\"exhibit\" id=\"{id}\"{marks}>\n{}\n{note}<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
             plot.into_string(),
             block.number,
             caption.replace('\n', " "),
         );
         self.lines(&block.indent, &html);
+    }
+
+    /// What marks a figure as one to take hold of, and what it says while it stands still.
+    fn widget(&mut self, block: &Block, attributes: &Attributes) -> (String, String) {
+        let name = attributes.value("widget");
+        match self.known.widgets.get(name) {
+            Some(true) => {
+                let way = |file: &str| self.page.way_to(&Path::new("generated/widgets").join(file));
+                let (script, module) = (way("widgets.js"), way(&format!("{name}.js")));
+                let marks = format!(
+                    " data-widget=\"{name}\" data-script=\"{script}\" data-module=\"{module}\""
+                );
+                let note = html! {
+                    p.widget-note role="status" {
+                        "Where the browser runs scripts and WebAssembly, this picture can be taken hold of. Here it stands still."
+                    }
+                };
+                return (marks, format!("{}\n", note.into_string()));
+            }
+            None if !name.is_empty() => {
+                let problem = "there is no such picture to take hold of";
+                let mend = format!("write widgets/src/{name}.rs and widgets/modules/{name}.rs");
+                self.fault(block.line, name, problem, mend);
+            }
+            _ => {}
+        }
+        Default::default()
     }
 
     /// The data of a figure as a fold with a table, its CSV file and the program that drew it.

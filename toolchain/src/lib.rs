@@ -1,14 +1,17 @@
-//! A compiler for WebAssembly.
+//! A compiler for WebAssembly: for the pictures that readers take hold of, and for answers that are graded.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// The target that needs no host.
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// rustc and cargo that can make WebAssembly.
 pub struct Toolchain {
+    /// The compiler.
     pub rustc: PathBuf,
+    /// What calls it.
     pub cargo: PathBuf,
     /// The folder that the compiler's own files are in.
     pub root: PathBuf,
@@ -23,6 +26,10 @@ const NONE: &str = "there is no compiler for WebAssembly. Run `rustup target add
 impl Toolchain {
     /// That of rustup if it has the target; one from the system that has sources of the standard
     /// library otherwise.
+    ///
+    /// # Errors
+    ///
+    /// What to install, when there is neither.
     pub fn find() -> Result<Self, String> {
         let usual = root_of(Path::new("rustc"));
         if let Some(root) = &usual
@@ -43,6 +50,25 @@ impl Toolchain {
         let std_with_linker =
             Some(linker().ok_or("there is no linker for WebAssembly: `apt-get install lld-19`")?);
         Ok(Self { rustc, cargo, root, std_with_linker })
+    }
+
+    /// As [`Toolchain::find`]; when there is none, rustup is asked to add the target, and `say` hears of it.
+    ///
+    /// # Errors
+    ///
+    /// What to install, when rustup cannot do it.
+    pub fn find_or_add(say: impl FnOnce(&str)) -> Result<Self, String> {
+        Self::find().or_else(|missing| {
+            if !has_rustup() {
+                return Err(missing);
+            }
+            say(&format!("adding the target {TARGET} with rustup, once"));
+            let added = Command::new("rustup").args(["target", "add", TARGET]).output();
+            match added {
+                Ok(output) if output.status.success() => Self::find(),
+                _ => Err(missing),
+            }
+        })
     }
 
     /// A call of cargo with this compiler and nothing of the environment that would change it.
@@ -79,6 +105,10 @@ fn root_of(rustc: &Path) -> Option<PathBuf> {
     let output = Command::new(rustc).args(["--print", "sysroot"]).output().ok()?;
     let root = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| PathBuf::from(root.trim()))
+}
+
+fn has_rustup() -> bool {
+    Command::new("rustup").arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
 /// wasm-ld, whichever version there is.

@@ -1,0 +1,193 @@
+//! Pictures to take hold of: the library compiled for the reader's browser, a module a picture.
+//!
+//! A module is packed into a script, so that it also loads where a page is opened from a disk and may not fetch.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use sha2::{Digest, Sha256};
+use toolchain::{TARGET, Toolchain};
+
+use crate::files;
+use crate::pages::slashed;
+use crate::records::hex;
+use crate::settings::Layout;
+use crate::steps::Steps;
+
+/// The profile of the modules.
+const PROFILE: &str = "widget";
+/// What the modules are made from.
+const SOURCES: [&str; 3] = ["code/src", "widgets/src", "widgets/modules"];
+/// The same, single files.
+const FILES: [&str; 4] = ["Cargo.lock", "Cargo.toml", "code/Cargo.toml", "widgets/Cargo.toml"];
+/// What draws them.
+const SCRIPT: &str = "widgets/script";
+
+/// The modules of a book.
+pub struct Widgets<'a> {
+    layout: &'a Layout,
+}
+
+impl<'a> Widgets<'a> {
+    /// Those of the book that lies there.
+    pub fn new(layout: &'a Layout) -> Widgets<'a> {
+        Widgets { layout }
+    }
+
+    /// The names of all, whether they are compiled or not.
+    pub fn names(&self) -> Result<Vec<String>> {
+        let files = files::below(&self.layout.root.join("widgets/modules"))?;
+        let names = files.iter().filter_map(|file| file.file_stem()?.to_str());
+        Ok(names.map(str::to_owned).collect())
+    }
+
+    /// Whether they were compiled from what there is now.
+    pub fn are_fresh(&self) -> Result<bool> {
+        let made = files::read_if_there(&self.folder().join("inputs"))?;
+        Ok(made.is_some_and(|made| Some(made) == self.inputs().ok()))
+    }
+
+    /// Compiles them if that is not done; gives why there are none where there is no compiler.
+    ///
+    /// # Errors
+    /// What the compiler says.
+    pub fn refresh(&self, steps: &Steps) -> Result<Option<String>> {
+        if self.names()?.is_empty() || self.are_fresh()? {
+            return Ok(None);
+        }
+        let toolchain = match Toolchain::find_or_add(|what| steps.say(what)) {
+            Ok(toolchain) => toolchain,
+            Err(why) => {
+                files::remove(&self.folder())?;
+                return Ok(Some(why));
+            }
+        };
+        let inputs = self.inputs()?;
+        steps.step("compiling the pictures to take hold of", || self.compile(&toolchain))?;
+        for name in self.names()? {
+            let module = self.target().join(format!("{name}.wasm"));
+            let module = std::fs::read(&module)
+                .with_context(|| format!("there is no module {}", module.display()))?;
+            files::write(&self.packed(&name), &pack(&name, &module)?)?;
+        }
+        files::write(&self.folder().join("inputs"), inputs.as_bytes())?;
+        Ok(None)
+    }
+
+    /// What a page loads: the script that draws, and the modules, by their names.
+    pub fn scripts(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
+        let mut scripts = BTreeMap::new();
+        for name in self.names()? {
+            if let Some(packed) = files::read_if_there(&self.packed(&name))? {
+                scripts.insert(format!("widgets/{name}.js").into(), packed.into_bytes());
+            }
+        }
+        if !scripts.is_empty() {
+            for name in ["widgets.js", "widgets.css"] {
+                let script = files::read(&self.layout.root.join(SCRIPT).join(name))?;
+                scripts.insert(Path::new("widgets").join(name), script.into_bytes());
+            }
+        }
+        Ok(scripts)
+    }
+
+    fn compile(&self, toolchain: &Toolchain) -> Result<()> {
+        let mut cargo = toolchain.cargo();
+        cargo.args(["build", "--quiet", "--locked", "--package", "widgets", "--examples"]);
+        cargo.args(["--target", TARGET, "--profile", PROFILE, "--target-dir"]);
+        cargo.arg(self.layout.root.join("target/widgets")).current_dir(&self.layout.root);
+        let output = cargo
+            .output()
+            .with_context(|| format!("cannot start {}", toolchain.cargo.display()))?;
+        if !output.status.success() {
+            bail!("cargo cannot compile widgets:\n{}", String::from_utf8_lossy(&output.stderr));
+        }
+        Ok(())
+    }
+
+    fn folder(&self) -> PathBuf {
+        self.layout.work().join("widgets")
+    }
+
+    fn packed(&self, name: &str) -> PathBuf {
+        self.folder().join(format!("{name}.js"))
+    }
+
+    fn target(&self) -> PathBuf {
+        self.layout.root.join(format!("target/widgets/{TARGET}/{PROFILE}/examples"))
+    }
+
+    /// A digest of what they are made from.
+    fn inputs(&self) -> Result<String> {
+        let mut hasher = Sha256::new();
+        let mut add = |path: &Path| -> Result<()> {
+            let bytes = std::fs::read(self.layout.root.join(path)).unwrap_or_default();
+            hasher.update(format!("\n{} {}\n", slashed(path), bytes.len()));
+            hasher.update(bytes);
+            Ok(())
+        };
+        for folder in SOURCES {
+            for file in files::below(&self.layout.root.join(folder))? {
+                add(&Path::new(folder).join(file))?;
+            }
+        }
+        FILES.iter().try_for_each(|file| add(Path::new(file)))?;
+        Ok(hex(&hasher.finalize()))
+    }
+}
+
+/// A module as a script that hands it over, compressed.
+fn pack(name: &str, module: &[u8]) -> Result<Vec<u8>> {
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    gzip.write_all(module)?;
+    let text = STANDARD.encode(gzip.finish()?);
+    Ok(format!("vislamWidgets.module({name:?}, \"{text}\");\n").into_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_book_without_widgets_needs_no_compiler() {
+        let root = tempfile::tempdir().unwrap();
+        let layout = Layout { root: root.path().to_path_buf() };
+        let widgets = Widgets::new(&layout);
+        assert_eq!(widgets.refresh(&Steps::quiet()).unwrap(), None);
+        assert!(widgets.scripts().unwrap().is_empty());
+    }
+
+    #[test]
+    fn modules_are_stale_when_a_source_changes() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            files::write(&root.path().join(path), text.as_bytes()).unwrap();
+        };
+        write("widgets/modules/ring.rs", "widgets::module!(Ring);");
+        write("code/src/lib.rs", "one");
+        let layout = Layout { root: root.path().to_path_buf() };
+        let widgets = Widgets::new(&layout);
+        assert!(!widgets.are_fresh().unwrap());
+        write("target/press/widgets/inputs", &widgets.inputs().unwrap());
+        assert!(widgets.are_fresh().unwrap());
+        write("code/src/lib.rs", "two");
+        assert!(!widgets.are_fresh().unwrap());
+    }
+
+    #[test]
+    fn a_packed_module_can_be_unpacked() {
+        let packed = String::from_utf8(pack("ring", b"\0asm").unwrap()).unwrap();
+        let text = packed.split('"').nth(3).unwrap();
+        let bytes = STANDARD.decode(text).unwrap();
+        let mut module = Vec::new();
+        std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&bytes[..]), &mut module)
+            .unwrap();
+        assert_eq!(module, b"\0asm");
+    }
+}

@@ -1,0 +1,234 @@
+//! Two cameras and a point, seen from above and in both pictures.
+
+use nalgebra::{Vector2, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vislam::bearing::{back_project, depth_from_disparity, depth_sigma, disparity_sigma, parallax};
+use vislam::reprojection::Pinhole;
+
+use crate::{
+    Axis, Control, Face, Handle, Kind, Panel, Question, Reading, Scene, Shape, Style, Widget,
+};
+
+/// Measurements of the point that a noisy detector might have made.
+const DRAWS: usize = 240;
+/// How far to the right the point lies for each metre of depth.
+const SLOPE: f64 = 0.12;
+/// Of depths, in metres.
+const FARTHEST: f64 = 16.0;
+
+/// Two cameras that look the same way, a landmark, and what is believed of it.
+pub struct Bearing {
+    /// The noise of both pixels of each draw, in standard deviations.
+    noise: Vec<[f64; 2]>,
+    places: Vec<[f64; 2]>,
+    depths: Vec<f64>,
+}
+
+impl Default for Bearing {
+    fn default() -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = || StandardNormal.sample(&mut random);
+        let noise = (0..DRAWS).map(|_| [normal(), normal()]).collect();
+        Self { noise, places: Vec::with_capacity(DRAWS), depths: Vec::with_capacity(DRAWS) }
+    }
+}
+
+const ABOVE: usize = 0;
+const PICTURES: [usize; 2] = [1, 2];
+
+const fn slider(
+    name: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    [start, least, most, step]: [f64; 4],
+) -> Control {
+    Control { name, label, unit, start, least, most, step, kind: Kind::Slider }
+}
+
+const fn picture(title: &'static str) -> Panel {
+    let x = Axis { label: "column, px from the measured pixel", range: [-60.0, 60.0] };
+    let y = Axis { label: "", range: [-20.0, 20.0] };
+    Panel { title, x, y, aspect: 0.42, span: 3, equal: true, down: true }
+}
+
+const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Reading {
+    Reading { label, unit, digits, none: "not in sight", veiled: false }
+}
+
+impl Widget for Bearing {
+    const FACE: Face = Face {
+        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it.",
+        controls: &[
+            Control {
+                kind: Kind::Sweep,
+                ..slider("along", "Depth believed, over the true one", "", [1.3, 0.4, 3.0, 0.01])
+            },
+            slider("across", "Moved across the ray", "m", [0.0, -0.5, 0.5, 0.01]),
+            slider("depth", "True depth", "m", [4.0, 2.0, 8.0, 0.1]),
+            slider("baseline", "Baseline", "m", [0.4, 0.05, 1.5, 0.01]),
+            slider("focal", "Focal length", "px", [400.0, 200.0, 800.0, 10.0]),
+            slider("noise", "Noise of a pixel", "px", [0.5, 0.0, 3.0, 0.1]),
+        ],
+        handles: &[
+            Handle { panel: ABOVE, label: "believed landmark" },
+            Handle { panel: ABOVE, label: "second camera" },
+        ],
+        panels: &[
+            Panel {
+                title: "Seen from above",
+                x: Axis { label: "depth, m", range: [-0.8, FARTHEST] },
+                y: Axis { label: "to the right, m", range: [-2.2, 3.8] },
+                aspect: 0.36,
+                span: 6,
+                equal: true,
+                down: true,
+            },
+            picture("First picture"),
+            picture("Second picture"),
+        ],
+        readings: &[
+            Reading { veiled: true, ..reading("Residual of the first camera", "px", 1) },
+            Reading { veiled: true, ..reading("Residual of the second camera", "px", 1) },
+            reading("Parallax of the believed landmark", "°", 2),
+            reading("σ_Z at the true depth", "cm", 1),
+            Reading { none: "beyond infinity", ..reading("One in twenty depths is below", "m", 2) },
+            Reading { none: "beyond infinity", ..reading("One in twenty depths is above", "m", 2) },
+        ],
+        question: Some(Question {
+            ask: "The landmark is believed farther away than it is, on the ray of the first camera. Which picture contradicts?",
+            choices: &["the first", "the second", "both, by the same number of pixels"],
+            right: 1,
+        }),
+        words: &["first camera", "second camera"],
+    };
+
+    fn show(&mut self, controls: &[f64], scene: &mut Scene) {
+        let &[along, across, depth, baseline, focal, noise] = controls else { return };
+        let camera = Pinhole { fx: focal, fy: focal, cx: 0.0, cy: 0.0 };
+        let stage = Stage { camera, baseline, truth: Vector3::new(SLOPE * depth, 0.0, depth) };
+        let believed = stage.believed(along, across);
+        scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(0));
+        scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(1));
+        self.draw_depths(&stage, noise);
+        scene.draw(ABOVE, (Shape::Discs, Style::First, 1.6), self.places.iter().copied());
+        for (number, centre) in [0.0, baseline].into_iter().enumerate() {
+            let corners = [[-0.35, centre - 0.22], [0.0, centre], [-0.35, centre + 0.22]];
+            scene.draw(ABOVE, (Shape::Area, Style::Ink, 1.0), corners);
+            if number == 0 {
+                scene.word(ABOVE, 0, Style::Ink, [-0.6, -0.5]);
+            }
+        }
+        scene.word(ABOVE, 1, Style::Ink, [-0.6, baseline + 0.75]);
+        scene.draw(ABOVE, (Shape::Crosses, Style::Ink, 5.0), [above(&stage.truth)]);
+        scene.handle(ABOVE, 1, Style::Ink, [0.0, baseline]);
+        scene.handle(ABOVE, 0, Style::Estimated, above(&believed));
+        for (number, panel) in PICTURES.into_iter().enumerate() {
+            let residual = stage.residual(number, &believed);
+            draw_picture(scene, panel, residual, noise);
+            scene.read(residual.map(|residual| residual.x));
+        }
+        let centres = [stage.centre(0), stage.centre(1)];
+        scene.read(parallax(&believed, &centres[0], &centres[1]).to_degrees());
+        let sigma = disparity_sigma(noise, noise);
+        scene.read(100.0 * depth_sigma(&camera, baseline, depth, sigma));
+        self.depths.sort_by(f64::total_cmp);
+        for part in [DRAWS / 20, DRAWS - DRAWS / 20] {
+            scene.read(self.depths.get(part).copied().filter(|depth| depth.is_finite()));
+        }
+    }
+
+    fn drag(&self, handle: usize, [z, x]: [f64; 2], controls: &mut [f64]) {
+        let [along, across, depth, baseline, ..] = controls else { return };
+        let (ray, side) = directions(*depth);
+        match handle {
+            0 => {
+                let to = Vector3::new(x, 0.0, z);
+                (*along, *across) = (to.dot(&ray) / ray.norm_squared(), to.dot(&side));
+            }
+            _ => *baseline = x,
+        }
+    }
+}
+
+impl Bearing {
+    /// Where the landmark would be found with each draw of the noise, and how far away.
+    fn draw_depths(&mut self, stage: &Stage, noise: f64) {
+        self.places.clear();
+        self.depths.clear();
+        let pixels = [0, 1].map(|number| stage.pixel(number, &stage.truth));
+        let [Some(first), Some(second)] = pixels else { return };
+        for [left, right] in &self.noise {
+            let first = first + Vector2::new(noise * left, 0.0);
+            let disparity = first.x - second.x - noise * right;
+            let depth = depth_from_disparity(&stage.camera, stage.baseline, disparity);
+            self.depths.push(depth.unwrap_or(f64::INFINITY));
+            if let Some(depth) = depth.filter(|depth| *depth < 2.0 * FARTHEST) {
+                self.places.push(above(&back_project(&stage.camera, &first, depth)));
+            }
+        }
+    }
+}
+
+/// The cameras and the landmark.
+struct Stage {
+    camera: Pinhole,
+    baseline: f64,
+    truth: Vector3<f64>,
+}
+
+impl Stage {
+    fn centre(&self, number: usize) -> Vector3<f64> {
+        Vector3::new(number as f64 * self.baseline, 0.0, 0.0)
+    }
+
+    fn pixel(&self, number: usize, point: &Vector3<f64>) -> Option<Vector2<f64>> {
+        self.camera.project_cam(&(point - self.centre(number)))
+    }
+
+    /// Prediction minus measurement, in pixels.
+    fn residual(&self, number: usize, point: &Vector3<f64>) -> Option<Vector2<f64>> {
+        Some(self.pixel(number, point)? - self.pixel(number, &self.truth)?)
+    }
+
+    /// From a camera through the landmark and on.
+    fn ray(&self, number: usize) -> [[f64; 2]; 2] {
+        let centre = self.centre(number);
+        let end = centre + (self.truth - centre) * (2.0 * FARTHEST / self.truth.z);
+        [above(&centre), above(&end)]
+    }
+
+    fn believed(&self, along: f64, across: f64) -> Vector3<f64> {
+        let (ray, side) = directions(self.truth.z);
+        along * ray + across * side
+    }
+}
+
+/// From the first camera to a landmark at this depth, and to the right of that.
+fn directions(depth: f64) -> (Vector3<f64>, Vector3<f64>) {
+    let ray = Vector3::new(SLOPE * depth, 0.0, depth);
+    (ray, Vector3::new(ray.z, 0.0, -ray.x).normalize())
+}
+
+/// A point seen from above, with its depth to the right.
+fn above(point: &Vector3<f64>) -> [f64; 2] {
+    [point.z, point.x]
+}
+
+/// The measured pixel with a circle of one standard deviation, and the predicted one.
+fn draw_picture(scene: &mut Scene, panel: usize, residual: Option<Vector2<f64>>, noise: f64) {
+    let reach = residual.map_or(60.0, |residual| (1.2 * residual.amax()).max(60.0));
+    scene.view(panel, [-reach, reach], [-reach / 3.0, reach / 3.0]);
+    let circle = (0..=48).map(|part| {
+        let angle = f64::from(part) * std::f64::consts::TAU / 48.0;
+        [noise * angle.cos(), noise * angle.sin()]
+    });
+    scene.draw(panel, (Shape::Line, Style::Measured, 1.0), circle);
+    scene.draw(panel, (Shape::Crosses, Style::Measured, 6.0), [[0.0, 0.0]]);
+    if let Some(residual) = residual {
+        let to = [residual.x, residual.y];
+        scene.draw(panel, (Shape::Line, Style::Estimated, 2.0), [[0.0, 0.0], to]);
+        scene.draw(panel, (Shape::Rings, Style::Estimated, 5.0), [to]);
+    }
+}
