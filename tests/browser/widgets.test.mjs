@@ -1,0 +1,280 @@
+// Pictures to take hold of: that they load, answer to keyboard, pointer and finger, show what the native library shows,
+// and stand still with a sentence where they cannot run. EVERY=1 tries all sizes and themes, speed and memory.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
+import { axe, bookDir, launch, open, overhang, pages, read, serve } from "./helper.mjs";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const every = Boolean(process.env.EVERY);
+/** The filter of a whole flight has more to load than a picture. */
+const LARGEST = { msckf: 250 };
+const SLOWEST = 8;
+
+/** Every widget and the page that shows it. */
+const widgets = pages().flatMap(file =>
+    [...read(file).matchAll(/data-widget="(\w+)"/g)].map(([, name]) => ({ name, file })));
+
+let browser, server;
+
+before(async () => {
+    assert.ok(widgets.length > 0, "no page has a picture to take hold of: is there a compiler for WebAssembly?");
+    server = await serve("/some/where/");
+    browser = await launch();
+});
+
+after(async () => {
+    await browser?.close();
+    server?.close();
+});
+
+/** Opens the page of a widget, brings it to the screen and waits until it lives. */
+async function alive({ name, file }, options, body, { search = "", quiet = true } = {}) {
+    const page = await browser.page(options);
+    try {
+        await open(page, server.url + file + search);
+        const figure = page.locator(`figure[data-widget="${name}"]`);
+        await figure.scrollIntoViewIfNeeded();
+        await page.waitForFunction(name => document.querySelector(`figure[data-widget="${name}"]`).widget, name);
+        await body(page, figure);
+        if (quiet) assert.deepEqual(page.complaints, [], file);
+    } finally {
+        await page.context().close();
+    }
+}
+
+/** What the page shows, and with which controls. */
+const shown = figure => figure.evaluate(({ widget }) => ({
+    controls: Object.fromEntries(widget.session.face.controls.map((control, k) => [control.name, widget.session.controls[k]])),
+    readings: Object.fromEntries(widget.readings.map(({ face, value }) => [face.label, Number(value.dataset.value)])),
+    kinds: Object.fromEntries(widget.session.face.controls.map(control => [control.name, control.kind])),
+}));
+
+/** What the native library shows with these controls; what is counted comes last, as other changes begin it again. */
+function native(name, { controls, kinds }) {
+    const settings = Object.entries(controls).sort(([a], [b]) => (kinds[a] === "count") - (kinds[b] === "count"));
+    const said = execFileSync("cargo", ["run", "--quiet", "--bin", "widgets", "--", name,
+        ...settings.map(([control, value]) => `${control}=${value}`)], { cwd: root });
+    return JSON.parse(said).readings;
+}
+
+function same(page, library, told) {
+    assert.deepEqual(Object.keys(page), Object.keys(library), told);
+    for (const [label, value] of Object.entries(page)) {
+        const expected = library[label] ?? NaN;
+        const near = Math.abs(value - expected) <= 1e-9 * Math.max(1, Math.abs(expected));
+        assert.ok(near || (Number.isNaN(value) && Number.isNaN(expected)) || value === expected, `${told}: ${label}: ${value} and ${expected}`);
+    }
+}
+
+for (const widget of widgets) {
+    test(`${widget.name} shows the numbers that the native library shows`, async () => {
+        await alive(widget, {}, async (page, figure) => {
+            const states = every ? 12 : 3;
+            for (let state = 0; state < states; state += 1) {
+                await figure.evaluate(({ widget }, state) => {
+                    widget.session.face.controls.forEach((control, number) => {
+                        // Golden ratios, so that the states are spread and always the same.
+                        const part = ((state * 0.618 + number * 0.382 + 0.1) % 1);
+                        const value = state === 0 ? control.start : control.least + part * (control.most - control.least);
+                        const whole = control.kind === "slider" || control.kind === "sweep" ? value : Math.round(value);
+                        widget.session.controls[number] = control.kind === "logarithmic" ? value : whole;
+                    });
+                    widget.render();
+                }, state);
+                const told = await shown(figure);
+                same(told.readings, native(widget.name, told), `${widget.name} ${JSON.stringify(told.controls)}`);
+            }
+        });
+    });
+
+    test(`${widget.name} answers to the keyboard, is announced and can be linked to`, async () => {
+        await alive(widget, {}, async (page, figure) => {
+            const before = await shown(figure);
+            const slider = figure.locator('input[type="range"]').first();
+            await slider.focus();
+            for (let k = 0; k < 5; k += 1) await page.keyboard.press("ArrowRight");
+            await page.waitForFunction(() => document.querySelector(".spoken").textContent.length > 0);
+            const after = await shown(figure);
+            assert.notDeepEqual(after.controls, before.controls);
+            assert.ok(await slider.getAttribute("aria-valuetext"));
+            await page.waitForFunction(() => location.search.length > 1);
+            const search = await page.evaluate(() => location.search);
+            await alive(widget, {}, async (page, figure) => {
+                assert.deepEqual((await shown(figure)).controls, after.controls, search);
+            }, { search });
+            await figure.locator(".reset").click();
+            assert.deepEqual((await shown(figure)).controls, before.controls);
+            await page.waitForFunction(() => location.search === "");
+        });
+    });
+
+    test(`${widget.name} stands still with a sentence without script, without its module, and on paper`, async () => {
+        const figure = page => page.locator(`figure[data-widget="${widget.name}"]`);
+        const still = async page => {
+            await figure(page).scrollIntoViewIfNeeded();
+            await figure(page).locator(".plot").waitFor({ state: "visible" });
+            assert.equal(await figure(page).locator(".widget").count(), 0);
+            assert.match(await figure(page).locator(".widget-note").innerText(), /stands still/);
+        };
+        const plain = await browser.page({ javaScriptEnabled: false });
+        await open(plain, server.url + widget.file);
+        await still(plain);
+        await plain.context().close();
+        const page = await browser.page({});
+        await page.route(`**/widgets/${widget.name}.js`, route => route.abort());
+        await open(page, server.url + widget.file);
+        await figure(page).scrollIntoViewIfNeeded();
+        await page.waitForFunction(() => /cannot be taken hold of/.test(document.querySelector("[data-widget] .widget-note")?.textContent));
+        await still(page);
+        await page.context().close();
+        await alive(widget, {}, async (page, figure) => {
+            await page.emulateMedia({ media: "print" });
+            assert.ok(await figure.locator(".plot").isVisible());
+            assert.ok(!await figure.locator(".widget").isVisible());
+        });
+    });
+
+    const sizes = every ? [[1280, false], [1280, true], [360, false], [360, true]] : [[360, true]];
+    for (const [width, dark] of sizes) {
+        test(`${widget.name} at ${width} px, ${dark ? "dark" : "light"}, can be read, dragged by mouse and finger, and nothing serious is amiss`, async () => {
+            await alive(widget, { width, dark, hasTouch: true }, async (page, figure) => {
+                assert.equal(await overhang(page), null);
+                assert.deepEqual(await axe(page), []);
+                const handle = figure.locator(".handle .hit").first();
+                if (await figure.locator(".handle").count() === 0) return;
+                const drag = async by => {
+                    const before = (await shown(figure)).controls;
+                    await handle.scrollIntoViewIfNeeded();
+                    const box = await handle.boundingBox();
+                    await by(box.x + box.width / 2, box.y + box.height / 2);
+                    await page.waitForTimeout(100);
+                    assert.notDeepEqual((await shown(figure)).controls, before);
+                };
+                await drag(async (x, y) => {
+                    await page.mouse.move(x, y);
+                    await page.mouse.down();
+                    await page.mouse.move(x + 25, y + 6, { steps: 4 });
+                    await page.mouse.up();
+                });
+                await figure.locator(".reset").click();
+                const touch = await page.context().newCDPSession(page);
+                await drag(async (x, y) => {
+                    const at = (type, x, y) => touch.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
+                    await at("touchStart", x, y);
+                    await at("touchMove", x + 12, y + 3);
+                    await at("touchMove", x + 25, y + 6);
+                    await at("touchEnd");
+                });
+            });
+        });
+    }
+
+    test(`${widget.name} is small enough to load`, () => {
+        const packed = read(`generated/widgets/${widget.name}.js`);
+        const size = Buffer.from(packed.split('"')[3], "base64").length / 1000;
+        assert.ok(size <= (LARGEST[widget.name] ?? 100), `${widget.name} has ${size} kB`);
+        assert.ok(gzipSync(packed).length / 1000 <= 1.05 * size, "the script around it costs no more than it packs");
+    });
+
+    test(`${widget.name} imports nothing`, async () => {
+        await alive(widget, {}, async (page, figure) => {
+            const imports = await figure.evaluate(async ({ dataset }) => {
+                const packed = (await (await fetch(dataset.module)).text()).split('"')[3];
+                const bytes = Uint8Array.from(atob(packed), letter => letter.charCodeAt(0));
+                const code = await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+                return WebAssembly.Module.imports(await WebAssembly.compile(code)).length;
+            });
+            assert.equal(imports, 0);
+        });
+    });
+
+    test(`${widget.name} is drawn within ${SLOWEST} ms, and its memory does not grow`, { skip: !every }, async () => {
+        await alive(widget, {}, async (page, figure) => {
+            const { median, grown } = await figure.evaluate(({ widget }) => {
+                const controls = widget.session.face.controls;
+                const moved = controls.findIndex(control => control.kind === "sweep" || control.kind === "slider");
+                const { least, most } = controls[moved];
+                const times = [];
+                const step = k => {
+                    widget.session.controls[moved] = least + (most - least) * Math.abs(((k / 100) % 2) - 1);
+                    const begin = performance.now();
+                    widget.render();
+                    times.push(performance.now() - begin);
+                };
+                for (let k = 0; k < 200; k += 1) step(k);
+                const median = times.slice().sort((a, b) => a - b)[100];
+                for (let k = 0; k < 200; k += 1) step(k);
+                const size = () => widget.session.exports.memory.buffer.byteLength;
+                const before = size();
+                for (let k = 0; k < 10000; k += 1) {
+                    widget.session.controls[moved] = least + (most - least) * ((k * 0.618) % 1);
+                    widget.session.show();
+                }
+                return { median, grown: size() - before };
+            });
+            console.log(`${widget.name}: ${median.toFixed(1)} ms`);
+            assert.ok(median <= SLOWEST, `${median} ms`);
+            assert.equal(grown, 0, "bytes");
+        });
+    });
+}
+
+test("a page without a picture to take hold of loads no module and no script for it", async () => {
+    const file = pages().find(file => file !== "index.html" && !read(file).includes("data-widget"));
+    const page = await browser.page({});
+    const asked = [];
+    page.on("request", request => asked.push(request.url()));
+    await open(page, server.url + file);
+    await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+    await page.waitForLoadState("networkidle");
+    assert.ok(asked.length > 0);
+    assert.deepEqual(asked.filter(url => url.includes("/widgets/")), []);
+    await page.context().close();
+});
+
+test("a module is loaded when its picture comes near, and not before", async () => {
+    const { name, file } = widgets.at(-1);
+    const page = await browser.page({ height: 300 });
+    const asked = [];
+    page.on("request", request => asked.push(request.url()));
+    await open(page, server.url + file);
+    const far = await page.locator(`figure[data-widget="${name}"]`).evaluate(node => node.getBoundingClientRect().top > 900);
+    if (far) assert.deepEqual(asked.filter(url => url.endsWith(`/${name}.js`)), []);
+    await page.locator(`figure[data-widget="${name}"]`).scrollIntoViewIfNeeded();
+    await page.waitForFunction(name => document.querySelector(`figure[data-widget="${name}"]`).widget, name);
+    assert.equal(asked.filter(url => url.endsWith(`/${name}.js`)).length, 1);
+    await page.context().close();
+});
+
+test("a page that is opened from a disk has its picture too", async () => {
+    const { name, file } = widgets[0];
+    assert.ok(fs.existsSync(path.join(bookDir, file)));
+    const page = await browser.page({});
+    await open(page, pathToFileURL(path.join(bookDir, file)).href);
+    await page.locator(`figure[data-widget="${name}"]`).scrollIntoViewIfNeeded();
+    await page.waitForFunction(name => document.querySelector(`figure[data-widget="${name}"]`).widget, name);
+    await page.context().close();
+});
+
+test("who wants no motion plays by steps, and who does can pause", async () => {
+    const { file, name } = widgets.find(({ name }) => name === "bearing") ?? widgets[0];
+    await alive({ file, name }, {}, async (page, figure) => {
+        const before = await shown(figure);
+        await figure.getByRole("button", { name: "Next" }).click();
+        assert.notDeepEqual((await shown(figure)).controls, before.controls);
+    });
+    await alive({ file, name }, { reducedMotion: "no-preference" }, async (page, figure) => {
+        await figure.getByRole("button", { name: "Play" }).click();
+        await page.waitForTimeout(300);
+        await figure.getByRole("button", { name: "Pause" }).click();
+        const paused = await shown(figure);
+        await page.waitForTimeout(200);
+        assert.deepEqual((await shown(figure)).controls, paused.controls);
+    });
+});
