@@ -82,6 +82,11 @@ fn precision(chapter: &mut Chapter) {
     chapter.number("root_worse", 100.0 * worse.errors[1].unwrap_or(f64::NAN), "%", 3);
     chapter.number("gaussians_worse", worse.gaussians[0] as f64, "", 0);
     chapter.number("windows", WINDOWS as f64, "", 0);
+    let failing = all().iter().find(|digits| digits.gaussians[1] < WINDOWS as usize);
+    let failing = failing.expect("the worst roots fail");
+    chapter.number("condition_failing", failing.condition, "", 0);
+    let failed = WINDOWS as usize - failing.gaussians[1];
+    chapter.number("roots_failing", failed as f64, "", 0);
     let ends = [QUOTED[0], QUOTED[1]];
     chapter.number("lost_hessian", lost(0, ends), "", 2);
     chapter.number("lost_root", lost(1, ends), "", 2);
@@ -107,7 +112,6 @@ fn links(chapter: &mut Chapter) {
 fn replacements(chapter: &mut Chapter) {
     let slid = slid(0);
     let (blocks, links) = (slid.blocks().len(), Couplings::of(&slid).pairs().len());
-    chapter.number("slid_blocks", blocks as f64, "", 0);
     chapter.number("slid_links", links as f64, "", 0);
     chapter.number("slid_pairs", (blocks * (blocks - 1) / 2) as f64, "", 0);
     let all = replaced();
@@ -115,7 +119,7 @@ fn replacements(chapter: &mut Chapter) {
     chapter.number("kept_new", all.new, "", 0);
     chapter.number("kept_ratio", all.ratio, "", 2);
     let [zeroed, kept] = all.nats.map(median);
-    chapter.number("zeroed_nats", zeroed, "nats", 2);
+    chapter.number("zeroed_nats", zeroed, "nats", 0);
     chapter.number("kept_nats", kept, "nats", 2);
 }
 

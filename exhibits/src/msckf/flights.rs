@@ -132,14 +132,11 @@ fn shares(chapter: &mut Chapter, due: f64) {
 /// In how many pictures a corner is seen, one after another.
 fn lengths(chapter: &mut Chapter) {
     let recording = flown(&example::flight(60.0), 0);
-    let mut lengths = vec![0; recording.truth.landmark_of_track.len()];
+    let mut lengths = vec![0_u32; recording.truth.landmark_of_track.len()];
     let features = recording.pictures.iter().flat_map(|picture| &picture.features);
     features.for_each(|feature| lengths[feature.track] += 1);
     lengths.sort_unstable();
     chapter.number("track_median", f64::from(lengths[lengths.len() / 2]), "", 0);
-    let clones = i32::try_from(options(&recording).clones).unwrap_or(i32::MAX);
-    let longer = lengths.iter().filter(|length| **length > clones).count();
-    chapter.number("tracks_longer", 100.0 * longer as f64 / lengths.len() as f64, "%", 0);
 }
 
 fn refused(seen: &[Seen]) -> Refusals {
@@ -161,17 +158,10 @@ fn hovering(chapter: &mut Chapter) {
     chapter.number("hover_sigma", last.sigma, "m", 0);
     chapter.number("hover_yaw_first", 1e3 * first.yaw, "mrad", 1);
     chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 0);
-    chapter.number(
-        "hover_used",
-        adrift.iter().map(|seen| seen.report.used).sum::<usize>() as f64,
-        "",
-        0,
-    );
-    chapter.number("start_yaw", 1e3 * SIGMAS[2], "mrad", 0);
     chapter.number("start_gyro_bias", 1e3 * SIGMAS[9], "mrad/s", 0);
-    chapter.number("start_accelerometer_bias", 100.0 * SIGMAS[12], "cm/s²", 0);
     let Refusals { short, landmark, rank, gated } = refused(&adrift);
     chapter.number("hover_apart", landmark as f64, "", 0);
+    chapter.number("hover_vague", rank as f64, "", 0);
     chapter.number("hover_refused", (short + landmark + rank + gated) as f64, "", 0);
     let last = told[told.len() - 1];
     chapter.number("rest_error", 100.0 * last.error, "cm", 1);
@@ -200,7 +190,7 @@ fn resting(chapter: &mut Chapter) {
     }
     chapter.number("rest_hovers", HOVERS as f64, "", 0);
     chapter.number("rest_nees_yaw", nees[0] / HOVERS as f64, "", 2);
-    chapter.number("rest_nees_position", nees[1] / HOVERS as f64, "", 2);
+    chapter.number("rest_nees_position", nees[1] / HOVERS as f64, "", 4);
     chapter.number("rest_motion", REST.motion, "px", 0);
     chapter.number("rest_velocity", 100.0 * REST.velocity_sigma, "cm/s", 0);
     chapter.number("rest_turning", 1e3 * REST.turning_sigma, "mrad/s", 0);

@@ -155,11 +155,4 @@ pub fn numbers(chapter: &mut Chapter) {
     }
     chapter.number("second_1", passes[1].ways()[2], "standard deviations", 3);
     chapter.number("second_2", passes[2].ways()[2], "standard deviations", 2);
-    let relative = {
-        let (step, _) = passes[1].corrected();
-        let steps = passes[1].adjusted(40);
-        let end = steps.last().expect("there are steps");
-        100.0 * (&step - end).norm() / end.norm()
-    };
-    chapter.number("left_percent", relative, "%", 1);
 }
