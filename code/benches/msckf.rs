@@ -1,40 +1,22 @@
 //! What a track costs the filter over multi-state constraints: `cargo bench -p benches --bench msckf`.
 
+#[path = "../tests/msckf/passing.rs"]
+mod passing;
+
 use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use nalgebra::{DMatrix, Isometry3, Vector2, Vector3};
+use nalgebra::{DMatrix, Isometry3, Vector3};
+use passing::{CAMERA, PARALLAX, SIGMA, pass};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vislam::inertial::BodyPose;
-use vislam::manifold::so3;
 use vislam::msckf::{LinearizedTrack, Rows, Sight, landmark};
-use vislam::reprojection::Pinhole;
 
-const CAMERA: Pinhole = Pinhole { fx: 300.0, fy: 300.0, cx: 320.0, cy: 240.0 };
-
-/// A camera that passes a landmark.
-fn pass(poses: usize) -> Vec<Sight> {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut number = |size: f64| random.random_range(-size..size);
-    let landmark = Vector3::new(0.4, -0.3, 5.0);
-    let sight = |k: usize| {
-        let along = 2.0 * k as f64 / (poses - 1) as f64 - 1.0;
-        let turn = Vector3::from_fn(|_, _| number(0.05));
-        let position = Vector3::new(along, 0.2 * along * along, number(0.1));
-        let pose = BodyPose { world_from_body: so3::exp(&turn), position };
-        let seen = CAMERA.project(&pose.at_rest().pose().inverse(), &landmark);
-        let pixel = seen.expect("it is in front") + Vector2::new(number(1.0), number(1.0));
-        Sight { pose, linearized_at: pose, pixel }
-    };
-    (0..poses).map(sight).collect()
-}
-
-fn linearized(sights: &[Sight]) -> LinearizedTrack {
-    let extrinsics = Isometry3::identity();
-    let point = landmark(sights, &extrinsics, (&CAMERA, 1.0), 1e-3).expect("it has parallax");
+fn linearized(sights: &[Sight], extrinsics: &Isometry3<f64>) -> LinearizedTrack {
+    let camera = (&CAMERA, SIGMA);
+    let point = landmark(sights, extrinsics, camera, PARALLAX).expect("it has parallax");
     let mut track = LinearizedTrack::default();
-    let outcome = track.linearize(sights, &point, &extrinsics, (&CAMERA, 1.0));
+    let outcome = track.linearize(sights, &point, extrinsics, camera);
     outcome.map(|()| track).expect("it is in front")
 }
 
@@ -48,8 +30,8 @@ fn by_dense_qr(rows: &DMatrix<f64>) -> DMatrix<f64> {
 
 fn project(bench: &mut Criterion) {
     for poses in [5, 11, 20, 30] {
-        let sights = pass(poses);
-        let track = linearized(&sights);
+        let (sights, extrinsics) = pass(poses, 1);
+        let (track, camera) = (linearized(&sights, &extrinsics), (&CAMERA, SIGMA));
         let rows: Vec<f64> = track.rows().from(0).flatten().copied().collect();
         let rows = DMatrix::from_row_slice(2 * poses, track.rows().width(), &rows);
         bench.bench_function(&format!("project/givens/{poses}"), |bench| {
@@ -63,13 +45,12 @@ fn project(bench: &mut Criterion) {
             bench.iter(|| by_dense_qr(black_box(&rows)));
         });
         bench.bench_function(&format!("landmark/{poses}"), |bench| {
-            let extrinsics = Isometry3::identity();
-            bench.iter(|| landmark(black_box(&sights), &extrinsics, (&CAMERA, 1.0), 1e-3));
+            bench.iter(|| landmark(black_box(&sights), &extrinsics, camera, PARALLAX));
         });
         bench.bench_function(&format!("linearize/{poses}"), |bench| {
-            let (extrinsics, point) = (Isometry3::identity(), Vector3::new(0.4, -0.3, 5.0));
+            let point = Vector3::new(0.4, -0.3, 5.0);
             let mut track = LinearizedTrack::default();
-            bench.iter(|| track.linearize(black_box(&sights), &point, &extrinsics, (&CAMERA, 1.0)));
+            bench.iter(|| track.linearize(black_box(&sights), &point, &extrinsics, camera));
         });
     }
 }

@@ -24,7 +24,7 @@ use vislam::least_squares::{
     Solution, SolveError, Values,
 };
 use vislam::manifold::so3;
-use vislam::preintegration::CombinedPreintegrator;
+use vislam::preintegration::preintegrate_combined;
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{Flight, FlightError, FlightRecording, Trajectory};
 use vislam::two_views::{View, triangulate};
@@ -118,15 +118,10 @@ impl Window {
     ) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
         let mut turning = Vec::new();
         for (k, readings) in intervals(sensors)?.iter().enumerate() {
-            let mut sums = CombinedPreintegrator::new(bias, &sensors.noise)?;
-            for pair in readings.windows(2) {
-                let dt = pair[0].seconds_to(&pair[1]);
-                sums.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)?;
-            }
+            let sums = preintegrate_combined(readings, bias, &sensors.noise)?;
             let states = [self.states[k], self.states[k + 1]];
             let biases = [self.biases[k], self.biases[k + 1]];
-            let factor =
-                CombinedInertialFactor::new(states, biases, self.gravity, &sums.finish()?)?;
+            let factor = CombinedInertialFactor::new(states, biases, self.gravity, &sums)?;
             self.problem.add_factor(factor, Kernel::Squared)?;
             let ends = [readings.first().filter(|_| k == 0), readings.last()];
             turning.extend(ends.into_iter().flatten().map(|end| end.sample.corrected(bias).gyro));

@@ -9,7 +9,7 @@ use rand_distr::StandardNormal;
 use vislam::factors::{PixelByCamera, Prior};
 use vislam::filtering::{
     Belief, BeliefError, CorrectionError, Form, Transition, UpdateError, UpdateOptions, carry_root,
-    chi_square_quantile, correct, correct_root,
+    chi_square_quantile, correct, correct_root, innovation_squared,
 };
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Kernel, Manifold, Options, Problem, sqrt_information};
@@ -172,6 +172,8 @@ fn all_forms_of_the_correction_are_that_of_information() {
                 &jacobian * &before * jacobian.transpose() + DMatrix::identity(rows, rows);
             let squared = residual.dot(&innovation.cholesky().unwrap().solve(&residual));
             assert!((correction.innovation / squared - 1.0).abs() < 1e-10, "{form:?}");
+            let asked = innovation_squared(&before, &jacobian, &residual).unwrap();
+            assert!((asked / squared - 1.0).abs() < 1e-10);
         }
     }
 }

@@ -12,9 +12,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use vislam::filtering::{
     AlignmentError, BandError, BlockNees, Freedom, NeesBand, NeesError, RootMeanSquares,
-    StateError, TrajectoryError, absolute_trajectory_error, align, aligned, chi_square_band,
-    chi_square_below, chi_square_quantile, nees, nis, pairs_by_distance, pairs_by_time,
-    relative_pose_errors,
+    StateError, TrajectoryError, absolute_trajectory_error, align, aligned, attitude_in_world,
+    chi_square_band, chi_square_below, chi_square_quantile, nees, nis, pairs_by_distance,
+    pairs_by_time, relative_pose_errors,
 };
 use vislam::inertial::NavState;
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Options, Problem};
@@ -233,6 +233,9 @@ mod normalized {
         let parts = BlockNees::of(&estimate, &truth, &covariance).unwrap();
         assert_relative_eq!(parts.yaw, 4.0, max_relative = 1e-9);
         assert_abs_diff_eq!(parts.tilt, 0.0, epsilon = 1e-20);
+        let in_world = attitude_in_world(&estimate, &covariance.fixed_view::<3, 3>(0, 0));
+        let expected = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1e-4));
+        assert_abs_diff_eq!(in_world, expected, epsilon = 1e-15);
     }
 
     /// Full, with variances of about one.

@@ -4,60 +4,25 @@
 #[allow(dead_code)]
 #[path = "../examples/filter.rs"]
 mod filter;
+#[path = "msckf/passing.rs"]
+mod passing;
 
 use filter::{flight, start};
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, SMatrix, SVector, Vector1, Vector2, Vector3};
-use rand::{RngExt, SeedableRng};
+use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, SVector, Vector1, Vector2, Vector3};
+use passing::{CAMERA, PARALLAX, SIGMA, normal, pass};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
-use vislam::filtering::{Belief, Form, nees};
-use vislam::inertial::{BodyPose, GRAVITY, ImuSample, NavState, StampedSample};
+use vislam::filtering::{Belief, Form, attitude_in_world, nees};
+use vislam::inertial::{GRAVITY, ImuSample, NavState, StampedSample};
 use vislam::least_squares::{Kernel, Manifold, Problem};
-use vislam::manifold::so3;
 use vislam::msckf::{
     Calibrated, LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions,
     PictureReport, Rest, Sight, Start, TrackError, WindowPolicy, landmark,
 };
-use vislam::reprojection::Pinhole;
 use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
 use vislam::two_views::TriangulationError;
-
-const CAMERA: Pinhole = Pinhole { fx: 300.0, fy: 300.0, cx: 320.0, cy: 240.0 };
-const SIGMA: f64 = 1.5;
-/// The least angle between two rays, in radians.
-const PARALLAX: f64 = 1e-3;
-
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    random.sample(StandardNormal)
-}
-
-/// A camera that passes a landmark, and where it sits on the body.
-fn pass(poses: usize, seed: u64) -> (Vec<Sight>, Isometry3<f64>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let draw = &mut random;
-    let body_from_camera =
-        Isometry3::new(Vector3::new(0.1, -0.05, 0.02), Vector3::new(0.02, -0.03, 0.05));
-    let landmark = Vector3::new(0.4, -0.3, 5.0);
-    let sight = |k: usize| {
-        let along = 2.0 * k as f64 / (poses - 1) as f64 - 1.0;
-        let turn = Vector3::from_fn(|_, _| 0.05 * normal(draw));
-        let pose = BodyPose {
-            world_from_body: so3::exp(&turn),
-            position: Vector3::new(along, 0.2 * along * along, 0.3 * along)
-                + Vector3::from_fn(|_, _| 0.02 * normal(draw)),
-        };
-        let world_from_camera = pose.at_rest().pose() * body_from_camera;
-        let seen = CAMERA.project(&world_from_camera.inverse(), &landmark).unwrap();
-        let pixel = seen + Vector2::from_fn(|_, _| SIGMA * normal(draw));
-        // The filter has the poses a little off.
-        let off: Vec<f64> = (0..6).map(|_| 0.003 * normal(draw)).collect();
-        let pose = pose.retract(&off);
-        Sight { pose, linearized_at: pose, pixel }
-    };
-    ((0..poses).map(sight).collect(), body_from_camera)
-}
 
 fn linearized(sights: &[Sight], extrinsics: &Isometry3<f64>) -> (LinearizedTrack, Vector3<f64>) {
     let point = landmark(sights, extrinsics, (&CAMERA, SIGMA), PARALLAX).unwrap();
@@ -385,9 +350,8 @@ fn kept_landmarks_say_nothing_of_yaw_if_derivatives_are_taken_at_first_estimates
             ..MsckfOptions::of_flight(&recording.flight)
         };
         let filter = fly(&recording, options, &start, |_, _, _| ());
-        let rotation = filter.state().world_from_body;
-        let own: Matrix3<f64> = filter.covariance().fixed_view::<3, 3>(0, 0).into_owned();
-        (rotation.matrix() * own * rotation.matrix().transpose())[(2, 2)].sqrt()
+        let own = filter.covariance();
+        attitude_in_world(filter.state(), &own.fixed_view::<3, 3>(0, 0))[(2, 2)].sqrt()
     };
     let least = least_sigma_of_yaw(&start);
     let first = sigma_of_yaw(Linearization::FirstEstimates);

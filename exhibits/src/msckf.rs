@@ -8,7 +8,7 @@ mod consistency;
 mod cost;
 mod draws;
 mod figures;
-mod flights;
+pub mod flights;
 mod outlier;
 mod passing;
 mod rank;

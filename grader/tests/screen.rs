@@ -392,6 +392,7 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
         ("null_space", "fn f() { vislam::filtering::correct_root(); }", "filtering"),
         ("along_or_across", "use vislam::msckf::landmark;", "msckf"),
         ("nees_diagnosis", "use vislam::filtering::NeesBand;", "NeesBand"),
+        ("nees_diagnosis", "use vislam::filtering::attitude_in_world;", "attitude_in_world"),
         ("nees_diagnosis", "fn f() { vislam::filtering::nees(&error, &covariance); }", "nees"),
         (
             "nees_diagnosis",
@@ -401,6 +402,7 @@ fn items_of_the_library_that_are_the_answer_are_refused_kindly() {
         ("square_root_prior", "use vislam::marginalization::SquareRoot;", "marginalization"),
         ("square_root_prior", "fn f() { vislam::filtering::carry_root(); }", "filtering"),
         ("square_root_prior", "fn f(m: DMatrix<f32>) { m.qr(); }", "qr"),
+        ("square_root_prior", "fn f(m: DMatrix<f32>) { m.full_piv_lu(); }", "full_piv_lu"),
         ("null_space", "fn f(m: DMatrix<f64>) { m.qr(); }", "qr"),
         ("null_space", "fn f(m: DMatrix<f64>) { m.clone().svd::<f64>(true, true); }", "svd"),
         ("outlier_rescue", "use vislam::least_squares::*; fn f(kernel: Kernel) {}", "Kernel"),

@@ -3,7 +3,7 @@
 
 use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, SMatrix, Vector1, Vector2, Vector3};
 
-use crate::inertial::NavState;
+use crate::inertial::{BodyPose, NavState};
 use crate::least_squares::{Factor, Key};
 use crate::manifold::so3;
 use crate::reprojection::CameraModel;
@@ -71,21 +71,70 @@ type Around<'a> = (&'a NavState, &'a Vector3<f64>, &'a Isometry3<f64>, &'a Vecto
 /// Derivatives by a step of each.
 type ByBody = (SMatrix<f64, 2, 9>, Matrix2x3<f64>, Matrix2x6<f64>, Vector2<f64>);
 
-/// What a [`PixelByBody`] measured, without the names of its variables: for filters, which have a
-/// state of their own.
+/// A pixel of a [`PixelByBody`] by the pose that the body had when the picture was taken, so that no
+/// clock matters, and without names of variables: for filters, which have a state of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyPixel<'a, M> {
     /// The camera.
     pub camera: &'a M,
-    /// As that of [`PixelByBody`].
-    pub angular_velocity: Vector3<f64>,
     /// The measured pixel.
     pub pixel: Vector2<f64>,
     /// One over its standard deviation, in 1/pixel.
     pub inverse_sigma: f64,
 }
 
+/// The body, a landmark in the world, and `body_from_camera`.
+type Seen<'a> = (&'a BodyPose, &'a Vector3<f64>, &'a Isometry3<f64>);
+
+/// Derivatives by a step of each.
+type BySeen = (Matrix2x6<f64>, Matrix2x3<f64>, Matrix2x6<f64>);
+
+/// The landmark in camera coordinates. It goes through the body's frame, so that no rotation is made
+/// from two.
+fn in_camera((body, landmark, extrinsics): Seen) -> Vector3<f64> {
+    let in_body = body.world_from_body.inverse_transform_vector(&(landmark - body.position));
+    let from_camera = in_body - extrinsics.translation.vector;
+    extrinsics.rotation.inverse_transform_vector(&from_camera)
+}
+
 impl<M: CameraModel> BodyPixel<'_, M> {
+    /// Prediction minus measurement, in standard deviations; `None` for a landmark that is not in
+    /// front of the camera.
+    pub fn residual(&self, seen: Seen) -> Option<Vector2<f64>> {
+        Some(self.inverse_sigma * (self.camera.project_cam(&in_camera(seen))? - self.pixel))
+    }
+
+    // ANCHOR: body_pixel_linearize
+    /// The residual and its derivatives: 2×6 by a step (φ, p) of the body, the columns of
+    /// {eq:pixel-by-state} without those of the velocity; 2×3 by the landmark; and 2×6 by the
+    /// extrinsics T_bc exp(ξ), with which the point in the camera moves by −ρ + P_c × φ.
+    pub fn linearize(&self, seen: Seen) -> Option<(Vector2<f64>, BySeen)> {
+        let (body, landmark, extrinsics) = seen;
+        let point = in_camera(seen);
+        let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
+        let by_camera_point = self.inverse_sigma * self.camera.projection_jacobian(&point)?;
+        let camera_from_body = extrinsics.rotation.to_rotation_matrix().transpose();
+        let camera_from_world = camera_from_body * body.world_from_body.transpose();
+        let by_landmark = by_camera_point * camera_from_world.matrix();
+        let by_state = pixel_by_state(&body.at_rest(), landmark, &by_landmark);
+        let mut by_body = Matrix2x6::zeros();
+        by_body.fixed_columns_mut::<3>(0).copy_from(&by_state.fixed_columns::<3>(0));
+        by_body.fixed_columns_mut::<3>(3).copy_from(&by_state.fixed_columns::<3>(6));
+        let mut by_extrinsics = Matrix2x6::zeros();
+        by_extrinsics.fixed_columns_mut::<3>(0).copy_from(&-by_camera_point);
+        let turned = by_camera_point * so3::hat(&point);
+        by_extrinsics.fixed_columns_mut::<3>(3).copy_from(&turned);
+        Some((residual, (by_body, by_landmark, by_extrinsics)))
+    }
+    // ANCHOR_END: body_pixel_linearize
+}
+
+impl<M: CameraModel> PixelByBody<M> {
+    fn measured(&self) -> BodyPixel<'_, M> {
+        let Self { ref camera, pixel, inverse_sigma, .. } = *self;
+        BodyPixel { camera, pixel, inverse_sigma }
+    }
+
     /// By how much the body turns in so many seconds.
     fn turn(&self, seconds: f64) -> Rotation3<f64> {
         if seconds == 0.0 {
@@ -97,58 +146,11 @@ impl<M: CameraModel> BodyPixel<'_, M> {
 
     /// The body when the picture was taken: it has gone on with the velocity and angular velocity
     /// that it had.
-    fn body_at_exposure(&self, state: &NavState, offset: f64) -> NavState {
-        NavState {
+    fn body_at_exposure(&self, state: &NavState, offset: f64) -> BodyPose {
+        BodyPose {
             world_from_body: state.world_from_body * self.turn(offset),
             position: state.position + offset * state.velocity,
-            ..*state
         }
-    }
-
-    /// The landmark in camera coordinates, and the body when the picture was taken. It goes through
-    /// the body's frame, so that no rotation is made from two.
-    fn seen(&self, (state, landmark, extrinsics, offset): Around) -> (Vector3<f64>, NavState) {
-        let body = self.body_at_exposure(state, offset.x);
-        let in_body = body.world_from_body.inverse_transform_vector(&(landmark - body.position));
-        let from_camera = in_body - extrinsics.translation.vector;
-        (extrinsics.rotation.inverse_transform_vector(&from_camera), body)
-    }
-
-    /// Prediction minus measurement, in standard deviations; `None` for a landmark that is not in
-    /// front of the camera.
-    pub fn residual(&self, around: Around) -> Option<Vector2<f64>> {
-        let (point, _) = self.seen(around);
-        Some(self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel))
-    }
-
-    // ANCHOR: pixel_by_body_linearize
-    /// Implements {eq:pixel-by-state}; by the extrinsics T_bc exp(ξ), the point in the camera moves
-    /// by −ρ + P_c × φ; by the time offset, as by the velocities that the body has.
-    pub fn linearize(&self, around: Around) -> Option<(Vector2<f64>, ByBody)> {
-        let (state, landmark, extrinsics, offset) = around;
-        let (point, body) = self.seen(around);
-        let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
-        let by_camera_point = self.inverse_sigma * self.camera.projection_jacobian(&point)?;
-        let camera_from_body = extrinsics.rotation.to_rotation_matrix().transpose();
-        let camera_from_world = camera_from_body * body.world_from_body.transpose();
-        let by_landmark = by_camera_point * camera_from_world.matrix();
-        let at_exposure = pixel_by_state(&body, landmark, &by_landmark);
-        let by_state = by_state_before(&at_exposure, &self.turn(offset.x), offset.x);
-        let mut by_extrinsics = Matrix2x6::zeros();
-        by_extrinsics.fixed_columns_mut::<3>(0).copy_from(&-by_camera_point);
-        let turned = by_camera_point * so3::hat(&point);
-        by_extrinsics.fixed_columns_mut::<3>(3).copy_from(&turned);
-        let by_offset = at_exposure.fixed_columns::<3>(0) * self.angular_velocity
-            + at_exposure.fixed_columns::<3>(6) * state.velocity;
-        Some((residual, (by_state, by_landmark, by_extrinsics, by_offset)))
-    }
-    // ANCHOR_END: pixel_by_body_linearize
-}
-
-impl<M: CameraModel> PixelByBody<M> {
-    fn measured(&self) -> BodyPixel<'_, M> {
-        let Self { ref camera, angular_velocity, pixel, inverse_sigma, .. } = *self;
-        BodyPixel { camera, angular_velocity, pixel, inverse_sigma }
     }
 }
 
@@ -162,25 +164,30 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
         (self.state, self.landmark, self.extrinsics, self.time_offset)
     }
 
-    fn residual(&self, around: Around) -> Option<Vector2<f64>> {
-        self.measured().residual(around)
+    fn residual(&self, (state, landmark, extrinsics, offset): Around) -> Option<Vector2<f64>> {
+        let body = self.body_at_exposure(state, offset.x);
+        self.measured().residual((&body, landmark, extrinsics))
     }
 
-    fn linearize(&self, around: Around) -> Option<(Vector2<f64>, ByBody)> {
-        self.measured().linearize(around)
+    // ANCHOR: pixel_by_body_linearize
+    /// Implements {eq:pixel-by-state}. The state is earlier than the picture by the time offset: φ is
+    /// carried along by the turn in between, and p by the velocity. By the time offset the pixel
+    /// moves as by the velocities that the body has.
+    fn linearize(
+        &self,
+        (state, landmark, extrinsics, offset): Around,
+    ) -> Option<(Vector2<f64>, ByBody)> {
+        let body = self.body_at_exposure(state, offset.x);
+        let (residual, (by_body, by_landmark, by_extrinsics)) =
+            self.measured().linearize((&body, landmark, extrinsics))?;
+        let (by_turn, by_shift) = (by_body.fixed_columns::<3>(0), by_body.fixed_columns::<3>(3));
+        let mut by_state = SMatrix::<f64, 2, 9>::zeros();
+        let carried = by_turn * self.turn(offset.x).matrix().transpose();
+        by_state.fixed_columns_mut::<3>(0).copy_from(&carried);
+        by_state.fixed_columns_mut::<3>(3).copy_from(&(offset.x * by_shift));
+        by_state.fixed_columns_mut::<3>(6).copy_from(&by_shift);
+        let by_offset = by_turn * self.angular_velocity + by_shift * state.velocity;
+        Some((residual, (by_state, by_landmark, by_extrinsics, by_offset)))
     }
-}
-
-/// A derivative by the state `seconds` later, in which the body turned by `turn`, as one by the
-/// state: φ is carried along by the turn, and p by the velocity.
-fn by_state_before(
-    later: &SMatrix<f64, 2, 9>,
-    turn: &Rotation3<f64>,
-    seconds: f64,
-) -> SMatrix<f64, 2, 9> {
-    let mut by_state = *later;
-    let carried = later.fixed_columns::<3>(0) * turn.matrix().transpose();
-    by_state.fixed_columns_mut::<3>(0).copy_from(&carried);
-    by_state.fixed_columns_mut::<3>(3).copy_from(&(seconds * later.fixed_columns::<3>(6)));
-    by_state
+    // ANCHOR_END: pixel_by_body_linearize
 }

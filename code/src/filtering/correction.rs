@@ -29,7 +29,7 @@ pub struct Correction<T = f64> {
 
 /// Updates the covariance P of an error e by a whitened measurement r + H e + n, whose noise n has
 /// the unit covariance: r is the residual at the estimate, prediction minus measurement, and H its
-/// m×n derivative. Implements {eq:gain-update} and {eq:innovation-cost}.
+/// m×n derivative. Implements {eq:gain-update}.
 ///
 /// # Errors
 ///
@@ -43,9 +43,7 @@ pub fn correct<T: RealField + Copy>(
 ) -> Result<Correction<T>, CorrectionError> {
     check(covariance, jacobian, residual)?;
     let seen = jacobian * &*covariance;
-    let lower = innovation_root(jacobian, &seen)?;
-    let mut whitened = residual.clone();
-    lower.solve_lower_triangular_mut(&mut whitened);
+    let (lower, whitened) = whitened_innovation(jacobian, &seen, residual)?;
     let mut gain = seen;
     lower.solve_lower_triangular_mut(&mut gain);
     let step = -gain.tr_mul(&whitened);
@@ -73,15 +71,38 @@ fn joseph<T: RealField + Copy>(
 }
 // ANCHOR_END: joseph
 
-/// The lower root of S = H P Hᵀ + I, from H and H P.
-fn innovation_root<T: RealField + Copy>(
+/// rᵀ S⁻¹ r, the normalized innovation squared of the measurement that [`correct`] has, before
+/// anything is corrected by it: what a gate asks for. It is not divided by the number of rows.
+/// Implements {eq:innovation-cost}.
+///
+/// # Errors
+///
+/// A [`CorrectionError`].
+// ANCHOR: innovation_squared
+pub fn innovation_squared<T: RealField + Copy>(
+    covariance: &DMatrix<T>,
+    jacobian: &DMatrix<T>,
+    residual: &DVector<T>,
+) -> Result<T, CorrectionError> {
+    check(covariance, jacobian, residual)?;
+    let (_, whitened) = whitened_innovation(jacobian, &(jacobian * covariance), residual)?;
+    Ok(whitened.norm_squared())
+}
+// ANCHOR_END: innovation_squared
+
+/// The lower root L of S = H P Hᵀ + I, from H and H P, and L⁻¹ r.
+fn whitened_innovation<T: RealField + Copy>(
     jacobian: &DMatrix<T>,
     seen: &DMatrix<T>,
-) -> Result<DMatrix<T>, CorrectionError> {
+    residual: &DVector<T>,
+) -> Result<(DMatrix<T>, DVector<T>), CorrectionError> {
     let mut innovation = seen * jacobian.transpose();
     (0..innovation.nrows()).for_each(|row| innovation[(row, row)] += T::one());
     let root: Option<Cholesky<T, Dyn>> = Cholesky::new(innovation);
-    root.map(Cholesky::unpack).ok_or(CorrectionError::Covariance)
+    let lower = root.map(Cholesky::unpack).ok_or(CorrectionError::Covariance)?;
+    let mut whitened = residual.clone();
+    lower.solve_lower_triangular_mut(&mut whitened);
+    Ok((lower, whitened))
 }
 
 /// Updates the upper root U of a covariance Uᵀ U. The rows (I 0) and (U Hᵀ, U) are turned into a

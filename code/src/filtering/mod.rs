@@ -27,11 +27,13 @@ mod update;
 
 pub use belief::{Belief, BeliefError};
 pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_square_quantile};
-pub use correction::{Correction, CorrectionError, Form, carry_root, correct, correct_root};
+pub use correction::{
+    Correction, CorrectionError, Form, carry_root, correct, correct_root, innovation_squared,
+};
 pub use metrics::{
     AlignmentError, BandError, BlockNees, Freedom, NeesBand, NeesError, RootMeanSquares,
-    StateError, TrajectoryError, absolute_trajectory_error, align, aligned, nees, nis,
-    pairs_by_distance, pairs_by_time, relative_pose_errors,
+    StateError, TrajectoryError, absolute_trajectory_error, align, aligned, attitude_in_world,
+    nees, nis, pairs_by_distance, pairs_by_time, relative_pose_errors,
 };
 pub use transition::{Transition, TransitionError};
 pub use update::{Update, UpdateError, UpdateOptions};

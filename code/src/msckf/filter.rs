@@ -9,7 +9,7 @@ use crate::datasets::tracks::{Feature, Picture};
 use crate::filtering::{Belief, Transition, chi_square_quantile};
 use crate::inertial::{BodyPose, CameraImu, ImuBias, NavState, StampedSample, between};
 use crate::least_squares::Key;
-use crate::preintegration::{CombinedPreintegrator, Matrix15};
+use crate::preintegration::{Matrix15, preintegrate_combined};
 
 // ANCHOR: start
 /// What a filter begins with.
@@ -196,18 +196,13 @@ impl Msckf {
             return Ok(at_end(&self.readings));
         }
         let readings = between(&self.readings, self.nanoseconds, nanoseconds)?;
-        let mut sums = CombinedPreintegrator::new(&bias, &self.options.noise)?;
-        for pair in readings.windows(2) {
-            let dt = pair[0].seconds_to(&pair[1]);
-            sums.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)?;
-        }
+        let sums = preintegrate_combined(&readings, &bias, &self.options.noise)?;
         let (state, gravity) = (*self.state(), self.options.gravity);
         let first = match self.options.linearization {
             Linearization::Latest => state,
             Linearization::FirstEstimates => self.first,
         };
-        let transition =
-            Transition::linearized_at(&first, &sums.finish()?, &state, &bias, &gravity)?;
+        let transition = Transition::linearized_at(&first, &sums, &state, &bias, &gravity)?;
         self.belief.carry_on((self.state, self.bias), &transition)?;
         self.first = transition.state;
         self.nanoseconds = nanoseconds;

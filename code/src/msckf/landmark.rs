@@ -1,6 +1,6 @@
 //! Where the landmark of a track is if the poses that saw it are right.
 
-use nalgebra::{Cholesky, Isometry3, Matrix3, Vector1, Vector3};
+use nalgebra::{Cholesky, Isometry3, Matrix3, Vector3};
 use thiserror::Error;
 
 use super::Sight;
@@ -54,11 +54,8 @@ fn step(
 ) -> Option<(Vector3<f64>, f64)> {
     let (mut hessian, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
     for &Sight { pose, pixel, .. } in sights {
-        let (angular_velocity, inverse_sigma) = (Vector3::zeros(), 1.0 / sigma);
-        let seen = BodyPixel { camera, angular_velocity, pixel, inverse_sigma };
-        let clock = Vector1::zeros();
-        let (residual, (_, by_landmark, ..)) =
-            seen.linearize((&pose.at_rest(), point, body_from_camera, &clock))?;
+        let seen = BodyPixel { camera, pixel, inverse_sigma: 1.0 / sigma };
+        let (residual, (_, by_landmark, _)) = seen.linearize((&pose, point, body_from_camera))?;
         hessian += by_landmark.tr_mul(&by_landmark);
         gradient += by_landmark.tr_mul(&residual);
     }

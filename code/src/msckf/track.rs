@@ -1,6 +1,6 @@
 //! What a track says of the poses that saw it, and of its landmark.
 
-use nalgebra::{Isometry3, Matrix3, SMatrix, Vector1, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix3, SMatrix, Vector2, Vector3};
 use thiserror::Error;
 
 use super::Rows;
@@ -50,21 +50,15 @@ impl LinearizedTrack {
         self.rows.clear(width);
         self.sights = sights.len();
         for (sight, &Sight { pose, linearized_at, pixel }) in sights.iter().enumerate() {
-            let seen = BodyPixel {
-                camera,
-                angular_velocity: Vector3::zeros(),
-                pixel,
-                inverse_sigma: 1.0 / sigma,
-            };
-            // Clones stand where the picture was taken, so that their clock is right.
+            let seen = BodyPixel { camera, pixel, inverse_sigma: 1.0 / sigma };
             let at = |pose: &BodyPose| {
-                let clock = Vector1::zeros();
-                seen.linearize((&pose.at_rest(), landmark, body_from_camera, &clock))
+                let linear = seen.linearize((pose, landmark, body_from_camera));
+                linear.ok_or(TrackError::Behind { sight })
             };
-            let (residual, jacobians) = at(&pose).ok_or(TrackError::Behind { sight })?;
-            let (by_state, by_landmark, by_camera, _) = match pose == linearized_at {
+            let (residual, jacobians) = at(&pose)?;
+            let (by_pose, by_landmark, by_camera) = match pose == linearized_at {
                 true => jacobians,
-                false => at(&linearized_at).ok_or(TrackError::Behind { sight })?.1,
+                false => at(&linearized_at)?.1,
             };
             for axis in 0..2 {
                 let row = self.rows.add();
@@ -72,7 +66,7 @@ impl LinearizedTrack {
                     row[from..from + numbers.len()].copy_from_slice(numbers);
                 };
                 put(0, &entries(&by_landmark, axis));
-                put(3 + 6 * sight, &pose_entries(&by_state, axis));
+                put(3 + 6 * sight, &entries(&by_pose, axis));
                 put(width - 7, &entries(&by_camera, axis));
                 put(width - 1, &[residual[axis]]);
             }
@@ -126,11 +120,6 @@ impl LinearizedTrack {
 
 pub(super) fn entries<const N: usize>(matrix: &SMatrix<f64, 2, N>, row: usize) -> [f64; N] {
     std::array::from_fn(|column| matrix[(row, column)])
-}
-
-/// The entries by turn and position.
-pub(super) fn pose_entries(by_state: &SMatrix<f64, 2, 9>, row: usize) -> [f64; 6] {
-    std::array::from_fn(|column| by_state[(row, if column < 3 { column } else { column + 3 })])
 }
 
 /// Why a track says nothing of the poses.

@@ -1,8 +1,8 @@
 //! How tracks correct the filter.
 
-use nalgebra::{DMatrix, DVector, Vector1, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::track::{entries, pose_entries};
+use super::track::entries;
 use super::window::{Kept, Waiting};
 use super::{
     Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Sight,
@@ -10,6 +10,7 @@ use super::{
 };
 use crate::datasets::tracks::{Feature, Picture};
 use crate::factors::BodyPixel;
+use crate::filtering::innovation_squared;
 
 /// A track that may correct the filter.
 struct Judged<'a> {
@@ -124,12 +125,8 @@ impl Msckf {
         let covariance = DMatrix::from_fn(named.len(), named.len(), |row, column| {
             covariance[(named[row].1, named[column].1)]
         });
-        let mut innovation = &jacobian * covariance * jacobian.transpose();
-        (0..count).for_each(|row| innovation[(row, row)] += 1.0);
-        let Some(root) = innovation.cholesky() else { return false };
-        let mut whitened = residual;
-        root.l_dirty().solve_lower_triangular_mut(&mut whitened);
-        self.gates.get(count).is_some_and(|gate| whitened.norm_squared() <= *gate)
+        let squared = innovation_squared(&covariance, &jacobian, &residual);
+        squared.is_ok_and(|squared| self.gates.get(count).is_some_and(|gate| squared <= *gate))
     }
     // ANCHOR_END: passes
 
@@ -188,15 +185,14 @@ impl Msckf {
             Linearization::FirstEstimates => kept.first,
         };
         let (camera, inverse_sigma) = (&self.options.camera, 1.0 / self.options.pixel_sigma);
-        let (angular_velocity, pixel) = (Vector3::zeros(), feature.pixel);
-        let pixel = BodyPixel { camera, angular_velocity, pixel, inverse_sigma };
-        let (extrinsics, clock) = (self.rig().body_from_camera, Vector1::zeros());
-        let residual = pixel.residual((&pose.at_rest(), &landmark, &extrinsics, &clock))?;
-        let at = (&linearized_at.at_rest(), &linearized, &extrinsics, &clock);
-        let (_, (by_state, by_landmark, by_camera, _)) = pixel.linearize(at)?;
+        let pixel = BodyPixel { camera, pixel: feature.pixel, inverse_sigma };
+        let extrinsics = self.rig().body_from_camera;
+        let residual = pixel.residual((&pose, &landmark, &extrinsics))?;
+        let (_, (by_pose, by_landmark, by_camera)) =
+            pixel.linearize((&linearized_at, &linearized, &extrinsics))?;
         let rows = [0, 1].map(|axis| {
             let mut row = [0.0; 16];
-            row[..6].copy_from_slice(&pose_entries(&by_state, axis));
+            row[..6].copy_from_slice(&entries(&by_pose, axis));
             row[6..9].copy_from_slice(&entries(&by_landmark, axis));
             row[9..15].copy_from_slice(&entries(&by_camera, axis));
             row[15] = residual[axis];

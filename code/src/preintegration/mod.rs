@@ -142,6 +142,27 @@ pub fn preintegrate_stamped(
 }
 // ANCHOR_END: preintegrate_stamped
 
+/// Sums up readings whose bias walks, from the time of the first to that of the last by the midpoint
+/// rule. Steps longer than [`LONGEST_STEP`] are gaps. `bias` is that at the time of the first.
+///
+/// # Errors
+///
+/// As those of [`preintegrate_stamped`].
+// ANCHOR: preintegrate_combined
+pub fn preintegrate_combined(
+    samples: &[StampedSample],
+    bias: &ImuBias,
+    noise: impl Into<AxisNoise>,
+) -> Result<CombinedPreintegrated, PreintegrationError> {
+    let mut integrator = CombinedPreintegrator::new(bias, noise)?;
+    for pair in samples.windows(2) {
+        let dt = pair[0].seconds_to(&pair[1]);
+        integrator.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt)?;
+    }
+    integrator.finish()
+}
+// ANCHOR_END: preintegrate_combined
+
 // ANCHOR: correct_for_bias
 /// The deltas as they would be at another bias, to first order in the difference [@forster2017],
 /// at the cost of a few small products. Implements {eq:bias-update}.

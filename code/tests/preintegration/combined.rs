@@ -2,12 +2,12 @@
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Matrix6, Rotation3, SMatrix, SVector, Vector3, Vector6};
-use vislam::inertial::{AxisNoise, GRAVITY, ImuBias, ImuNoise, ImuSample};
+use vislam::inertial::{AxisNoise, GRAVITY, ImuBias, ImuNoise, ImuSample, StampedSample};
 use vislam::least_squares::WhiteningError;
 use vislam::manifold::so3;
 use vislam::preintegration::{
-    CombinedPreintegrated, CombinedPreintegrator, Matrix9, Matrix9x6, Matrix15,
-    PreintegrationError, Rule, error_dynamics,
+    CombinedPreintegrated, CombinedPreintegrator, LONGEST_STEP, Matrix9, Matrix9x6, Matrix15,
+    PreintegrationError, Rule, error_dynamics, preintegrate_combined,
 };
 use vislam::simulation::Trajectory;
 
@@ -125,6 +125,29 @@ fn a_bias_that_stays_gives_the_usual_sums() {
         assert_eq!(walking.walk, restless().bias_walk(walking.sums.duration));
         assert!(walking.sums.sigmas().iter().zip(usual.sigmas()).all(|(more, less)| *more > less));
     }
+}
+
+#[test]
+fn stamped_readings_are_summed_by_the_midpoint_rule_while_the_bias_walks() {
+    let mut random = Random::new(54);
+    let samples = random.motion().samples(&GRAVITY, DT, 21);
+    let bias = random.bias(0.1, 0.5);
+    let since = 1_403_715_273_262_142_976;
+    let stamped = |(k, sample): (i64, ImuSample)| StampedSample {
+        nanoseconds: since + 10_000_000 * k,
+        sample,
+    };
+    let mut readings: Vec<_> = (0..).zip(samples.clone()).map(stamped).collect();
+    let found = preintegrate_combined(&readings, &bias, restless()).unwrap();
+    assert_eq!(found, combined(&samples, Rule::Midpoint, DT, &bias, restless()));
+    readings[20].nanoseconds += 100_000_000;
+    let gap = PreintegrationError::Gap { step: 19, dt: 0.11, longest: LONGEST_STEP };
+    assert_eq!(preintegrate_combined(&readings, &bias, restless()), Err(gap));
+    readings[20].nanoseconds = readings[19].nanoseconds;
+    let repeated = PreintegrationError::Step { step: 19, dt: 0.0 };
+    assert_eq!(preintegrate_combined(&readings, &bias, restless()), Err(repeated));
+    let one = preintegrate_combined(&readings[..1], &bias, restless());
+    assert_eq!(one, Err(PreintegrationError::Empty));
 }
 
 /// What deltas lack at the bias of the start, and how far the bias has gone, in runs whose

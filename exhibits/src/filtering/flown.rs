@@ -1,12 +1,14 @@
 //! Flights of a filter that knows where the landmarks are, or that measures how far it has come.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector1, Vector3};
+use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use vislam::factors::BodyPixel;
-use vislam::filtering::{Belief, BlockNees, Correction, Form, StateError, Transition, nees};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, NavState, between};
+use vislam::filtering::{
+    Belief, BlockNees, Correction, Form, StateError, Transition, attitude_in_world, nees,
+};
+use vislam::inertial::{BodyPose, GRAVITY, ImuBias, ImuNoise, NavState, between};
 use vislam::least_squares::{Key, Manifold};
 use vislam::manifold::so3;
-use vislam::preintegration::CombinedPreintegrator;
+use vislam::preintegration::preintegrate_combined;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
 use crate::comparison::inverse;
@@ -137,16 +139,12 @@ impl<'a> Flown<'a> {
         if filter.sensor == Sensor::Displacement {
             self.copy(state);
         }
-        let readings = between(&recording.readings, time(picture - 1), time(picture));
+        let readings = between(&recording.readings, time(picture - 1), time(picture))
+            .expect("readings cover the flight");
         let mut noise = recording.flight.noise;
         noise.gyro *= filter.density;
         noise.accelerometer *= filter.density;
-        let mut sums = CombinedPreintegrator::new(&bias, &noise).expect("the bias is finite");
-        for pair in readings.expect("readings cover the flight").windows(2) {
-            let dt = pair[0].seconds_to(&pair[1]);
-            sums.integrate_midpoint(&pair[0].sample, &pair[1].sample, dt).expect("it is finite");
-        }
-        let sums = sums.finish().expect("there are readings");
+        let sums = preintegrate_combined(&readings, &bias, &noise).expect("there are readings");
         let mut transition = Transition::new(&sums, &state, &bias, &GRAVITY).expect("finite");
         if !filter.coupled {
             transition.by_error.fixed_view_mut::<6, 3>(3, 0).fill(0.0);
@@ -210,26 +208,24 @@ impl<'a> Flown<'a> {
         let [from, to] = filter.dark;
         let is_dark = (from..to).contains(&seconds);
         let features = recording.pictures[picture].features.iter().filter(|_| !is_dark);
-        let state = &self.belief.values()[self.state];
+        let body = BodyPose::from(&self.belief.values()[self.state]);
         let camera = &recording.flight.camera;
         let extrinsics = recording.flight.rig.body_from_camera;
         let rows = features.filter_map(|feature| {
             let landmark = truth.landmarks[truth.landmark_of_track[feature.track]];
-            let seen = BodyPixel {
-                camera,
-                angular_velocity: Vector3::zeros(),
-                pixel: feature.pixel,
-                inverse_sigma: 1.0 / recording.flight.pixel_sigma,
-            };
-            let (residual, by) =
-                seen.linearize((state, &landmark, &extrinsics, &Vector1::zeros()))?;
-            Some((residual, by.0))
+            let inverse_sigma = 1.0 / recording.flight.pixel_sigma;
+            let seen = BodyPixel { camera, pixel: feature.pixel, inverse_sigma };
+            let (residual, (by_body, ..)) = seen.linearize((&body, &landmark, &extrinsics))?;
+            Some((residual, by_body))
         });
         let rows: Vec<_> = rows.collect();
         let mut jacobian = DMatrix::zeros(2 * rows.len(), self.belief.dimension());
         let mut residual = DVector::zeros(2 * rows.len());
-        for (at, (own, by_state)) in rows.iter().enumerate() {
-            jacobian.fixed_view_mut::<2, 9>(2 * at, 0).copy_from(by_state);
+        for (at, (own, by_body)) in rows.iter().enumerate() {
+            let (by_turn, by_shift) =
+                (by_body.fixed_columns::<3>(0), by_body.fixed_columns::<3>(3));
+            jacobian.fixed_view_mut::<2, 3>(2 * at, 0).copy_from(&by_turn);
+            jacobian.fixed_view_mut::<2, 3>(2 * at, 6).copy_from(&by_shift);
             residual.fixed_rows_mut::<2>(2 * at).copy_from(own);
         }
         (jacobian, residual)
@@ -265,8 +261,7 @@ impl<'a> Flown<'a> {
         let covariance = self.belief.covariance().fixed_view::<9, 9>(0, 0).into_owned();
         let mut error = SMatrix::<f64, 9, 1>::zeros();
         estimate.local(truth, error.as_mut_slice());
-        let turn: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-        let turn = estimate.world_from_body * turn * estimate.world_from_body.inverse();
+        let turn = attitude_in_world(estimate, &covariance.fixed_view::<3, 3>(0, 0));
         Moment {
             seconds: picture as f64 / PICTURE_RATE,
             nees: BlockNees::of(estimate, truth, &covariance).expect("a covariance"),

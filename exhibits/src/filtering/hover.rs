@@ -1,13 +1,13 @@
 //! A camera that hovers for a minute before the same landmarks.
 
-use nalgebra::Vector3;
-use vislam::filtering::StateError;
+use vislam::filtering::{StateError, attitude_in_world};
 use vislam::least_squares::Manifold;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, Start};
 use vislam::preintegration::Matrix15;
 use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
 
 use crate::chapter::Chapter;
+use crate::msckf::flights::example::fly;
 use crate::random::Random;
 use crate::record::{RecordValue, accepted};
 
@@ -61,8 +61,7 @@ fn start(recording: &FlightRecording, seed: u64) -> Start {
 /// The standard deviation of the yaw and its error, in degrees.
 fn yaw(filter: &Msckf, recording: &FlightRecording, picture: usize) -> [f64; 2] {
     let (state, covariance) = (filter.state(), filter.covariance());
-    let up = state.world_from_body.inverse() * Vector3::z();
-    let variance = up.dot(&(covariance.fixed_view::<3, 3>(0, 0) * up));
+    let variance = attitude_in_world(state, &covariance.fixed_view::<3, 3>(0, 0))[(2, 2)];
     let error = StateError::between(state, &recording.truth.states[picture]);
     [variance.sqrt().to_degrees(), error.yaw().to_degrees()]
 }
@@ -76,21 +75,15 @@ fn hovered(linearization: Linearization, seconds: f64, seed: u64) -> [[f64; 2]; 
         clones: 11,
         ..MsckfOptions::of_flight(&recording.flight)
     };
-    let mut filter = Msckf::new(options, &start(&recording, seed)).expect("a filter");
-    let (mut readings, mut last) = (recording.readings.iter().peekable(), i64::MIN);
     let mut found = [[f64::NAN; 2]; 8];
-    for (number, picture) in recording.pictures.iter().enumerate() {
-        while let Some(reading) = readings.next_if(|_| last < picture.nanoseconds) {
-            last = reading.nanoseconds;
-            filter.reading(*reading).expect("readings are in order");
-        }
-        filter.picture(picture).expect("the filter has a covariance");
+    fly(&recording, options, &start(&recording, seed), |number, filter, _| {
         for (time, found) in TIMES.iter().zip(&mut found) {
             if number == (time * PICTURE_RATE).round() as usize {
-                *found = yaw(&filter, &recording, number);
+                *found = yaw(filter, &recording, number);
             }
         }
-    }
+    })
+    .expect("the flight is followed");
     found
 }
 

@@ -1,7 +1,7 @@
 //! The update of a Gaussian by a linear measurement, in four forms.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::filtering::{Form, correct, correct_root};
+use vislam::filtering::{Form, correct, correct_root, innovation_squared};
 
 use super::{STATES, draws};
 use crate::chapter::Chapter;
@@ -40,10 +40,8 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("gain-update", gain_update, formula, &mutants);
 
-    let formula: Left = |given| {
-        let correction = correct(&mut given.p.clone(), &given.h, &given.r, Form::Joseph);
-        correction.expect("a covariance").innovation
-    };
+    let formula: Left =
+        |given| innovation_squared(&given.p, &given.h, &given.r).expect("a covariance");
     let mutants: [(_, Left); 3] = [
         ("prior dropped", |given| given.r.norm_squared()),
         ("noise dropped", |given| {

@@ -4,14 +4,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector, Matrix6};
-use vislam::filtering::{Belief, Form, Transition};
-use vislam::inertial::{BodyPose, GRAVITY, ImuBias, ImuNoise, NavState};
+use vislam::filtering::{Belief, Form, Transition, innovation_squared};
+use vislam::inertial::{BodyPose, GRAVITY, ImuBias, ImuNoise, NavState, StampedSample};
 use vislam::least_squares::Key;
 use vislam::msckf::{LinearizedTrack, MsckfOptions, Rows, landmark};
-use vislam::preintegration::CombinedPreintegrator;
+use vislam::preintegration::preintegrate_combined;
 use vislam::simulation::{Flight, Trajectory};
 
-use super::draws::{Plan, SIGMA, Track};
+use super::draws::{Linear, Plan, SIGMA, Track};
 use super::flights::example::{flight, fly, start};
 use crate::chapter::Chapter;
 use crate::inertial::rules::exponent;
@@ -116,19 +116,15 @@ fn system(rows: usize, columns: usize) -> (DMatrix<f64>, DVector<f64>) {
 /// Microseconds of what a picture needs, part by part.
 fn parts() -> Vec<(&'static str, f64)> {
     let samples = Trajectory::figure_eight().samples(&GRAVITY, 0.005, READINGS + 1);
+    let stamped = |(k, sample): (i64, _)| StampedSample { nanoseconds: 5_000_000 * k, sample };
+    let samples: Vec<StampedSample> = (0..).zip(samples).map(stamped).collect();
     let state = Trajectory::figure_eight().at(0.0).state;
     let bias = ImuBias::default();
     let (belief, keys) = belief(CLONES);
-    let sums = || {
-        let noise = ImuNoise::euroc();
-        let mut sums = CombinedPreintegrator::new(&bias, &noise).expect("a noise");
-        for pair in samples.windows(2) {
-            sums.integrate_midpoint(&pair[0], &pair[1], 0.005).expect("a step");
-        }
-        sums.finish().expect("there are readings")
-    };
+    let noise = ImuNoise::euroc();
     let carry = fastest(200, || {
-        let transition = Transition::new(&sums(), &state, &bias, &GRAVITY).expect("finite");
+        let sums = preintegrate_combined(&samples, &bias, &noise).expect("there are readings");
+        let transition = Transition::new(&sums, &state, &bias, &GRAVITY).expect("finite");
         let mut belief = belief.clone();
         belief.carry_on(keys, &transition).expect("of the same variables");
         black_box(belief);
@@ -153,7 +149,14 @@ fn parts() -> Vec<(&'static str, f64)> {
             .linearize(black_box(&track.sights), &track.landmark, &track.rig, camera)
             .expect("ahead");
     });
-    let columns = 15 + 6 * CLONES;
+    let Linear { by_poses, residual, .. } = Linear::projected(&track.linearized());
+    let poses = 6 * CLONES;
+    let gate = fastest(200, || {
+        let covariance = belief.covariance().view((15, 15), (poses, poses)).into_owned();
+        black_box(innovation_squared(&covariance, black_box(&by_poses), &residual))
+            .expect("a covariance");
+    });
+    let columns = 15 + poses;
     let compress = {
         let (h, r) = system(MANY * (2 * CLONES - 3), columns);
         let mut full = Rows::new(columns + 1);
@@ -174,6 +177,7 @@ fn parts() -> Vec<(&'static str, f64)> {
         ("landmark", find),
         ("linearize", linearize),
         ("project", projection(CLONES)),
+        ("gate", gate),
         ("compress", compress),
         ("correct", correction(CLONES, ROWS)),
     ]

@@ -1,6 +1,6 @@
 //! Flights with the filter of `examples/filter.rs`.
 
-use vislam::filtering::BlockNees;
+use vislam::filtering::{BlockNees, attitude_in_world};
 use vislam::inertial::NavState;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
@@ -39,9 +39,7 @@ pub struct Seen {
 impl Seen {
     fn of(truth: &NavState, filter: &Msckf, report: &PictureReport) -> Self {
         let covariance = filter.covariance();
-        let world_from_body = filter.state().world_from_body;
-        let turn = covariance.fixed_view::<3, 3>(0, 0);
-        let turn = world_from_body.matrix() * turn * world_from_body.matrix().transpose();
+        let turn = attitude_in_world(filter.state(), &covariance.fixed_view::<3, 3>(0, 0));
         Self {
             error: (truth.position - filter.state().position).norm(),
             sigma: covariance.fixed_view::<3, 3>(6, 6).trace().sqrt(),

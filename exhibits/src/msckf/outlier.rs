@@ -1,7 +1,7 @@
 //! What a gate sees of a pixel that belongs to something else.
 
 use nalgebra::{DMatrix, DVector, Vector2};
-use vislam::filtering::{Form, chi_square_quantile, correct};
+use vislam::filtering::{chi_square_quantile, innovation_squared};
 
 use super::draws::{Linear, Plan, SIGMA, Track};
 use crate::chapter::Chapter;
@@ -62,7 +62,6 @@ fn innovation(sights: usize, direction: Direction) -> f64 {
         vislam::msckf::landmark(&track.sights, &track.rig, camera, 1e-3).expect("the rays meet");
     let rows = Linear::projected(&track.linearized());
     let variances = DVector::from_fn(6 * sights, |at, _| if at % 6 < 3 { 1e-6 } else { 1e-4 });
-    let mut p = DMatrix::from_diagonal(&variances);
-    let correction = correct(&mut p, &rows.by_poses, &rows.residual, Form::Difference);
-    correction.expect("a covariance").innovation
+    let p = DMatrix::from_diagonal(&variances);
+    innovation_squared(&p, &rows.by_poses, &rows.residual).expect("a covariance")
 }

@@ -1,7 +1,7 @@
 //! The correction by a track, against the problem that keeps its landmark.
 
 use nalgebra::{DMatrix, DVector};
-use vislam::filtering::{Form, correct};
+use vislam::filtering::{Form, correct, innovation_squared};
 
 use super::TRACKS;
 use super::draws::{Linear, Track, covariance, least, nothing, stacked};
@@ -33,9 +33,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("track-eliminated", track_eliminated, formula, &mutants);
 
-    let formula: Step = |p, h, r| corrected(p, h, r).0;
+    let formula: Step = corrected;
     let mutants: [(_, Step); 4] = [
-        ("sign", |p, h, r| -corrected(p, h, r).0),
+        ("sign", |p, h, r| -corrected(p, h, r)),
         ("noise of the pixels forgotten", |p, h, r| {
             let inverse = (h * p * h.transpose()).try_inverse();
             -p * h.transpose()
@@ -50,23 +50,26 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("track-step", track_step, formula, &mutants);
 
-    let formula: Gate = |p, h, r| corrected(p, h, r).1;
+    let formula: Gate = gate;
     let mutants: [(_, Gate); 3] = [
         ("covariance of the poses forgotten", |_, _, r| r.norm_squared()),
-        ("divided by the number of rows", |p, h, r| corrected(p, h, r).1 / r.len() as f64),
+        ("divided by the number of rows", |p, h, r| gate(p, h, r) / r.len() as f64),
         ("noise of the pixels counted twice", |p, h, r| {
             let root = 0.5_f64.sqrt();
-            corrected(p, &(root * h), &(root * r)).1
+            gate(p, &(root * h), &(root * r))
         }),
     ];
     chapter.equation("track-gate", track_gate, formula, &mutants);
 }
 
-/// The library's correction: its step and the normalized innovation squared.
-fn corrected(p: &DMatrix<f64>, h: &DMatrix<f64>, r: &DVector<f64>) -> (DVector<f64>, f64) {
-    let mut covariance = p.clone();
-    let correction = correct(&mut covariance, h, r, Form::Difference).expect("a covariance");
-    (correction.step, correction.innovation)
+/// The step of the library's correction.
+fn corrected(p: &DMatrix<f64>, h: &DMatrix<f64>, r: &DVector<f64>) -> DVector<f64> {
+    correct(&mut p.clone(), h, r, Form::Difference).expect("a covariance").step
+}
+
+/// What the library's gate asks for.
+fn gate(p: &DMatrix<f64>, h: &DMatrix<f64>, r: &DVector<f64>) -> f64 {
+    innovation_squared(p, h, r).expect("a covariance")
 }
 
 type Eliminated = fn(&Linear) -> (DMatrix<f64>, DVector<f64>);

@@ -4,7 +4,7 @@ use nalgebra::allocator::Allocator;
 use nalgebra::{DefaultAllocator, Dim, Matrix, SMatrix, Storage, Vector};
 use thiserror::Error;
 
-use super::StateError;
+use super::{StateError, attitude_in_world};
 use crate::inertial::NavState;
 
 // ANCHOR: nees
@@ -97,7 +97,7 @@ impl BlockNees {
     /// Of an estimate whose step (φ, v, p), as [`NavState`] retracts it, has this covariance.
     ///
     /// φ is written in the body, R = R̂ exp(φ^). Yaw and tilt are coordinates of R̂ φ, the same turn
-    /// in the world, whose covariance is R̂ P R̂ᵀ with the block P of φ; see [`StateError`].
+    /// in the world, whose covariance is that of [`attitude_in_world`].
     ///
     /// # Errors
     ///
@@ -109,8 +109,7 @@ impl BlockNees {
     ) -> Result<Self, NeesError> {
         let StateError { rotation, velocity, position } = StateError::between(estimate, truth);
         let block = |at: usize| covariance.fixed_view::<3, 3>(at, at);
-        let world_from_body = estimate.world_from_body.matrix();
-        let turn = world_from_body * block(0) * world_from_body.transpose();
+        let turn = attitude_in_world(estimate, &block(0));
         Ok(Self {
             yaw: nees(&rotation.fixed_rows::<1>(2), &turn.fixed_view::<1, 1>(2, 2))?,
             tilt: nees(&rotation.fixed_rows::<2>(0), &turn.fixed_view::<2, 2>(0, 0))?,

@@ -1,6 +1,6 @@
 //! The error of a state, in the world.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix, Matrix3, Storage, U3, Vector2, Vector3};
 
 use crate::inertial::NavState;
 use crate::manifold::so3;
@@ -46,6 +46,21 @@ impl StateError {
         self.rotation.xy()
     }
 }
+
+// ANCHOR: attitude_in_world
+/// The 3×3 covariance of [`StateError::rotation`], in rad²: that of the turn R̂ φ in the world is
+/// R̂ P R̂ᵀ, for the covariance P of the turn φ in the body. Its last diagonal entry is the variance
+/// of yaw.
+///
+/// `covariance` is P, the first 3×3 block of a covariance of the estimate's step.
+pub fn attitude_in_world(
+    estimate: &NavState,
+    covariance: &Matrix<f64, U3, U3, impl Storage<f64, U3, U3>>,
+) -> Matrix3<f64> {
+    let world_from_body = estimate.world_from_body.matrix();
+    world_from_body * covariance * world_from_body.transpose()
+}
+// ANCHOR_END: attitude_in_world
 
 /// Roots of the mean squares of errors, each of the length of the vector.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -25,6 +25,49 @@ pub struct Exercise {
     pub checks: fn() -> Vec<Check>,
 }
 
+/// What may not be called where rows are to be turned by hand: nalgebra's factorizations but for that
+/// of Cholesky, what is made of them, and the modules of the library that have the answer.
+pub(crate) const FACTORIZATIONS: &[&str] = &[
+    "Bidiagonal",
+    "ColPivQR",
+    "FullPivLU",
+    "GivensRotation",
+    "Hessenberg",
+    "QR",
+    "SVD",
+    "Schur",
+    "SymmetricEigen",
+    "SymmetricTridiagonal",
+    "bal",
+    "bidiagonalize",
+    "bundle_adjustment",
+    "col_piv_qr",
+    "filtering",
+    "full_piv_lu",
+    "hessenberg",
+    "householder",
+    "least_squares",
+    "marginalization",
+    "msckf",
+    "observability",
+    "orthonormal_subspace_basis",
+    "orthonormalize",
+    "polar",
+    "pseudo_inverse",
+    "qr",
+    "schur",
+    "simulation",
+    "svd",
+    "svd_unordered",
+    "symmetric_eigen",
+    "symmetric_tridiagonalize",
+    "try_polar",
+    "try_schur",
+    "try_svd",
+    "try_svd_unordered",
+    "try_symmetric_eigen",
+];
+
 impl Exercise {
     /// The hints one by one. In the file each stands between `<!-- ANCHOR: N -->` and
     /// `<!-- ANCHOR_END: N -->`, so that its page can show them too.

@@ -7,3 +7,4 @@ mod exercise;
 pub mod picture;
 
 pub use exercise::Exercise;
+pub(crate) use exercise::FACTORIZATIONS;

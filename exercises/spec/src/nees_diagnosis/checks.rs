@@ -27,6 +27,7 @@ pub const EXERCISE: Exercise = Exercise {
         "BlockNees",
         "NeesBand",
         "StateError",
+        "attitude_in_world",
         "chi_square_band",
         "msckf",
         "nees",

@@ -7,6 +7,7 @@ use crate::Exercise;
 use crate::answer::Transport;
 use crate::camera::{Camera, point_in_view};
 use crate::check::{Check, Failure, Misconception, compare, compare_number, readable};
+use crate::checking::FACTORIZATIONS;
 use crate::draw::Draw;
 
 /// The exercise.
@@ -17,46 +18,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &[],
-    forbidden: &[
-        "Bidiagonal",
-        "ColPivQR",
-        "FullPivLU",
-        "GivensRotation",
-        "Hessenberg",
-        "QR",
-        "SVD",
-        "Schur",
-        "SymmetricEigen",
-        "SymmetricTridiagonal",
-        "bal",
-        "bidiagonalize",
-        "bundle_adjustment",
-        "col_piv_qr",
-        "filtering",
-        "full_piv_lu",
-        "hessenberg",
-        "householder",
-        "least_squares",
-        "marginalization",
-        "msckf",
-        "observability",
-        "orthonormal_subspace_basis",
-        "orthonormalize",
-        "polar",
-        "pseudo_inverse",
-        "qr",
-        "schur",
-        "simulation",
-        "svd",
-        "svd_unordered",
-        "symmetric_eigen",
-        "symmetric_tridiagonalize",
-        "try_polar",
-        "try_schur",
-        "try_svd",
-        "try_svd_unordered",
-        "try_symmetric_eigen",
-    ],
+    forbidden: FACTORIZATIONS,
     hints: include_str!("hints.md"),
     checks,
 };

@@ -6,6 +6,7 @@ use super::*;
 use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
 use crate::check::{Check, Failure, Misconception, compare};
+use crate::checking::FACTORIZATIONS;
 use crate::draw::Draw;
 
 /// The exercise.
@@ -16,38 +17,7 @@ pub const EXERCISE: Exercise = Exercise {
     functions: FUNCTIONS,
     misconceptions: MISCONCEPTIONS,
     types: &["Prior"],
-    forbidden: &[
-        "Bidiagonal",
-        "ColPivQR",
-        "FullPivLU",
-        "GivensRotation",
-        "Hessenberg",
-        "QR",
-        "SVD",
-        "Schur",
-        "bal",
-        "bidiagonalize",
-        "bundle_adjustment",
-        "col_piv_qr",
-        "filtering",
-        "hessenberg",
-        "householder",
-        "least_squares",
-        "marginalization",
-        "msckf",
-        "observability",
-        "orthonormal_subspace_basis",
-        "orthonormalize",
-        "pseudo_inverse",
-        "qr",
-        "schur",
-        "simulation",
-        "svd",
-        "svd_unordered",
-        "try_schur",
-        "try_svd",
-        "try_svd_unordered",
-    ],
+    forbidden: FACTORIZATIONS,
     hints: include_str!("hints.md"),
     checks,
 };
