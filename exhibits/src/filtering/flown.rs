@@ -1,6 +1,6 @@
 //! Flights of a filter that knows where the landmarks are, or that measures how far it has come.
 
-use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 use vislam::factors::BodyPixel;
 use vislam::filtering::{
     Belief, BlockNees, Correction, Form, StateError, Transition, attitude_in_world, nees,
