@@ -104,6 +104,6 @@ export const terms = {
     "marginalization": "marginalization.html#the-marginal-of-a-gaussian-is-a-schur-complement",
     "fill-in": "marginalization.html#fill-in-and-the-markov-blanket",
     "sparsification": "marginalization.html#sec:marginalization",
-    "Chow-Liu": "marginalization.html#chow-liu-trees-and-factor-recovery",
+    "Chow-Liu": "marginalization.html#sec:factor-recovery",
     "Kalibr": "your_own_data.html#the-camera",
 };

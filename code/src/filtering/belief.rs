@@ -119,7 +119,9 @@ impl Belief {
 
     // ANCHOR: correct_belief
     /// Corrects the estimates and their covariance by a whitened linear measurement; see
-    /// [`correct`].
+    /// [`correct`]. The covariance stays one of steps from the old estimates: carrying it to the new
+    /// ones, {eq:moved-covariance}, is left to [`Belief::update`], because filters whose derivatives
+    /// are taken at first estimates must not do it.
     ///
     /// # Errors
     ///

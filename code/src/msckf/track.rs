@@ -84,8 +84,8 @@ impl LinearizedTrack {
     /// # Errors
     ///
     /// [`TrackError::Rank`] when the landmark stays uncertain in some direction by more than
-    /// `largest_sigma` metres even with all poses known, {eq:landmark-sigma}. The rows then say
-    /// less than they seem to.
+    /// `largest_sigma` metres even with all poses known, {eq:landmark-sigma}. The rows were then
+    /// linearized at a landmark that may be anywhere.
     pub fn project(&mut self, largest_sigma: f64) -> Result<(), TrackError> {
         for column in 0..3 {
             for row in (column + 1..self.rows.len()).rev() {

@@ -1,6 +1,6 @@
 //! Flights of a filter that knows where the landmarks are, or that measures how far it has come.
 
-use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 use vislam::factors::BodyPixel;
 use vislam::filtering::{
     Belief, BlockNees, Correction, Form, StateError, Transition, attitude_in_world, nees,
@@ -73,6 +73,9 @@ pub struct Moment {
     pub error: StateError,
     /// Standard deviations of yaw and of the position along x.
     pub sigmas: [f64; 2],
+    /// What the correction would have to do to the covariance of the attitude, if that were carried to where
+    /// the correction led: by which part of itself it changes a standard deviation at most.
+    pub reset: f64,
 }
 
 /// The flight of the chapter: a figure-eight with a poor sensor.
@@ -100,9 +103,10 @@ pub fn flown(filter: &Filter, recording: &FlightRecording, seed: u64) -> Vec<Mom
     let pictures = 1..recording.pictures.len();
     let visit = pictures.map(|picture| {
         flown.carry(picture);
+        let before = flown.belief.values()[flown.state];
         let innovation = flown.correct(picture);
         innovations = [innovations[0] + innovation[0], innovations[1] + innovation[1]];
-        Moment { innovations, ..flown.moment(picture) }
+        Moment { innovations, reset: flown.reset(&before), ..flown.moment(picture) }
     });
     visit.collect()
 }
@@ -255,6 +259,18 @@ impl<'a> Flown<'a> {
         )
     }
 
+    /// What carrying the covariance from a state to the one that is believed now changes at most.
+    fn reset(&self, from: &NavState) -> f64 {
+        let to = &self.belief.values()[self.state];
+        let turned = so3::local(&from.world_from_body, &to.world_from_body);
+        let by_step = inverse(so3::right_jacobian_inverse(&turned));
+        let own: Matrix3<f64> = self.belief.covariance().fixed_view::<3, 3>(0, 0).into_owned();
+        let root = own.cholesky().expect("a covariance").l();
+        let relative = inverse(root) * by_step * root;
+        let parts = (relative * relative.transpose()).symmetric_eigenvalues();
+        parts.iter().map(|part| (part.sqrt() - 1.0).abs()).fold(0.0, f64::max)
+    }
+
     fn moment(&self, picture: usize) -> Moment {
         let truth = &self.recording.truth.states[picture];
         let estimate = &self.belief.values()[self.state];
@@ -269,6 +285,7 @@ impl<'a> Flown<'a> {
             innovations: [0.0; 2],
             error: StateError::between(estimate, truth),
             sigmas: [turn[(2, 2)].sqrt(), covariance[(6, 6)].sqrt()],
+            reset: 0.0,
         }
     }
 }

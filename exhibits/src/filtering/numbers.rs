@@ -7,8 +7,8 @@ use vislam::filtering::{Belief, Form, NeesBand, chi_square_quantile};
 use vislam::inertial::ImuNoise;
 
 use super::carried::second_at_rest;
-use super::digits::{CONDITIONS, ROUNDING, lost};
-use super::faults::{self, FILTERS, LENGTHS};
+use super::digits::{CONDITIONS, DRAWS, ROUNDING, lost};
+use super::faults::{self, FILTERS, LENGTHS, OUTSIDE};
 use super::flown::{Filter, LANDMARKS, Moment, PICTURE_RATE, RIGHT, STEP_SIGMA, flown, recorded};
 use super::hover;
 use super::spot::{self, Believed, DISTANCE, ESTIMATE, SIGMA, SIGMAS, cost};
@@ -83,6 +83,7 @@ fn spot_numbers(chapter: &mut Chapter) {
     };
     chapter.number("spot_along_before", sigma(spot::prior_covariance(), &along), "m", 2);
     chapter.number("spot_along_after_cm", 100.0 * sigma(once.covariance, &along), "cm", 1);
+    chapter.number("spot_across_before", sigma(spot::prior_covariance(), &across), "m", 2);
     chapter.number("spot_across_after", sigma(once.covariance, &across), "m", 2);
     chapter.number("spot_nis", once.update.innovation, "", 1);
 }
@@ -97,8 +98,18 @@ fn carried_numbers(chapter: &mut Chapter) {
     let of =
         |moments: &[Moment], seconds: f64| moments[(seconds * PICTURE_RATE).round() as usize - 1];
     let at = |seconds: f64| of(once, seconds);
-    let error = |moments| 1e3 * of(moments, DARK[1] + 0.1).error.position.x.abs();
+    let error = |moments| 1e3 * of(moments, DARK[1]).error.position.x.abs();
     chapter.number("dark_x_error_mm", error(once), "mm", 0);
+    let sigmas_off = |seconds: f64| at(seconds).error.position.x.abs() / at(seconds).sigmas[1];
+    chapter.number("dark_x_error_sigmas", sigmas_off(DARK[1]), "", 0);
+    chapter.number("dark_x_later_sigmas", sigmas_off(DARK[1] + 1.0), "", 0);
+    let until = |seconds: f64| at(seconds).innovations[0];
+    chapter.number("dark_innovation", until(DARK[1]) - until(DARK[1] - 0.1), "", 0);
+    let reset =
+        |moments: &[Moment]| 100.0 * moments.iter().map(|moment| moment.reset).fold(0.0, f64::max);
+    let bright = (DARK[0] * PICTURE_RATE) as usize;
+    chapter.number("reset_before", reset(&once[..bright]), "%", 1);
+    chapter.number("reset_after", reset(&once[bright..]), "%", 1);
     chapter.number("dark_x_iterated_mm", error(often), "mm", 0);
     let millimetres = |seconds: f64| 1e3 * at(seconds).sigmas[1];
     let milliradians = |seconds: f64| 1e3 * at(seconds).sigmas[0];
@@ -107,7 +118,7 @@ fn carried_numbers(chapter: &mut Chapter) {
     chapter.number("dark_length", DARK[1] - DARK[0], "s", 0);
     chapter.number("dark_x_before_mm", millimetres(out), "mm", 0);
     chapter.number("dark_x_end_mm", millimetres(on), "mm", 0);
-    chapter.number("dark_x_after_mm", millimetres(DARK[1] + 0.1), "mm", 0);
+    chapter.number("dark_x_after_mm", millimetres(DARK[1]), "mm", 0);
     chapter.number("dark_yaw_before_mrad", milliradians(out), "mrad", 1);
     chapter.number("dark_yaw_end_mrad", milliradians(on), "mrad", 1);
     chapter.number("map_landmarks", LANDMARKS as f64, "", 0);
@@ -119,21 +130,35 @@ fn bent_numbers(chapter: &mut Chapter) {
     chapter.number("bent_iterations", often.update.iterations as f64, "", 0);
     let apart = (once.estimate - often.estimate).norm();
     chapter.number("bent_apart_cm", 100.0 * apart, "cm", 0);
-    chapter.number("bent_cost", cost(&once.estimate) - cost(&often.estimate), "", 1);
+    chapter.number("bent_cost_before", cost(&ESTIMATE), "", 0);
+    chapter.number("bent_cost_promised", 0.5 * once.update.innovation, "", 1);
+    chapter.number("bent_cost_once", cost(&once.estimate), "", 1);
+    chapter.number("bent_cost_often", cost(&often.estimate), "", 1);
     chapter.number("bent_off_sigmas", (once.estimate.norm() - DISTANCE) / SIGMA, "", 1);
 }
 
 fn digit_numbers(chapter: &mut Chapter) {
     let exhausted = ROUNDING.recip();
     chapter.number("exhausted_exponent", exhausted.log10(), "", 1);
-    let at = |condition: f64| {
-        CONDITIONS.iter().position(|c| *c == condition).map_or([f64::NAN; 3], |at| lost()[at])
-    };
+    let found = |condition: f64| CONDITIONS.iter().position(|own| *own == condition).unwrap_or(0);
+    let at = |condition: f64| lost()[found(condition)].error;
+    let below_zero = |condition: f64| lost()[found(condition)].below_zero;
     chapter.number("lost_root_8", 100.0 * at(1e8)[2], "%", 2);
     chapter.number("lost_joseph_8", at(1e8)[1], "", 1);
     chapter.number("lost_difference_8", at(1e8)[0], "", 1);
+    chapter.number("lost_draws", DRAWS as f64, "", 0);
+    for (names, condition) in [
+        (["below_difference_7", "below_joseph_7"], 1e7),
+        (["below_difference_8", "below_joseph_8"], 1e8),
+    ] {
+        for (form, name) in names.into_iter().enumerate() {
+            chapter.number(name, below_zero(condition)[form] as f64, "", 0);
+        }
+    }
+    let of_root: usize = lost().iter().map(|lost| lost.below_zero[2]).sum();
+    chapter.number("below_root", of_root as f64, "", 0);
     for (name, form) in [("slope_difference", 0), ("slope_joseph", 1), ("slope_root", 2)] {
-        let points = CONDITIONS.into_iter().zip(lost().iter().map(|lost| lost[form]));
+        let points = CONDITIONS.into_iter().zip(lost().iter().map(|lost| lost.error[form]));
         chapter.number(name, slope(points.collect()), "", 2);
     }
 }
@@ -173,6 +198,8 @@ fn gate_numbers(chapter: &mut Chapter) {
     chapter.number("gate_percent", 99.0, "%", 0);
     let gate = |degrees| chi_square_quantile(0.99, degrees).expect("a probability");
     chapter.number("gate_two", gate(2), "", 2);
+    chapter.number("gate_all", gate(2 * LANDMARKS), "", 1);
+    chapter.number("gate_all_numbers", 2.0 * LANDMARKS as f64, "", 0);
     chapter.number("gate_two_sigmas", gate(2).sqrt(), "", 2);
     let a_minute = 0.01 * LANDMARKS as f64 * PICTURE_RATE * 60.0;
     chapter.number("gate_a_minute", a_minute, "", 0);
@@ -196,6 +223,12 @@ fn live_numbers(chapter: &mut Chapter) {
     let pooled = NeesBand::new(count as usize, 1, 0.05).expect("a probability");
     chapter.number("nis_low", pooled.low, "", 3);
     chapter.number("nis_high", pooled.high, "", 3);
+    let outside = (0..=last).filter(|at| {
+        let mean = runs.iter().map(|run| run[*at].whole).sum::<f64>() / LIVE_RUNS as f64;
+        !(mean_band().low..=mean_band().high).contains(&mean)
+    });
+    chapter.number("live_outside", outside.count() as f64, "", 0);
+    chapter.number("live_pictures", runs[0].len() as f64, "", 0);
     chapter.number("test_percent", 95.0, "%", 0);
     chapter.number("six_tests", 100.0 * (1.0 - 0.95_f64.powi(6)), "%", 0);
 }
@@ -206,6 +239,7 @@ fn fault_numbers(chapter: &mut Chapter) {
     for (name, length) in lengths.into_iter().zip(LENGTHS) {
         chapter.number(name, length, "s", 0);
     }
+    chapter.number("fault_alpha", 100.0 * OUTSIDE, "%", 0);
     chapter.number("fault_tests", (5 * LENGTHS.len()) as f64, "", 0);
     let tested = faults::tested();
     let place = |word: &str| FILTERS.iter().position(|(own, _)| *own == word).unwrap_or(0);
@@ -246,6 +280,8 @@ fn hover_numbers(chapter: &mut Chapter) {
     chapter.number("hover_error", hover::told("latest", "error")[7], "°", 2);
     chapter.number("hover_nees", hover::told("latest", "nees")[7], "", 1);
     chapter.number("hover_first_end", hover::told("first", "sigma")[7], "°", 2);
+    let band = NeesBand::new(hover::SEEDS, 1, 0.05).expect("a probability");
+    chapter.number("hover_low", band.low, "", 2);
     chapter.number("hover_first_error", hover::told("first", "error")[7], "°", 2);
-    chapter.number("hover_first_nees", hover::told("first", "nees")[7], "", 1);
+    chapter.number("hover_first_nees", hover::told("first", "nees")[7], "", 2);
 }

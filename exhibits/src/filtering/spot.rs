@@ -61,9 +61,9 @@ pub fn prior_covariance() -> Matrix2<f64> {
     Matrix2::from_diagonal(&SIGMAS.map(|sigma| sigma * sigma).into())
 }
 
-/// Twice the cost of a spot, in squared standard deviations.
+/// The cost of a spot, prior and distance together.
 pub fn cost(spot: &Vector2<f64>) -> f64 {
     let sigmas: Vector2<f64> = SIGMAS.into();
     let away = (spot - ESTIMATE).component_div(&sigmas);
-    away.norm_squared() + ((spot.norm() - DISTANCE) / SIGMA).powi(2)
+    0.5 * (away.norm_squared() + ((spot.norm() - DISTANCE) / SIGMA).powi(2))
 }

@@ -1,11 +1,13 @@
 //! The numbers that the chapter quotes.
 
-use vislam::marginalization::{Layout, divergence, fill_in, zero_link};
+use vislam::marginalization::{Couplings, Layout, divergence, fill_in, zero_link};
 
-use super::digits::{SEEDS as WINDOWS, all, lost};
+use super::digits::{SEEDS as WINDOWS, all, lost, median};
 use super::links::{COUNTEREXAMPLE, of_rows};
 use super::trees::{best_tree, left_out, tree};
-use super::windows::{Freeze, GONE, SEEDS, forgotten, free_after_two_slides, slid, usual, zeroed};
+use super::windows::{
+    Freeze, GONE, SEEDS, forgotten, free_after_two_slides, replaced, slid, usual, zeroed,
+};
 use crate::chapter::Chapter;
 
 pub fn numbers(chapter: &mut Chapter) {
@@ -23,6 +25,9 @@ fn pattern(chapter: &mut Chapter) {
     chapter.number("landmarks", layout.seen_by.len() as f64, "", 0);
     chapter.number("unknowns", usual(0).root().ncols() as f64, "", 0);
     chapter.number("measurements", usual(0).root().nrows() as f64, "", 0);
+    let sights = layout.seen_by.iter().map(Vec::len).sum::<usize>();
+    chapter.number("sights", sights as f64, "", 0);
+    chapter.number("odometry", layout.odometry.len() as f64, "", 0);
     let gone = layout.slide(0);
     chapter.number("gone_landmarks", (gone.len() - 1) as f64, "", 0);
     let new = |layout: &Layout| {
@@ -31,6 +36,7 @@ fn pattern(chapter: &mut Chapter) {
     chapter.number("new_with", new(&layout), "", 0);
     chapter.number("new_without", new(&layout.clone().without_odometry()), "", 0);
     let landmarks_first = layout.slide(GONE);
+    chapter.number("fourth_landmarks", (landmarks_first.len() - 1) as f64, "", 0);
     let keyframe_first: Vec<usize> = landmarks_first.iter().rev().copied().collect();
     let along = |order: &[usize]| {
         fill_in(&layout.couplings(), order).expect("they are there").along_the_way as f64
@@ -76,6 +82,11 @@ fn precision(chapter: &mut Chapter) {
     chapter.number("root_worse", 100.0 * worse.errors[1].unwrap_or(f64::NAN), "%", 3);
     chapter.number("gaussians_worse", worse.gaussians[0] as f64, "", 0);
     chapter.number("windows", WINDOWS as f64, "", 0);
+    let failing = all().iter().find(|digits| digits.gaussians[1] < WINDOWS as usize);
+    let failing = failing.expect("the worst roots fail");
+    chapter.number("condition_failing", failing.condition, "", 0);
+    let failed = WINDOWS as usize - failing.gaussians[1];
+    chapter.number("roots_failing", failed as f64, "", 0);
     let ends = [QUOTED[0], QUOTED[1]];
     chapter.number("lost_hessian", lost(0, ends), "", 2);
     chapter.number("lost_root", lost(1, ends), "", 2);
@@ -95,6 +106,21 @@ fn links(chapter: &mut Chapter) {
     chapter.number("shrank", 100.0 * all.shrank as f64 / (all.shrank + all.grew) as f64, "%", 1);
     chapter.number("filter_least", all.filters[0], "", 2);
     chapter.number("filter_most", all.filters[1], "", 2);
+    replacements(chapter);
+}
+
+fn replacements(chapter: &mut Chapter) {
+    let slid = slid(0);
+    let (blocks, links) = (slid.blocks().len(), Couplings::of(&slid).pairs().len());
+    chapter.number("slid_links", links as f64, "", 0);
+    chapter.number("slid_pairs", (blocks * (blocks - 1) / 2) as f64, "", 0);
+    let all = replaced();
+    chapter.number("positive", all.positive, "%", 0);
+    chapter.number("kept_new", all.new, "", 0);
+    chapter.number("kept_ratio", all.ratio, "", 2);
+    let [zeroed, kept] = all.nats.map(median);
+    chapter.number("zeroed_nats", zeroed, "nats", 0);
+    chapter.number("kept_nats", kept, "nats", 2);
 }
 
 fn trees(chapter: &mut Chapter) {

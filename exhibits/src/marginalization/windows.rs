@@ -55,7 +55,7 @@ pub fn forgotten(seed: u64) -> Forgotten {
 }
 
 /// The ways of dropping a link, by their names.
-pub const WAYS: [&str; 3] = ["zeroed", "marginals kept", "as the SEIF does"];
+pub const WAYS: [&str; 3] = ["zeroed", "marginals kept", "rule of the SEIF"];
 
 /// What dropping a link, in one of the ways, does to one end of it.
 pub struct Dropped {
@@ -134,6 +134,45 @@ pub fn zeroed() -> Zeroed {
             all.shrank += before.len() - grew;
         }
     }
+    all
+}
+
+/// What stands for a window in which a link was zeroed, or removed with the marginals kept.
+#[derive(Default)]
+pub struct Replaced {
+    /// Entries of links that are positive, in per cent.
+    pub positive: f64,
+    /// How many links come into being for one that is removed, when marginals are kept, on average.
+    pub new: f64,
+    /// The largest true over reported variance of any quantity, with marginals kept.
+    pub ratio: f64,
+    /// The divergence of the window from each, where it is a Gaussian.
+    pub nats: [Vec<f64>; 2],
+}
+
+pub fn replaced() -> Replaced {
+    let mut all = Replaced::default();
+    let (mut links, mut entries, mut positive) = (0_usize, 0_usize, 0_usize);
+    for truth in (0..WINDOWS).map(slid) {
+        let couplings = Couplings::of(&truth).pairs();
+        for &(first, second) in &couplings {
+            let columns = |name| truth.blocks().columns_of(name).expect("a block");
+            let link = truth.matrix().view_range(columns(first), columns(second));
+            entries += link.len();
+            positive += link.iter().filter(|entry| **entry > 0.0).count();
+            let kept = keep_marginals(&truth, first, second).expect("always a Gaussian");
+            links += 1;
+            all.new += (Couplings::of(&kept).pairs().len() + 1 - couplings.len()) as f64;
+            let ratios = OverConfidence::of(&truth, &kept).expect("determined");
+            all.ratio = all.ratio.max(ratios.largest());
+            let ways = [zero_link(&truth, first, second).ok(), Some(kept)];
+            for (nats, way) in all.nats.iter_mut().zip(ways) {
+                nats.extend(way.and_then(|way| divergence(&truth, &way).ok()));
+            }
+        }
+    }
+    all.new /= links as f64;
+    all.positive = 100.0 * positive as f64 / entries as f64;
     all
 }
 

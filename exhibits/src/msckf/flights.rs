@@ -1,17 +1,18 @@
 //! Flights with the filter of `examples/filter.rs`.
 
-use vislam::filtering::attitude_in_world;
+use vislam::filtering::{BlockNees, attitude_in_world};
 use vislam::inertial::NavState;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
 use crate::chapter::Chapter;
+use crate::record::accepted;
 
 #[allow(dead_code)]
 #[path = "../../../code/examples/filter.rs"]
 pub mod example;
 
-use example::{fly, start};
+use example::{SIGMAS, fly, start};
 
 /// A flight, and what its sensors bring home.
 pub fn flown(flight: &Flight, seed: u64) -> FlightRecording {
@@ -63,12 +64,17 @@ pub fn rmse(seen: &[Seen]) -> f64 {
     (seen.iter().map(|seen| seen.error * seen.error).sum::<f64>() / seen.len() as f64).sqrt()
 }
 
+/// How rest is noticed, and what the filter is then told.
+const REST: Rest = Rest { motion: 3.0, velocity_sigma: 0.01, turning_sigma: 0.01 };
+
+fn hover() -> Flight {
+    Flight { motion: Trajectory::hover(), ..example::flight(60.0) }
+}
+
 /// A hover of a minute: without a word about rest, and with.
 pub fn hovers() -> [Vec<Seen>; 2] {
-    let hover = Flight { motion: Trajectory::hover(), ..example::flight(60.0) };
-    let recording = flown(&hover, 5);
-    let rest = Rest { motion: 3.0, velocity_sigma: 0.01, turning_sigma: 0.01 };
-    [None, Some(rest)].map(|rest| {
+    let recording = flown(&hover(), 5);
+    [None, Some(REST)].map(|rest| {
         let options = MsckfOptions { rest, ..options(&recording) };
         followed(&recording, options, 5)
     })
@@ -76,7 +82,9 @@ pub fn hovers() -> [Vec<Seen>; 2] {
 
 pub fn numbers(chapter: &mut Chapter) {
     size(chapter);
+    lengths(chapter);
     hovering(chapter);
+    resting(chapter);
     outliers(chapter);
     heading(chapter);
 }
@@ -101,6 +109,32 @@ fn size(chapter: &mut Chapter) {
     chapter.number("flight_gated", refused.gated as f64, "", 0);
     let rows = seen.iter().map(|seen| seen.report.rows).sum::<usize>() as f64;
     chapter.number("flight_rows", rows / seen.len() as f64, "", 0);
+    let columns = 15 + 6 * options.clones;
+    let compressed = seen.iter().filter(|seen| seen.report.rows >= columns).count();
+    chapter.number("flight_compressed", 100.0 * compressed as f64 / seen.len() as f64, "%", 0);
+    shares(chapter, used as f64 / seen.len() as f64);
+}
+
+/// Which part of the time of a picture with forty tracks is spent on what, so many tracks being due in it.
+fn shares(chapter: &mut Chapter, due: f64) {
+    let of = |name| accepted("msckf_cost", name);
+    let share = |time: f64| 100.0 * time / of("features_40");
+    chapter.number("tracks_due", due, "", 1);
+    chapter.number("share_carried", share(of("readings") + of("clone")), "%", 0);
+    let each = of("landmark") + of("linearize") + of("project");
+    chapter.number("share_tracks", share(due * each), "%", 0);
+    chapter.number("share_correct", share(of("correct")), "%", 0);
+    chapter.number("length_ratio", of("length_20") / of("length_11"), "", 1);
+}
+
+/// In how many pictures a corner is seen, one after another.
+fn lengths(chapter: &mut Chapter) {
+    let recording = flown(&example::flight(60.0), 0);
+    let mut lengths = vec![0_u32; recording.truth.landmark_of_track.len()];
+    let features = recording.pictures.iter().flat_map(|picture| &picture.features);
+    features.for_each(|feature| lengths[feature.track] += 1);
+    lengths.sort_unstable();
+    chapter.number("track_median", f64::from(lengths[lengths.len() / 2]), "", 0);
 }
 
 fn refused(seen: &[Seen]) -> Refusals {
@@ -122,20 +156,45 @@ fn hovering(chapter: &mut Chapter) {
     chapter.number("hover_sigma", last.sigma, "m", 0);
     chapter.number("hover_yaw_first", 1e3 * first.yaw, "mrad", 1);
     chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 0);
-    chapter.number(
-        "hover_used",
-        adrift.iter().map(|seen| seen.report.used).sum::<usize>() as f64,
-        "",
-        0,
-    );
+    chapter.number("start_gyro_bias", 1e3 * SIGMAS[9], "mrad/s", 0);
     let Refusals { short, landmark, rank, gated } = refused(&adrift);
+    chapter.number("hover_apart", landmark as f64, "", 0);
+    chapter.number("hover_vague", rank as f64, "", 0);
     chapter.number("hover_refused", (short + landmark + rank + gated) as f64, "", 0);
     let last = told[told.len() - 1];
     chapter.number("rest_error", 100.0 * last.error, "cm", 1);
     chapter.number("rest_sigma", 100.0 * last.sigma, "cm", 1);
     chapter.number("rest_yaw", 1e3 * last.yaw, "mrad", 1);
+    chapter.number("rest_modest", last.sigma / last.error, "", 0);
     let resting = told.iter().filter(|seen| seen.report.at_rest).count();
     chapter.number("rest_pictures", resting as f64, "", 0);
+}
+
+/// Hovers that are told that they rest.
+const HOVERS: u64 = 20;
+
+/// How the errors of hovers that are told of their rest compare with what they believe.
+fn resting(chapter: &mut Chapter) {
+    let mut nees = [0.0; 2];
+    for seed in 0..HOVERS {
+        let recording = flown(&hover(), seed);
+        let told = MsckfOptions { rest: Some(REST), ..options(&recording) };
+        let filter = fly(&recording, told, &start(&recording, seed), |_, _, _| ());
+        let filter = filter.expect("the hover is followed");
+        let truth = recording.truth.states.last().expect("there are pictures");
+        let covariance = filter.covariance().fixed_view::<9, 9>(0, 0).into_owned();
+        let own = BlockNees::of(filter.state(), truth, &covariance).expect("a covariance");
+        nees.iter_mut().zip([own.yaw, own.position]).for_each(|(sum, own)| *sum += own);
+    }
+    chapter.number("rest_hovers", HOVERS as f64, "", 0);
+    chapter.number("rest_nees_yaw", nees[0] / HOVERS as f64, "", 2);
+    chapter.number("rest_nees_position", nees[1] / HOVERS as f64, "", 4);
+    chapter.number("rest_motion", REST.motion, "px", 0);
+    chapter.number("rest_velocity", 100.0 * REST.velocity_sigma, "cm/s", 0);
+    chapter.number("rest_turning", 1e3 * REST.turning_sigma, "mrad/s", 0);
+    let Flight { noise, imu_rate, .. } = hover();
+    let of_reading = noise.discrete(1.0 / imu_rate)[(0, 0)].sqrt();
+    chapter.number("rest_reading", 1e3 * of_reading, "mrad/s", 1);
 }
 
 /// A flight with wrong pixels, with the gate and without.

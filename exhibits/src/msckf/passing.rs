@@ -153,11 +153,6 @@ pub fn numbers(chapter: &mut Chapter) {
         let decimals = if ways[1] < 0.01 { 4 } else { 2 };
         chapter.number(left_name, ways[1], "standard deviations", decimals);
     }
-    let relative = {
-        let (step, _) = passes[1].corrected();
-        let steps = passes[1].adjusted(40);
-        let end = steps.last().expect("there are steps");
-        100.0 * (&step - end).norm() / end.norm()
-    };
-    chapter.number("left_percent", relative, "%", 1);
+    chapter.number("second_1", passes[1].ways()[2], "standard deviations", 3);
+    chapter.number("second_2", passes[2].ways()[2], "standard deviations", 2);
 }

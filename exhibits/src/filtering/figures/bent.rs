@@ -7,7 +7,7 @@ use crate::filtering::spot::cost;
 use nalgebra::Vector2;
 
 /// One standard deviation around the least cost.
-const LEVEL: f64 = 1.0;
+const LEVEL: f64 = 0.5;
 
 pub fn bent() -> Figure {
     let [once, often] = beliefs();
@@ -17,7 +17,7 @@ pub fn bent() -> Figure {
         ("update", plain(["one linearization", "iterated"])),
         ("x (m)", decimals(3, both.map(|b| b.estimate.x))),
         ("y (m)", decimals(3, both.map(|b| b.estimate.y))),
-        ("cost above the least", decimals(2, both.map(|b| cost(&b.estimate) - least))),
+        ("cost", decimals(2, both.map(|b| cost(&b.estimate)))),
         ("sigma along x (m)", decimals(3, both.map(|b| b.covariance.m11.sqrt()))),
         ("sigma along y (m)", decimals(3, both.map(|b| b.covariance.m22.sqrt()))),
     ];
@@ -38,7 +38,7 @@ pub fn bent() -> Figure {
     })
 }
 
-/// Both sides of the region whose cost is at most one above the least, along rays from the post.
+/// Both sides of the region whose cost is at most one half above the least, along rays from the post.
 fn crescent(least: f64) -> Vec<Vec<(f64, f64)>> {
     let (mut inner, mut outer) = (Vec::new(), Vec::new());
     for step in 0..=600 {

@@ -1,18 +1,22 @@
 //! The smallest variance in single precision, by three forms.
 
-use crate::figure::{self, Draw, Figure, GRID, INK, letters_right_of, powers};
+use crate::figure::{self, Draw, Figure, GRID, INK, letters_right_of, plain, powers};
 use crate::filtering::digits::{CONDITIONS, ROUNDING, lost};
 
 const NAMES: [&str; 3] = ["difference", "Joseph", "root"];
 
 pub fn digits() -> Figure {
     let lost = lost();
-    let of = |form: usize| powers(1, lost.iter().map(move |lost| lost[form]));
+    let of = |form: usize| powers(1, lost.iter().map(move |lost| lost.error[form]));
+    let below_zero = |form: usize| plain(lost.iter().map(move |lost| lost.below_zero[form]));
     let columns = vec![
         ("condition of the covariance", powers(0, CONDITIONS)),
         ("relative error of the smallest variance: difference", of(0)),
         ("Joseph", of(1)),
         ("root", of(2)),
+        ("below zero, of a hundred: difference", below_zero(0)),
+        ("Joseph", below_zero(1)),
+        ("root", below_zero(2)),
     ];
     Figure::new(1000, columns, |drawing| {
         let x_axis = ("condition of the covariance, power of ten", 1.7..10.3, 9);
@@ -26,7 +30,7 @@ pub fn digits() -> Figure {
         }
         for (form, name) in NAMES.into_iter().enumerate() {
             let points = CONDITIONS.into_iter().zip(lost);
-            chart.marks(points.map(|(c, lost)| (c.log10(), lost[form].log10())), form)?;
+            chart.marks(points.map(|(c, lost)| (c.log10(), lost.error[form].log10())), form)?;
             chart.key(form, name, (2.0, 3.8 - 0.9 * form as f64), 2.2)?;
         }
         Ok(())

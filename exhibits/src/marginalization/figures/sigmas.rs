@@ -15,7 +15,7 @@ pub fn sigmas() -> Figure {
         ("true sigma of its position (mm)", decimals(2, all.iter().map(|d| d.sigma))),
         ("reported over true, zeroed", cells(0)),
         ("marginals kept", cells(1)),
-        ("as the SEIF does", cells(2)),
+        ("with the rule of the sparse extended information filter (SEIF)", cells(2)),
     ];
     Figure::new(900, columns, |drawing| {
         let x_axis = ("true sigma of the position (mm)", 0.0..340.0, 6);

@@ -18,8 +18,9 @@ pub fn step() -> Figure {
         pass.apart(&pass.corrected().0, &steps[steps.len() - 1])
     });
     let of = |which: usize| powers(2, ways[which].iter().copied());
-    let mut rings = powers(2, corrected);
-    rings.resize(STEPS + 1, String::new());
+    // The filter takes one step.
+    let mut rings = vec![String::new(); STEPS + 1];
+    rings[1] = powers(2, corrected).join(", ");
     let columns = vec![
         ("steps", plain(0..=STEPS)),
         ("from the end, poses known to 1 cm (sigmas)", of(0)),
