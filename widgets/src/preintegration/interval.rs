@@ -41,13 +41,14 @@ pub struct Setting {
 
 impl Setting {
     /// From the controls, and the bias that is believed over the true one.
-    pub fn of(controls: &[f64]) -> (Self, f64) {
+    pub fn of(controls: &[f64]) -> Option<(Self, f64)> {
         let &[believed, seconds, gyro, axis, force, noise, motion, draw] = controls else {
-            return (Self::of(&[1.0; 8]).0, 1.0);
+            return None;
         };
         let [axis, motion] = [axis, motion].map(|choice| choice.round() as usize);
         let steps = (seconds / DT).round() as usize;
-        (Self { motion, steps, noise, gyro, axis, force, draw: draw as u64 }, believed)
+        let draw = draw.round() as u64;
+        Some((Self { motion, steps, noise, gyro, axis, force, draw }, believed))
     }
 
     /// The motion.

@@ -49,7 +49,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Preintegration {
     const FACE: Face = Face {
-        lead: "The readings were summed without their bias. Draw the bias that is believed from the whole of the true one down to nothing and up again: the corrected sums leave the end of the interval and come back, and no reading is touched. Then make the interval longer.",
+        lead: "The readings were summed before their bias was known. Draw the believed bias from the true one down to nothing and up again: the corrected sums move along a straight line, and sums made again along a curve. Then put more time between the keyframes, and see the two part.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -57,21 +57,29 @@ impl Widget for Preintegration {
             },
             slider("seconds", "Time between the keyframes", "s", [1.0, 0.1, 2.0, 0.05]),
             slider("gyro", "Bias of the gyroscope", "mrad/s", [100.0, 0.0, 150.0, 1.0]),
-            choice("axis", "about the axis", &["ahead", "up"]),
-            slider("force", "Bias of the accelerometer, to the left", "m/s²", [0.0, 0.0, 0.5, 0.01]),
+            choice("axis", "Axis of that bias", &["ahead", "up"]),
+            slider(
+                "force",
+                "Bias of the accelerometer, to the left",
+                "m/s²",
+                [0.0, 0.0, 0.5, 0.01],
+            ),
             Control {
                 kind: Kind::Logarithmic,
                 ..slider("noise", "Noise, over that of a poor sensor", "", [1.0, 0.05, 5.0, 0.01])
             },
             choice("motion", "Motion", &["figure-eight", "level turn", "turn on the spot"]),
-            Control { kind: Kind::Count, ..slider("other", "Other noise", "", [0.0, 0.0, 999.0, 1.0]) },
+            Control {
+                kind: Kind::Count,
+                ..slider("other", "Other noise", "", [0.0, 0.0, 999.0, 1.0])
+            },
         ],
         handles: &[],
         panels: &[
             Panel { equal: true, ..panel("Seen from above", ["x, m", "y, m"], 0.62) },
             Panel {
                 equal: true,
-                ..panel("At the second keyframe", ["x from the truth, cm", "y, cm"], 0.62)
+                ..panel("Second keyframe, 3σ ellipse", ["x from the truth, cm", "y, cm"], 0.62)
             },
             panel("Residual of the inertial factor", ["", "standard deviations"], 0.8),
             Panel { down: true, ..panel("Correlations of the nine errors", ["", ""], 0.8) },
@@ -92,10 +100,10 @@ impl Widget for Preintegration {
             reading("Largest of the nine residuals", "σ", 1),
             reading("Squared whitened residual, nine on average", "", 1),
             Reading { veiled: true, ..reading("Left of the position by first order", "mm", 3) },
-            Reading { veiled: true, ..reading("Bound of that", "mm", 3) },
+            Reading { veiled: true, ..reading("Bound on what is left", "mm", 3) },
             Reading {
                 none: "nothing is left",
-                ..reading("To be summed again beyond a move of", "mrad/s", 1)
+                ..reading("Sum again beyond a move of", "mrad/s", 1)
             },
         ],
         question: Some(Question {
@@ -107,14 +115,11 @@ impl Widget for Preintegration {
     };
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
-        let (setting, believed) = Setting::of(controls);
+        let Some((setting, believed)) = Setting::of(controls) else { return };
         if self.interval.as_ref().is_none_or(|interval| interval.setting != setting) {
             self.interval = Interval::new(setting);
         }
-        let Some(interval) = &self.interval else {
-            Self::FACE.readings.iter().for_each(|_| scene.read(None));
-            return;
-        };
+        let Some(interval) = &self.interval else { return };
         let other_ends = self.cloud.ends(interval);
         let belief = interval.believe(believed);
         drawing::flight(scene, FLIGHT, interval, &belief);
