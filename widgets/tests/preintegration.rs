@@ -149,11 +149,14 @@ fn what_is_left_grows_with_the_square_of_the_move() {
 
 #[test]
 fn twice_the_time_leaves_about_sixteen_times_as_much() {
-    for motion in [0.0, 1.0, 2.0] {
-        let [one, two] =
-            [0.5, 1.0].map(|seconds| shown(&[("seconds", seconds), ("motion", motion)]));
-        let ratio = two(LEFT) / one(LEFT);
-        assert!((12.0..20.0).contains(&ratio), "{ratio}");
+    // A turn on the spot about its own axis leaves nothing.
+    for (motion, axis) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (2.0, 0.0)] {
+        let left =
+            |seconds| shown(&[("seconds", seconds), ("motion", motion), ("axis", axis)])(LEFT);
+        for seconds in [0.25, 0.5, 1.0] {
+            let ratio = left(2.0 * seconds) / left(seconds);
+            assert!((12.0..22.0).contains(&ratio), "{ratio}");
+        }
     }
 }
 

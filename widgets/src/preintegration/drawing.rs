@@ -196,8 +196,8 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
     let marks = [
         ((Shape::Line, Style::Estimated, 2.5), IN_FACT),
         ((Shape::Dashed, Style::Ink, 1.5), AT_MOST),
-        ((Shape::Line, Style::Measured, 1.5), SIGMA),
-        ((Shape::Dashed, Style::Prior, 2.0), SUM_AGAIN),
+        ((Shape::Line, Style::Third, 1.5), SIGMA),
+        ((Shape::Dashed, Style::Second, 2.0), SUM_AGAIN),
     ];
     for (row, (mark, word)) in marks.into_iter().enumerate() {
         let y = (0.92 - 0.11 * row as f64) * top;

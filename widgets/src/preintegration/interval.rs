@@ -194,7 +194,7 @@ impl Interval {
             self.sums().squared_error_bound(&self.setting.bias(part), &self.sqrt_information)
         };
         let (mut low, mut high) = (0.0, 1024.0);
-        if !(added(high) > ADDED) {
+        if added(high) <= ADDED {
             return None;
         }
         for _ in 0..40 {

@@ -49,7 +49,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Preintegration {
     const FACE: Face = Face {
-        lead: "The readings were summed before their bias was known. Draw the believed bias from the true one down to nothing and up again: the corrected sums move along a straight line, and sums made again along a curve. Then put more time between the keyframes, and see the two part.",
+        lead: "The readings were summed before their bias was known. Draw the believed bias from the true one down to nothing and up again: the corrected sums (ring) move along a straight line, sums made again (dot) along a curve. Then put more time between the keyframes: the dot leaves the ring.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
