@@ -16,7 +16,7 @@ const DRAWS: usize = 240;
 /// How far to the right the point lies for each metre of depth.
 const SLOPE: f64 = 0.12;
 /// Of depths, in metres.
-const FARTHEST: f64 = 14.0;
+const FARTHEST: f64 = 13.5;
 /// How far away other points on the ray of the first camera are, over the landmark's depth.
 const OTHERS: [f64; 4] = [0.625, 0.875, 1.25, 2.0];
 
