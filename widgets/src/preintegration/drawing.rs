@@ -192,7 +192,7 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
     let most = |top: f64| if top > 0.0 { top } else { 1.0 };
     let farthest = most(moved(interval.curve.len() - 1));
     let top = most(interval.curve.iter().fold(0.0, |top, left| top.max(1080.0 * left.bound)));
-    scene.view(panel, [0.0, farthest], [0.0, top]);
+    scene.view(panel, [0.0, 1.04 * farthest], [0.0, top]);
     let marks = [
         ((Shape::Line, Style::Estimated, 2.5), IN_FACT),
         ((Shape::Dashed, Style::Ink, 1.5), AT_MOST),
@@ -208,7 +208,7 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
         scene.draw(panel, marks[0].0, curve().map(|(at, left)| [moved(at), 1e3 * left.error]));
         scene.draw(panel, marks[1].0, curve().map(|(at, left)| [moved(at), 1e3 * left.bound]));
         let sigma = 1e3 * interval.sums().sigmas()[2];
-        scene.draw(panel, marks[2].0, [[0.4 * farthest, sigma], [farthest, sigma]]);
+        scene.draw(panel, marks[2].0, [[0.55 * farthest, sigma], [farthest, sigma]]);
         if let Some(part) = interval.again_beyond {
             scene.draw(panel, marks[3].0, [[part * gyro, 0.0], [part * gyro, 0.5 * top]]);
         }

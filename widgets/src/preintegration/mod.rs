@@ -88,7 +88,7 @@ impl Widget for Preintegration {
                 ..panel(
                     "What the first-order correction leaves",
                     ["move of the gyroscope's bias, mrad/s", "position, mm"],
-                    0.36,
+                    0.44,
                 )
             },
         ],
