@@ -16,7 +16,9 @@ const DRAWS: usize = 240;
 /// How far to the right the point lies for each metre of depth.
 const SLOPE: f64 = 0.12;
 /// Of depths, in metres.
-const FARTHEST: f64 = 16.0;
+const FARTHEST: f64 = 13.5;
+/// How far away other points on the ray of the first camera are, over the landmark's depth.
+const OTHERS: [f64; 4] = [0.625, 0.875, 1.25, 2.0];
 
 /// Two cameras that look the same way, a landmark, and what is believed of it.
 pub struct Bearing {
@@ -35,6 +37,8 @@ impl Default for Bearing {
     }
 }
 
+/// Of a picture, to either side of the measured pixel, in pixels.
+const REACH: f64 = 24.0;
 const ABOVE: usize = 0;
 const PICTURES: [usize; 2] = [1, 2];
 
@@ -48,8 +52,8 @@ const fn slider(
 }
 
 const fn picture(title: &'static str) -> Panel {
-    let x = Axis { label: "column, px from the measured pixel", range: [-60.0, 60.0] };
-    let y = Axis { label: "", range: [-20.0, 20.0] };
+    let x = Axis { label: "column, px from the measured pixel", range: [-REACH, REACH] };
+    let y = Axis { label: "", range: [-REACH / 3.0, REACH / 3.0] };
     Panel { title, x, y, aspect: 0.42, span: 3, equal: true, down: true }
 }
 
@@ -59,17 +63,17 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Bearing {
     const FACE: Face = Face {
-        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it.",
+        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it, and watch both pictures. The cross is where it is, the cloud where a noisy detector would find it.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
-                ..slider("along", "Depth believed, over the true one", "", [1.3, 0.4, 3.0, 0.01])
+                ..slider("along", "Depth believed, over the true one", "", [1.0, 0.4, 3.0, 0.01])
             },
             slider("across", "Moved across the ray", "m", [0.0, -0.5, 0.5, 0.01]),
-            slider("depth", "True depth", "m", [4.0, 2.0, 8.0, 0.1]),
-            slider("baseline", "Baseline", "m", [0.4, 0.05, 1.5, 0.01]),
+            slider("depth", "True depth", "m", [6.0, 2.0, 10.0, 0.1]),
+            slider("baseline", "Baseline", "m", [0.3, 0.05, 1.5, 0.01]),
             slider("focal", "Focal length", "px", [400.0, 200.0, 800.0, 10.0]),
-            slider("noise", "Noise of a pixel", "px", [0.5, 0.0, 3.0, 0.1]),
+            slider("noise", "Noise of a pixel", "px", [2.0, 0.0, 3.0, 0.1]),
         ],
         handles: &[
             Handle { panel: ABOVE, label: "believed landmark" },
@@ -79,10 +83,10 @@ impl Widget for Bearing {
             Panel {
                 title: "Seen from above",
                 x: Axis { label: "depth, m", range: [-0.8, FARTHEST] },
-                y: Axis { label: "to the right, m", range: [-2.2, 3.8] },
-                aspect: 0.36,
+                y: Axis { label: "to the right, m", range: [-0.6, 2.2] },
+                aspect: 0.4,
                 span: 6,
-                equal: true,
+                equal: false,
                 down: true,
             },
             picture("First picture"),
@@ -97,7 +101,7 @@ impl Widget for Bearing {
             Reading { none: "beyond infinity", ..reading("One in twenty depths is above", "m", 2) },
         ],
         question: Some(Question {
-            ask: "The landmark is believed farther away than it is, on the ray of the first camera. Which picture contradicts?",
+            ask: "Which picture contradicts when the landmark is believed farther away than it is, on the ray of the first camera?",
             choices: &["the first", "the second", "both, by the same number of pixels"],
             right: 1,
         }),
@@ -112,22 +116,26 @@ impl Widget for Bearing {
         scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(0));
         scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(1));
         self.draw_depths(&stage, noise);
-        scene.draw(ABOVE, (Shape::Discs, Style::First, 1.6), self.places.iter().copied());
+        scene.draw(ABOVE, (Shape::Discs, Style::Third, 2.0), self.places.iter().copied());
+        let others = OTHERS.map(|along| stage.believed(along, 0.0));
+        scene.draw(ABOVE, (Shape::Discs, Style::Estimated, 3.5), others.map(|point| above(&point)));
         for (number, centre) in [0.0, baseline].into_iter().enumerate() {
-            let corners = [[-0.35, centre - 0.22], [0.0, centre], [-0.35, centre + 0.22]];
+            let corners = [[-0.4, centre - 0.1], [0.0, centre], [-0.4, centre + 0.1]];
             scene.draw(ABOVE, (Shape::Area, Style::Ink, 1.0), corners);
             if number == 0 {
-                scene.word(ABOVE, 0, Style::Ink, [-0.6, -0.5]);
+                scene.word(ABOVE, 0, Style::Ink, [-0.6, -0.25]);
             }
         }
-        scene.word(ABOVE, 1, Style::Ink, [-0.6, baseline + 0.75]);
+        scene.word(ABOVE, 1, Style::Ink, [-0.6, baseline + 0.45]);
         scene.draw(ABOVE, (Shape::Crosses, Style::Ink, 5.0), [above(&stage.truth)]);
         scene.handle(ABOVE, 1, Style::Ink, [0.0, baseline]);
         scene.handle(ABOVE, 0, Style::Estimated, above(&believed));
-        for (number, panel) in PICTURES.into_iter().enumerate() {
-            let residual = stage.residual(number, &believed);
-            draw_picture(scene, panel, residual, noise);
-            scene.read(residual.map(|residual| residual.x));
+        let residuals = [0, 1].map(|number| stage.residuals(number, &believed, &others));
+        let seen = residuals.iter().flatten().flatten();
+        let reach = seen.fold(REACH, |reach, residual| reach.max(1.2 * residual.amax()));
+        for (panel, residuals) in PICTURES.into_iter().zip(&residuals) {
+            draw_picture(scene, panel, residuals, noise, reach);
+            scene.read(residuals[0].map(|residual| residual.x));
         }
         let centres = [stage.centre(0), stage.centre(1)];
         scene.read(parallax(&believed, &centres[0], &centres[1]).to_degrees());
@@ -192,6 +200,17 @@ impl Stage {
         Some(self.pixel(number, point)? - self.pixel(number, &self.truth)?)
     }
 
+    /// Those of the believed landmark and of the other points on the ray.
+    fn residuals(
+        &self,
+        number: usize,
+        believed: &Vector3<f64>,
+        others: &[Vector3<f64>; 4],
+    ) -> [Option<Vector2<f64>>; 5] {
+        let [a, b, c, d] = others;
+        [believed, a, b, c, d].map(|point| self.residual(number, point))
+    }
+
     /// From a camera through the landmark and on.
     fn ray(&self, number: usize) -> [[f64; 2]; 2] {
         let centre = self.centre(number);
@@ -216,19 +235,28 @@ fn above(point: &Vector3<f64>) -> [f64; 2] {
     [point.z, point.x]
 }
 
-/// The measured pixel with a circle of one standard deviation, and the predicted one.
-fn draw_picture(scene: &mut Scene, panel: usize, residual: Option<Vector2<f64>>, noise: f64) {
-    let reach = residual.map_or(60.0, |residual| (1.2 * residual.amax()).max(60.0));
+/// The measured pixel with a circle of one standard deviation, and the predicted one, which comes first of the
+/// residuals.
+fn draw_picture(
+    scene: &mut Scene,
+    panel: usize,
+    residuals: &[Option<Vector2<f64>>],
+    noise: f64,
+    reach: f64,
+) {
     scene.view(panel, [-reach, reach], [-reach / 3.0, reach / 3.0]);
     let circle = (0..=48).map(|part| {
         let angle = f64::from(part) * std::f64::consts::TAU / 48.0;
         [noise * angle.cos(), noise * angle.sin()]
     });
     scene.draw(panel, (Shape::Line, Style::Measured, 1.0), circle);
-    scene.draw(panel, (Shape::Crosses, Style::Measured, 6.0), [[0.0, 0.0]]);
-    if let Some(residual) = residual {
-        let to = [residual.x, residual.y];
-        scene.draw(panel, (Shape::Line, Style::Estimated, 2.0), [[0.0, 0.0], to]);
-        scene.draw(panel, (Shape::Rings, Style::Estimated, 5.0), [to]);
+    scene.draw(panel, (Shape::Crosses, Style::Measured, 5.0), [[0.0, 0.0]]);
+    let mut places = residuals.iter().flatten().map(|residual| [residual.x, residual.y]);
+    if residuals[0].is_some()
+        && let Some(believed) = places.next()
+    {
+        scene.draw(panel, (Shape::Line, Style::Estimated, 2.0), [[0.0, 0.0], believed]);
+        scene.draw(panel, (Shape::Rings, Style::Estimated, 5.0), [believed]);
     }
+    scene.draw(panel, (Shape::Discs, Style::Estimated, 2.5), places);
 }
