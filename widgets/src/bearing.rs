@@ -96,7 +96,7 @@ impl Widget for Bearing {
             Reading { veiled: true, ..reading("Residual of the first camera", "px", 1) },
             Reading { veiled: true, ..reading("Residual of the second camera", "px", 1) },
             reading("Parallax of the believed landmark", "°", 2),
-            reading("σ_Z at the true depth", "cm", 1),
+            reading("σ of the depth", "cm", 1),
             Reading { none: "beyond infinity", ..reading("One in twenty depths is below", "m", 2) },
             Reading { none: "beyond infinity", ..reading("One in twenty depths is above", "m", 2) },
         ],

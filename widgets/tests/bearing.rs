@@ -10,7 +10,7 @@ use widgets::{Player, Session, Shape, Style, Widget};
 const FIRST: &str = "Residual of the first camera";
 const SECOND: &str = "Residual of the second camera";
 const PARALLAX: &str = "Parallax of the believed landmark";
-const SIGMA: &str = "σ_Z at the true depth";
+const SIGMA: &str = "σ of the depth";
 const BELOW: &str = "One in twenty depths is below";
 const ABOVE: &str = "One in twenty depths is above";
 
