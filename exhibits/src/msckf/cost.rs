@@ -211,12 +211,11 @@ fn cost() -> Vec<RecordValue> {
     values.push(slope("exponent_length", &LENGTHS[2..], &lengths[2..]));
     let features = FEATURES.map(picture);
     values.extend(FEATURES.iter().zip(features).map(|(n, t)| time(format!("features_{n}"), t)));
-    let last = FEATURES.len() - 1;
     let without = picture(0);
     values.push(time("features_0".to_owned(), without));
     let more = features.map(|time| time - without);
     values.push(slope("exponent_features", &FEATURES[2..], &more[2..]));
-    let each = (features[last] - features[0]) / (FEATURES[last] - FEATURES[0]) as f64;
+    let each = more[2] / FEATURES[2] as f64;
     values.push(time("each_feature".to_owned(), each));
     let windows = WINDOWS.map(|clones| correction(clones, 15 + 6 * clones));
     values.extend(WINDOWS.iter().zip(windows).map(|(n, t)| time(format!("window_{n}"), t)));
