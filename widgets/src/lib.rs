@@ -6,6 +6,7 @@
 
 pub mod bearing;
 mod face;
+pub mod marginalization;
 mod scene;
 mod session;
 
@@ -29,7 +30,10 @@ pub trait Widget: Default {
 pub type Named = (&'static str, fn() -> Box<dyn Player>);
 
 /// All widgets.
-pub const WIDGETS: &[Named] = &[("bearing", || Box::new(Session::<bearing::Bearing>::new()))];
+pub const WIDGETS: &[Named] = &[
+    ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
+    ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),
+];
 
 /// Exports a widget from a module that imports nothing. Texts and numbers are handed over as a place in the module's
 /// memory: the address in the upper half, the length in the lower one.
