@@ -40,6 +40,13 @@ impl<K: PartialEq, V> Last<K, V> {
 
 /// The slides that leave two keyframes.
 const MOST_SLIDES: f64 = 6.0;
+
+// The controls.
+const SLIDES: usize = 0;
+const LEAVES: usize = 1;
+const POINTS: usize = 2;
+const ODOMETRY: usize = 3;
+const DROP: usize = 4;
 const LINK: usize = 5;
 
 const fn choice(
@@ -80,29 +87,13 @@ impl Widget for Marginalization {
         lead: "Answer, then slide the window: squares with a dot, and their edges, are couplings that no measurement made. Then drag the ring to another link, choose a way to drop it, and compare the ellipses.",
         controls: &[
             count("slides", "Slide the window", MOST_SLIDES),
-            choice(
-                "leaves",
-                "What leaves",
-                &["the oldest keyframe and the landmarks that it saw", "the oldest keyframe alone"],
-            ),
-            Control {
-                kind: Kind::Switch,
-                start: 1.0,
-                ..count("odometry", "Odometry from keyframe to keyframe", 1.0)
-            },
-            choice(
-                "points",
-                "Linearization points of what a prior names",
-                &[
-                    "follow the estimate",
-                    "are frozen anew at each slide",
-                    "are frozen where they were first",
-                ],
-            ),
+            choice("leaves", "What leaves", &["keyframe, landmarks", "keyframe alone"]),
+            choice("points", "Linearization", &["not frozen", "frozen anew", "frozen at first"]),
+            Control { kind: Kind::Switch, start: 1.0, ..count("odometry", "Odometry", 1.0) },
             choice(
                 "drop",
-                "The link of a and b is",
-                &["kept", "zeroed", "dropped, marginals kept", "dropped as in the SEIF"],
+                "Link of a and b",
+                &["kept", "zeroed", "marginals kept", "as in the SEIF"],
             ),
             count("link", "Next link", 9999.0),
         ],
@@ -132,9 +123,9 @@ impl Widget for Marginalization {
         readings: &[
             counted("Blocks in the window"),
             counted("Coupled pairs"),
-            Reading { veiled: true, ..counted("Coupled in this slide") },
+            Reading { veiled: true, ..counted("New in this slide") },
             Reading { veiled: true, ..counted("Coupled by no measurement") },
-            counted("Couplings on the way, in this slide"),
+            counted("New on the way in this slide"),
             counted("Free directions, start unknown"),
             known("True σ of a", "mm", 2),
             reported("Reported σ of a", "mm", 2),
@@ -156,8 +147,8 @@ impl Widget for Marginalization {
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
         let plan = plan(controls);
-        let freeze = chosen(&Freeze::ALL, controls[3]);
-        let way = chosen(&Way::ALL, controls[4]);
+        let freeze = chosen(&Freeze::ALL, controls[POINTS]);
+        let way = chosen(&Way::ALL, controls[DROP]);
         let pattern = self.pattern.get(plan, || Pattern::of(&plan));
         let truth = self.gaussian.get(plan, || plan.gaussian()).as_ref();
         let link = pattern.link(controls[LINK].round() as usize);
@@ -194,9 +185,9 @@ impl Widget for Marginalization {
 /// What the controls say of the window.
 fn plan(controls: &[f64]) -> Plan {
     Plan {
-        slides: controls[0].clamp(0.0, MOST_SLIDES).round() as usize,
-        alone: controls[1].round() > 0.0,
-        odometry: controls[2].round() > 0.0,
+        slides: controls[SLIDES].clamp(0.0, MOST_SLIDES).round() as usize,
+        alone: controls[LEAVES].round() > 0.0,
+        odometry: controls[ODOMETRY].round() > 0.0,
     }
 }
 
