@@ -84,7 +84,7 @@ const fn reported(label: &'static str, unit: &'static str, digits: usize) -> Rea
 
 impl Widget for Marginalization {
     const FACE: Face = Face {
-        lead: "Answer, then slide the window: squares with a dot, and their edges, are couplings that no measurement made. Then drag the ring to another link, choose a way to drop it, and compare the ellipses.",
+        lead: "Answer, then slide the window: squares with a dot, and their edges, are couplings that no measurement made. Then choose a way to drop the link of a and b, slide again, and drag the ring from link to link: the ellipses compare what is reported with the truth.",
         controls: &[
             count("slides", "Slide the window", MOST_SLIDES),
             choice("leaves", "What leaves", &["keyframe, landmarks", "keyframe alone"]),
@@ -152,8 +152,8 @@ impl Widget for Marginalization {
         let pattern = self.pattern.get(plan, || Pattern::of(&plan));
         let truth = self.gaussian.get(plan, || plan.gaussian()).as_ref();
         let link = pattern.link(controls[LINK].round() as usize);
-        let dropped = link
-            .map(|link| &*self.dropped.get((plan, link, way), || Dropped::of(truth, link, way)));
+        let dropped =
+            link.map(|link| self.dropped.get((plan, link, way), || Dropped::of(truth, link, way)));
         let couplings = dropped.and_then(|dropped| dropped.couplings.as_ref());
         let couplings = couplings.unwrap_or(&pattern.couplings);
         let sorted = Sorted::of(pattern, couplings);
