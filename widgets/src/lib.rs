@@ -6,6 +6,7 @@
 
 pub mod bearing;
 mod face;
+pub mod marginalization;
 pub mod preintegration;
 mod scene;
 mod session;
@@ -33,6 +34,7 @@ pub type Named = (&'static str, fn() -> Box<dyn Player>);
 pub const WIDGETS: &[Named] = &[
     ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
     ("preintegration", || Box::new(Session::<preintegration::Preintegration>::new())),
+    ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),
 ];
 
 /// Exports a widget from a module that imports nothing. Texts and numbers are handed over as a place in the module's

@@ -34,7 +34,11 @@ pub struct FillIn {
 impl Couplings {
     /// Blocks of these names, none coupled.
     pub fn new(names: impl IntoIterator<Item = usize>) -> Self {
-        Self { neighbours: names.into_iter().map(|name| (name, BTreeSet::new())).collect() }
+        let mut couplings = Self::default();
+        for name in names {
+            couplings.neighbours.entry(name).or_default();
+        }
+        couplings
     }
 
     /// The couplings of an information matrix.
@@ -78,10 +82,11 @@ impl Couplings {
 
     /// All coupled pairs, the smaller name first.
     pub fn pairs(&self) -> BTreeSet<(usize, usize)> {
-        let above = |(name, others): (&usize, &BTreeSet<usize>)| {
-            others.range(name + 1..).map(|other| (*name, *other)).collect::<Vec<_>>()
-        };
-        self.neighbours.iter().flat_map(above).collect()
+        let mut pairs = BTreeSet::new();
+        for (name, others) in &self.neighbours {
+            pairs.extend(others.range(name + 1..).map(|other| (*name, *other)));
+        }
+        pairs
     }
 
     /// Whether every pair is coupled.
@@ -155,7 +160,8 @@ pub fn fill_in(couplings: &Couplings, names: &[usize]) -> Result<FillIn, Margina
         along_the_way += left.eliminate(name);
     }
     blanket.retain(|name| !names.contains(name));
-    let new = left.pairs().difference(&couplings.pairs()).copied().collect();
+    let (mut new, before) = (left.pairs(), couplings.pairs());
+    new.retain(|pair| !before.contains(pair));
     Ok(FillIn { couplings: left, new, blanket, along_the_way })
 }
 // ANCHOR_END: fill_in

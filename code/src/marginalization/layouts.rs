@@ -1,7 +1,5 @@
 //! Windows whose pattern is known: who saw what.
 
-use std::collections::BTreeSet;
-
 use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
 use thiserror::Error;
 
@@ -38,7 +36,7 @@ pub struct WindowSigmas {
     /// Of the rotation that odometry measures, in radians.
     pub odometry_radians: f64,
     /// Of what is known of the first keyframe, in metres and in radians: the larger it is, the worse is
-    /// the window's condition.
+    /// the window's condition. When it is infinite nothing is known, and the window is free as a whole.
     pub first_keyframe: f64,
 }
 
@@ -161,12 +159,11 @@ impl Layout {
     fn check(&self) -> Result<(), LayoutError> {
         let pairs = self.odometry.iter().map(|(first, second)| vec![*first, *second]);
         for named in pairs.chain(self.seen_by.iter().cloned()) {
-            let each: BTreeSet<usize> = named.iter().copied().collect();
             if let Some(keyframe) = named.iter().find(|keyframe| **keyframe >= self.keyframes) {
                 let (keyframe, keyframes) = (*keyframe, self.keyframes);
                 return Err(LayoutError::NoSuchKeyframe { keyframe, keyframes });
             }
-            if each.len() < named.len() {
+            if (1..named.len()).any(|at| named[..at].contains(&named[at])) {
                 return Err(LayoutError::Repeated { named });
             }
         }
@@ -191,8 +188,9 @@ struct Simulated {
 impl Simulated {
     fn new(layout: &Layout, sigmas: &WindowSigmas, seed: u64) -> Result<Self, LayoutError> {
         let WindowSigmas { pixel, odometry_metres, odometry_radians, first_keyframe } = *sigmas;
-        for sigma in [pixel, odometry_metres, odometry_radians, first_keyframe] {
-            if !(sigma > 0.0 && sigma.is_finite()) {
+        let measured = [pixel, odometry_metres, odometry_radians].map(|sigma| (sigma, f64::MAX));
+        for (sigma, most) in measured.into_iter().chain([(first_keyframe, f64::INFINITY)]) {
+            if !(sigma > 0.0 && sigma <= most) {
                 return Err(LayoutError::Sigma { sigma });
             }
         }
@@ -219,6 +217,9 @@ impl Simulated {
     fn know_first(&mut self) -> Result<(), LayoutError> {
         let variable = self.keyframes[0];
         let sigma = self.sigmas.first_keyframe;
+        if sigma == f64::INFINITY {
+            return Ok(());
+        }
         let noise = Vector6::from_fn(|_, _| sigma * normal(&mut self.random));
         let anchor = se3::retract(&self.problem.values()[variable], &noise);
         let sqrt_information = Matrix6::identity() / sigma;

@@ -156,6 +156,8 @@ fn a_layout_that_is_none_is_refused() {
     assert_eq!(refused(Layout::chain(0, 0, 0)), LayoutError::NoKeyframes);
     let sigma = WindowSigmas { pixel: 0.0, ..sigmas };
     assert_eq!(chain.problem(&sigma, 1).err(), Some(LayoutError::Sigma { sigma: 0.0 }));
+    let sigma = WindowSigmas { pixel: f64::INFINITY, ..sigmas };
+    assert_eq!(chain.problem(&sigma, 1).err(), Some(LayoutError::Sigma { sigma: f64::INFINITY }));
 }
 
 #[test]
@@ -164,4 +166,19 @@ fn the_same_seed_makes_the_same_window() {
     let window = |seed| super::window(&layout, &WindowSigmas::default(), seed);
     assert_eq!(window(3), window(3));
     assert_ne!(window(3), window(4));
+}
+
+#[test]
+fn a_window_whose_first_keyframe_is_not_known_is_free_as_a_whole() {
+    let sigmas = WindowSigmas { first_keyframe: f64::INFINITY, ..WindowSigmas::default() };
+    let free = |layout: &Layout| {
+        let problem = layout.problem(&sigmas, 1).unwrap();
+        problem.null_space(problem.values()).unwrap()
+    };
+    let layout = Layout::eight_keyframes();
+    assert_eq!(free(&layout).nullity(), 6);
+    // Without odometry the last keyframe can turn about the line through the two landmarks that it saw.
+    let without = free(&layout.clone().without_odometry());
+    assert_eq!((layout.seen_from(7).len(), without.nullity()), (2, 7));
+    assert_eq!(without.within(6 * 7..6 * 8), 1);
 }
