@@ -5,6 +5,7 @@
 //! of its controls. The script in `widgets/script` makes sliders of the one and lines of the other, and computes nothing.
 
 pub mod bearing;
+pub mod bundle_adjustment;
 mod face;
 mod scene;
 mod session;
@@ -29,7 +30,10 @@ pub trait Widget: Default {
 pub type Named = (&'static str, fn() -> Box<dyn Player>);
 
 /// All widgets.
-pub const WIDGETS: &[Named] = &[("bearing", || Box::new(Session::<bearing::Bearing>::new()))];
+pub const WIDGETS: &[Named] = &[
+    ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
+    ("bundle_adjustment", || Box::new(Session::<bundle_adjustment::BundleAdjustment>::new())),
+];
 
 /// Exports a widget from a module that imports nothing. Texts and numbers are handed over as a place in the module's
 /// memory: the address in the upper half, the length in the lower one.

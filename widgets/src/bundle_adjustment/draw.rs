@@ -1,0 +1,109 @@
+//! The four panels.
+
+use nalgebra::Vector3;
+use vislam::bundle_adjustment::PosedPinhole;
+
+use super::{ABOVE, PROGRESS, REDUCED, Run, Scene, Shape, Style, WHOLE, World};
+
+/// Where a line breaks.
+const BREAK: [f64; 2] = [f64::NAN, f64::NAN];
+/// Length of a camera and half its width, in metres.
+const BODY: (f64, f64) = (0.42, 0.24);
+
+/// The world from above: the truth faint, the estimate filled, and between them what is wrong.
+pub fn above(run: &Run, at: usize, scene: &mut Scene) {
+    if run.setting.world == World::Street {
+        scene.view(ABOVE, [-1.2, 10.2], [-1.8, 9.2]);
+    }
+    let (truth, state) = (&run.scene, &run.states[at]);
+    let errors = state.points.iter().zip(&truth.true_points);
+    let lines = errors.flat_map(|(point, truth)| [on_floor(point), on_floor(truth), BREAK]);
+    scene.draw(ABOVE, (Shape::Line, Style::Faint, 1.0), lines);
+    let crosses = truth.true_points.iter().map(on_floor);
+    scene.draw(ABOVE, (Shape::Crosses, Style::Ink, 2.5), crosses);
+    scene.draw(ABOVE, (Shape::Discs, Style::Estimated, 3.0), state.points.iter().map(on_floor));
+    let outlines = truth.true_cameras.iter().flat_map(outline);
+    scene.draw(ABOVE, (Shape::Line, Style::Ink, 1.0), outlines);
+    let paths = (0..state.cameras.len()).flat_map(|camera| {
+        let centre = move |state: &super::State| on_floor(&state.cameras[camera].centre());
+        run.states[..=at].iter().map(centre).chain([BREAK])
+    });
+    scene.draw(ABOVE, (Shape::Line, Style::Estimated, 1.0), paths);
+    for (camera, fixed) in state.cameras.iter().zip(&truth.problem.fixed) {
+        let style = if *fixed { Style::Prior } else { Style::Estimated };
+        scene.draw(ABOVE, (Shape::Area, style, 1.0), outline(camera).into_iter().take(3));
+    }
+    if run.setting.held {
+        let [x, y] = on_floor(&state.cameras[0].centre());
+        scene.word(ABOVE, 3, Style::Prior, [x - 0.4, y - 0.8]);
+    }
+}
+
+fn on_floor(point: &Vector3<f64>) -> [f64; 2] {
+    [point.x, point.y]
+}
+
+/// The corners of a camera, whose tip is its centre and points where it looks.
+fn outline(camera: &PosedPinhole) -> [[f64; 2]; 5] {
+    let world_from_camera = camera.camera_from_world.rotation.inverse();
+    let (ahead, right) = (world_from_camera * Vector3::z(), world_from_camera * Vector3::x());
+    let tip = camera.centre();
+    let (length, half) = BODY;
+    let corner = |side: f64| on_floor(&(tip - length * ahead + side * half * right));
+    [corner(-1.0), on_floor(&tip), corner(1.0), corner(-1.0), BREAK]
+}
+
+/// Cost and gradient before each step and after the last, and what refused steps would have cost.
+pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
+    let states = || run.states[..=at].iter().enumerate();
+    let costs = || states().map(|(step, state)| [step as f64, state.cost.log10()]);
+    let gradients = || states().map(|(step, state)| [step as f64, state.gradient_norm.log10()]);
+    let truth = run.cost_of_truth.log10();
+    let tried = run.iterations().iter().take(at).enumerate().filter(|(_, step)| !step.accepted);
+    let refused =
+        tried.filter_map(|(step, tried)| Some([step as f64 + 1.0, tried.trial_cost?.log10()]));
+    let right = (at as f64 + 2.0).max(12.0);
+    let all = costs().chain(gradients()).chain(refused.clone()).map(|[_, power]| power);
+    let (low, high) =
+        all.fold((-4.0, 6.0), |(low, high): (f64, f64), power| (low.min(power), high.max(power)));
+    scene.view(PROGRESS, [-0.5, right], [low - 0.4, high + 0.4]);
+    scene.draw(PROGRESS, (Shape::Dashed, Style::Faint, 1.0), [[-0.5, truth], [right, truth]]);
+    scene.word(PROGRESS, 2, Style::Faint, [0.5 * right, truth - 0.6]);
+    scene.draw(PROGRESS, (Shape::Line, Style::First, 1.5), costs());
+    scene.draw(PROGRESS, (Shape::Discs, Style::First, 3.5), costs());
+    scene.draw(PROGRESS, (Shape::Dashed, Style::Second, 1.5), gradients());
+    scene.draw(PROGRESS, (Shape::Rings, Style::Second, 3.0), gradients());
+    scene.draw(PROGRESS, (Shape::Crosses, Style::Ink, 3.5), refused);
+    for (word, style, line) in
+        [(0, Style::First, costs().last()), (1, Style::Second, gradients().last())]
+    {
+        if let Some([step, power]) = line.filter(|[_, power]| power.is_finite()) {
+            scene.word(PROGRESS, word, style, [step + 0.3, power + 0.25]);
+        }
+    }
+    if let Some(stop) = run.ended.filter(|_| at + 1 == run.states.len()) {
+        let word = if stop.is_some_and(|stop| stop.is_convergence()) { 4 } else { 5 };
+        scene.word(PROGRESS, word, Style::Ink, [0.5, high - 0.3]);
+    }
+}
+
+/// Blocks that are not zero: of cameras, of points, and where two of them meet.
+pub fn patterns(run: &Run, scene: &mut Scene) {
+    let points = run.scene.true_points.len();
+    for (panel, blocks, size) in
+        [(WHOLE, &run.whole, run.rows + points), (REDUCED, &run.reduced, run.rows)]
+    {
+        let range = [-0.5, size as f64 - 0.5];
+        scene.view(panel, range, range);
+        let place = |block: &&[usize; 2]| block.map(|index| index as f64);
+        let is_own = |block: &&[usize; 2]| block[0] == block[1];
+        let is_point = |block: &&[usize; 2]| block[0] >= run.rows;
+        let own = || blocks.iter().filter(is_own);
+        let cameras = own().filter(|block| !is_point(block)).map(|block| place(&block));
+        scene.draw(panel, (Shape::Cells, Style::First, 1.0), cameras);
+        let landmarks = own().filter(is_point).map(|block| place(&block));
+        scene.draw(panel, (Shape::Cells, Style::Second, 1.0), landmarks);
+        let between = blocks.iter().filter(|block| !is_own(block)).map(|block| place(&block));
+        scene.draw(panel, (Shape::PaleCells, Style::Ink, 1.0), between);
+    }
+}
