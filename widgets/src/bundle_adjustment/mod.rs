@@ -11,7 +11,7 @@ pub use world::{Setting, World};
 use crate::{Axis, Control, Face, Kind, Panel, Question, Reading, Scene, Shape, Style, Widget};
 
 /// Most steps that a reader can ask for.
-pub const MOST_STEPS: usize = 60;
+pub const MOST_STEPS: usize = 40;
 
 /// The solve that a reader is stepping through.
 #[derive(Default)]
@@ -48,18 +48,23 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for BundleAdjustment {
     const FACE: Face = Face {
-        lead: "Press Step until the solver has converged, and watch how soon the cost no longer shows it. \
-               Then hold nothing and press again: what moves that moved not before?",
+        lead: "Press Step until the solver has converged, and compare the two curves. \
+               Then hold nothing, press again, and look where camera 0 goes. The ring has another S.",
         controls: &[
             control("step", "Step", [0.0, 0.0, MOST_STEPS as f64, 1.0], Kind::Count),
-            choice("world", "World", &["ring", "ring of stereo pairs", "street"]),
+            choice("world", "World", &["street", "ring", "ring of stereo pairs"]),
             choice("held", "Gauge", &["camera 0 held", "nothing held"]),
             choice("kernel", "Kernel", &["squared", "Huber", "Cauchy"]),
             Control {
                 unit: "%",
                 ..control("outliers", "Share of outliers", [0.0, 0.0, 40.0, 1.0], Kind::Slider)
             },
-            control("start", "Noise of the start", [6.0, 0.0, 8.0, 0.5], Kind::Slider),
+            control(
+                "start",
+                "Noise of the start, times the chapter's",
+                [6.0, 0.0, 8.0, 0.5],
+                Kind::Slider,
+            ),
             control("seed", "Seed", [1.0, 1.0, 20.0, 1.0], Kind::Slider),
         ],
         handles: &[],
@@ -67,28 +72,28 @@ impl Widget for BundleAdjustment {
             panel(
                 "Cameras and points from above",
                 [
-                    Axis { label: "x, m", range: [-5.2, 5.2] },
-                    Axis { label: "y, m", range: [-5.2, 5.2] },
+                    Axis { label: "x, m", range: [-1.2, 10.2] },
+                    Axis { label: "y, m", range: [-2.2, 9.2] },
                 ],
                 true,
             ),
             panel(
-                "Before each step",
+                "Cost and gradient",
                 [
                     Axis { label: "steps tried", range: [0.0, 12.0] },
                     Axis { label: "power of ten", range: [-4.0, 6.0] },
                 ],
                 false,
             ),
-            pattern("H: a row of blocks for each camera and point"),
-            pattern("S: the points have been eliminated"),
+            pattern("H: cameras, then points"),
+            pattern("S: points eliminated"),
         ],
         readings: &[
             Reading { veiled: true, ..reading("Cost", "", 3) },
             reading("Length of the scaled gradient", "", 4),
             Reading { veiled: true, ..reading("Camera 0 has moved by", "mm", 1) },
-            reading("Size of the whole, over the true one", "", 4),
-            reading("RMS error of the cameras, seen from camera 0 at the true size", "cm", 2),
+            reading("Size, over the true one", "", 4),
+            reading("RMS error of the cameras, gauge taken out", "cm", 2),
             reading("RMSE of the right matches", "px", 2),
             reading("RMSE of all matches", "px", 2),
         ],

@@ -1,8 +1,6 @@
 //! A solve, and where it stood before each of its steps.
 
-use std::collections::BTreeSet;
-
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
 use vislam::factors::MovingCamera;
 use vislam::least_squares::{
@@ -41,6 +39,8 @@ pub struct Run {
     pub whole: Vec<[usize; 2]>,
     /// Where blocks of the Schur complement are.
     pub reduced: Vec<[usize; 2]>,
+    /// Pairs of moving cameras, and how many points they share, if any.
+    pub covisible: Vec<([usize; 2], usize)>,
     /// How many rows of blocks the Schur complement has.
     pub rows: usize,
     problem: Problem,
@@ -64,12 +64,14 @@ impl Run {
             cost_of_truth: problem.cost(&truth),
             whole: Vec::new(),
             reduced: Vec::new(),
+            covisible: Vec::new(),
             rows: rows.iter().flatten().max().map_or(0, |last| last + 1),
             scene,
             problem,
             search,
         };
         run.find_blocks(&rows);
+        run.count_shared_points();
         run.keep();
         Some(run)
     }
@@ -105,22 +107,45 @@ impl Run {
     /// A factor adds to the blocks of its camera and its point. What is left of them without the points
     /// is asked of the elimination.
     fn find_blocks(&mut self, rows: &[Option<usize>]) {
-        let mut whole = BTreeSet::new();
+        let size = self.rows + self.scene.true_points.len();
+        let mut whole = DMatrix::repeat(size, size, false);
         for factor in &self.scene.problem.factors {
             let point = self.rows + factor.point;
-            whole.insert([point, point]);
+            whole[(point, point)] = true;
             if let Some(camera) = rows[factor.keyframe] {
-                whole.extend([[camera, camera], [camera, point], [point, camera]]);
+                for place in [(camera, camera), (camera, point), (point, camera)] {
+                    whole[place] = true;
+                }
             }
         }
-        self.whole = whole.into_iter().collect();
+        self.whole = places(size).filter(|[row, column]| whole[(*row, *column)]).collect();
         let Ok((matrix, _)) = self.search.system().clone().schur_complement(0.0) else { return };
-        let all = (0..self.rows).flat_map(|row| (0..self.rows).map(move |column| [row, column]));
         let is_there = |[row, column]: &[usize; 2]| {
             matrix.view((6 * row, 6 * column), (6, 6)).iter().any(|entry| *entry != 0.0)
         };
-        self.reduced = all.filter(is_there).collect();
+        self.reduced = places(self.rows).filter(is_there).collect();
     }
+}
+
+impl Run {
+    fn count_shared_points(&mut self) {
+        let problem = &self.scene.problem;
+        let mut seen_by = vec![Vec::new(); problem.points.len()];
+        for factor in problem.factors.iter().filter(|factor| !problem.fixed[factor.keyframe]) {
+            seen_by[factor.point].push(factor.keyframe);
+        }
+        let shared = |[one, other]: [usize; 2]| {
+            seen_by.iter().filter(|by| by.contains(&one) && by.contains(&other)).count()
+        };
+        let pairs = places(problem.cameras.len()).filter(|[one, other]| one < other);
+        let counted = pairs.map(|pair| (pair, shared(pair)));
+        self.covisible = counted.filter(|(_, count)| *count > 0).collect();
+    }
+}
+
+/// All places of a square matrix.
+fn places(size: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..size).flat_map(move |row| (0..size).map(move |column| [row, column]))
 }
 
 /// What can be said of a state.

@@ -25,12 +25,12 @@ const KERNELS: [Kernel; 3] = [Kernel::Squared, Kernel::Huber(1.5), Kernel::Cauch
 /// What is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum World {
+    /// Cameras along a facade.
+    Street,
     /// Single cameras in a circle around points.
     Ring,
     /// The same with a second camera to the right of each.
     StereoRing,
-    /// Cameras along a facade.
-    Street,
 }
 
 /// All controls but the number of steps.
@@ -54,7 +54,7 @@ impl Setting {
     /// The setting and the number of steps, from the values of the controls.
     pub fn of(controls: &[f64]) -> Option<(Self, usize)> {
         let &[steps, world, held, kernel, percent, start, seed] = controls else { return None };
-        let worlds = [World::Ring, World::StereoRing, World::Street];
+        let worlds = [World::Street, World::Ring, World::StereoRing];
         let setting = Self {
             world: *worlds.get(world as usize)?,
             held: held == 0.0,
