@@ -181,7 +181,7 @@ fn a_free_gauge_moves_the_whole_and_changes_neither_cost_nor_shape() {
 }
 
 #[test]
-fn the_solver_converges_from_most_starts() {
+fn the_solver_converges_where_the_page_begins() {
     for world in 0..WORLDS {
         let setting = setting([world as f64, 1.0, 0.0, 0.0, 6.0, 1.0]).0;
         let mut run = Run::new(setting).expect("a problem");

@@ -82,7 +82,11 @@ pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
     let refused =
         tried.filter_map(|(step, tried)| Some([step as f64 + 1.0, tried.trial_cost?.log10()]));
     let right = (at as f64 + 4.0).max(12.0);
-    let all = costs().chain(gradients()).chain(refused.clone()).map(|[_, power]| power);
+    let all = costs()
+        .chain(gradients())
+        .chain(refused.clone())
+        .map(|[_, power]| power)
+        .filter(|power| power.is_finite());
     let (low, high) =
         all.fold((-4.0, 6.0), |(low, high): (f64, f64), power| (low.min(power), high.max(power)));
     scene.view(PROGRESS, [-0.5, right], [low - 0.4, high + 0.4]);
@@ -94,7 +98,7 @@ pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
     scene.draw(PROGRESS, (Shape::Rings, Style::Second, 3.0), gradients());
     scene.draw(PROGRESS, (Shape::Crosses, Style::Ink, 3.5), refused);
     for (word, style, line) in
-        [(0, Style::First, costs().last()), (1, Style::Second, gradients().last())]
+        [(0, Style::First, costs().next_back()), (1, Style::Second, gradients().next_back())]
     {
         if let Some([step, power]) = line.filter(|[_, power]| power.is_finite()) {
             let under = if word == 0 { -0.75 } else { 0.25 };

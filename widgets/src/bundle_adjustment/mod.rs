@@ -19,10 +19,10 @@ pub struct BundleAdjustment {
     run: Option<Run>,
 }
 
-const ABOVE: usize = 0;
-const PROGRESS: usize = 1;
-const WHOLE: usize = 2;
-const REDUCED: usize = 3;
+const WHOLE: usize = 0;
+const REDUCED: usize = 1;
+const ABOVE: usize = 2;
+const PROGRESS: usize = 3;
 
 const fn control(name: &'static str, label: &'static str, range: [f64; 4], kind: Kind) -> Control {
     let [start, least, most, step] = range;
@@ -69,6 +69,8 @@ impl Widget for BundleAdjustment {
         ],
         handles: &[],
         panels: &[
+            pattern("H: cameras, then points"),
+            pattern("S: points eliminated"),
             panel(
                 "Cameras and points from above",
                 [
@@ -85,8 +87,6 @@ impl Widget for BundleAdjustment {
                 ],
                 false,
             ),
-            pattern("H: cameras, then points"),
-            pattern("S: points eliminated"),
         ],
         readings: &[
             Reading { veiled: true, ..reading("Cost", "", 3) },
