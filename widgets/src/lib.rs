@@ -5,6 +5,7 @@
 //! of its controls. The script in `widgets/script` makes sliders of the one and lines of the other, and computes nothing.
 
 pub mod bearing;
+pub mod bundle_adjustment;
 mod face;
 pub mod marginalization;
 pub mod preintegration;
@@ -35,6 +36,7 @@ pub const WIDGETS: &[Named] = &[
     ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
     ("preintegration", || Box::new(Session::<preintegration::Preintegration>::new())),
     ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),
+    ("bundle_adjustment", || Box::new(Session::<bundle_adjustment::BundleAdjustment>::new())),
 ];
 
 /// Exports a widget from a module that imports nothing. Texts and numbers are handed over as a place in the module's

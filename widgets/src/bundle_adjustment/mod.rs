@@ -1,0 +1,135 @@
+//! Bundle adjustment step by step: where cameras and points are believed to be, which blocks the linear
+//! system has, and how the cost falls.
+
+mod draw;
+mod run;
+mod world;
+
+pub use run::{Run, State};
+pub use world::{Setting, World};
+
+use crate::{Axis, Control, Face, Kind, Panel, Question, Reading, Scene, Shape, Style, Widget};
+
+/// Most steps that a reader can ask for.
+pub const MOST_STEPS: usize = 40;
+
+/// The solve that a reader is stepping through.
+#[derive(Default)]
+pub struct BundleAdjustment {
+    run: Option<Run>,
+}
+
+const WHOLE: usize = 0;
+const REDUCED: usize = 1;
+const ABOVE: usize = 2;
+const PROGRESS: usize = 3;
+
+const fn control(name: &'static str, label: &'static str, range: [f64; 4], kind: Kind) -> Control {
+    let [start, least, most, step] = range;
+    Control { name, label, unit: "", start, least, most, step, kind }
+}
+
+const fn choice(name: &'static str, label: &'static str, of: &'static [&'static str]) -> Control {
+    control(name, label, [0.0, 0.0, of.len() as f64 - 1.0, 1.0], Kind::Choice(of))
+}
+
+const fn panel(title: &'static str, [x, y]: [Axis; 2], equal: bool) -> Panel {
+    Panel { title, x, y, aspect: 0.92, span: 3, equal, down: false }
+}
+
+const fn pattern(title: &'static str) -> Panel {
+    let axis = Axis { label: "", range: [-0.5, 9.5] };
+    Panel { aspect: 1.0, down: true, ..panel(title, [axis, axis], true) }
+}
+
+const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Reading {
+    Reading { label, unit, digits, none: "cannot be said", veiled: false }
+}
+
+impl Widget for BundleAdjustment {
+    const FACE: Face = Face {
+        lead: "Press Step until the solver has converged, and compare the two curves. \
+               Then hold nothing, press again, and look where camera 0 goes. The ring has another S.",
+        controls: &[
+            control("step", "Step", [0.0, 0.0, MOST_STEPS as f64, 1.0], Kind::Count),
+            choice("world", "World", &["street", "ring", "ring of stereo pairs"]),
+            choice("held", "Gauge", &["camera 0 held", "nothing held"]),
+            choice("kernel", "Kernel", &["squared", "Huber", "Cauchy"]),
+            Control {
+                unit: "%",
+                ..control("outliers", "Share of outliers", [0.0, 0.0, 40.0, 1.0], Kind::Slider)
+            },
+            control(
+                "start",
+                "Noise of the start, times the chapter's",
+                [6.0, 0.0, 8.0, 0.5],
+                Kind::Slider,
+            ),
+            control("seed", "Seed", [1.0, 1.0, 20.0, 1.0], Kind::Slider),
+        ],
+        handles: &[],
+        panels: &[
+            pattern("H: cameras, then points"),
+            pattern("S: points eliminated"),
+            panel(
+                "Cameras and points from above",
+                [
+                    Axis { label: "x, m", range: [-1.2, 10.2] },
+                    Axis { label: "y, m", range: [-2.2, 9.2] },
+                ],
+                true,
+            ),
+            panel(
+                "Cost and gradient",
+                [
+                    Axis { label: "steps tried", range: [0.0, 12.0] },
+                    Axis { label: "power of ten", range: [-4.0, 6.0] },
+                ],
+                false,
+            ),
+        ],
+        readings: &[
+            Reading { veiled: true, ..reading("Cost", "", 3) },
+            reading("Length of the scaled gradient", "", 4),
+            Reading { veiled: true, ..reading("Camera 0 has moved by", "mm", 1) },
+            reading("Size, over the true one", "", 4),
+            reading("RMS error of the cameras, gauge taken out", "cm", 2),
+            reading("RMSE of the right matches", "px", 2),
+            reading("RMSE of all matches", "px", 2),
+        ],
+        question: Some(Question {
+            ask: "Camera 0 is no longer held: six more unknowns, the same pixels. What becomes of the cost at the minimum?",
+            choices: &[
+                "it is smaller",
+                "it is the same, but camera 0 has drifted",
+                "there is no minimum, for the system is singular",
+            ],
+            right: 1,
+        }),
+        words: &["cost", "gradient", "cost at the truth", "held", "converged", "not converged"],
+    };
+
+    fn show(&mut self, controls: &[f64], scene: &mut Scene) {
+        let Some((setting, steps)) = Setting::of(controls) else { return };
+        if self.run.as_ref().is_none_or(|run| run.setting != setting) {
+            self.run = Run::new(setting);
+        }
+        let Some(run) = &mut self.run else {
+            Self::FACE.readings.iter().for_each(|_| scene.read(None));
+            return;
+        };
+        run.advance(steps);
+        let last = steps.min(run.states.len() - 1);
+        draw::above(run, last, scene);
+        draw::progress(run, last, scene);
+        draw::patterns(run, scene);
+        let state = &run.states[last];
+        scene.read(state.cost);
+        scene.read(state.gradient_norm);
+        scene.read(1000.0 * run.drift(state));
+        scene.read(run.size(state));
+        scene.read(100.0 * run.camera_error(state));
+        scene.read(run.rmse(state, false));
+        scene.read(run.rmse(state, true));
+    }
+}
