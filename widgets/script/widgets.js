@@ -171,7 +171,7 @@
 
         add(mark) {
             if (mark.shape === VIEW) {
-                this.view = mark.numbers;
+                this.view = [...mark.numbers];
             } else {
                 this.pending.push(mark);
             }
