@@ -219,11 +219,13 @@ for (const widget of widgets) {
                 const median = times.slice().sort((a, b) => a - b)[100];
                 for (let k = 0; k < 200; k += 1) step(k);
                 const size = () => widget.session.exports.memory.buffer.byteLength;
-                const before = size();
-                for (let k = 0; k < 10000; k += 1) {
+                const update = k => {
                     widget.session.controls[moved] = least + (most - least) * ((k * 0.618) % 1);
                     widget.session.show();
-                }
+                };
+                for (let k = 0; k < 1000; k += 1) update(k);
+                const before = size();
+                for (let k = 0; k < 10000; k += 1) update(k);
                 return { median, grown: size() - before };
             });
             console.log(`${widget.name}: ${median.toFixed(1)} ms`);
