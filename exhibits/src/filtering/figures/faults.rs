@@ -11,11 +11,11 @@ use crate::filtering::faults::{FILTERS, LENGTHS, tested};
 const NAMES: [&str; 7] = [
     "map: as stated",
     "map: pixels twice as noisy",
-    "map: densities a quarter",
+    "map: inertial noise a quarter",
     "map: attitude not coupled",
     "displacement: as stated",
     "displacement: attitude not coupled",
-    "displacement: copies untied",
+    "displacement: clones untied",
 ];
 const HEADS: [&str; 5] = ["yaw", "tilt", "velocity", "position", "NIS"];
 
