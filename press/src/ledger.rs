@@ -182,7 +182,7 @@ fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
             rows.push(html! {
                 td { (code_link(&href, &name)) }
                 td { (number.text.replace('-', "−")) " " (number.unit) }
-                td { @if let Some(value) = number.value { (value) } @else { "—" } }
+                td { @if let Some(value) = number.value { (in_full(value)) } @else { "—" } }
                 td { (listed(users)) }
             });
         }
@@ -193,6 +193,11 @@ fn numbers(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
         columns: &["Number", "As printed", "In full", "Used in"],
         rows,
     }
+}
+
+/// All digits of a number; of one that is nearly zero, without its zeros.
+fn in_full(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-6 { format!("{value:e}") } else { value.to_string() }
 }
 
 fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
