@@ -401,6 +401,8 @@ fn with_a_new_exercise() -> PathBuf {
         "tests/rubrics",
         "tests/src",
         "tests/tests",
+        "toolchain",
+        "widgets",
         "Cargo.toml",
         "Cargo.lock",
         "rustfmt.toml",
