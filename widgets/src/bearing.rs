@@ -42,15 +42,6 @@ const REACH: f64 = 24.0;
 const ABOVE: usize = 0;
 const PICTURES: [usize; 2] = [1, 2];
 
-const fn slider(
-    name: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    [start, least, most, step]: [f64; 4],
-) -> Control {
-    Control { name, label, unit, start, least, most, step, kind: Kind::Slider }
-}
-
 const fn picture(title: &'static str) -> Panel {
     let x = Axis { label: "column, px from the measured pixel", range: [-REACH, REACH] };
     let y = Axis { label: "", range: [-REACH / 3.0, REACH / 3.0] };
@@ -67,13 +58,18 @@ impl Widget for Bearing {
         controls: &[
             Control {
                 kind: Kind::Sweep,
-                ..slider("along", "Depth believed, over the true one", "", [1.0, 0.4, 3.0, 0.01])
+                ..Control::slider(
+                    "along",
+                    "Depth believed, over the true one",
+                    "",
+                    [1.0, 0.4, 3.0, 0.01],
+                )
             },
-            slider("across", "Moved across the ray", "m", [0.0, -0.5, 0.5, 0.01]),
-            slider("depth", "True depth", "m", [6.0, 2.0, 10.0, 0.1]),
-            slider("baseline", "Baseline", "m", [0.3, 0.05, 1.5, 0.01]),
-            slider("focal", "Focal length", "px", [400.0, 200.0, 800.0, 10.0]),
-            slider("noise", "Noise of a pixel", "px", [2.0, 0.0, 3.0, 0.1]),
+            Control::slider("across", "Moved across the ray", "m", [0.0, -0.5, 0.5, 0.01]),
+            Control::slider("depth", "True depth", "m", [6.0, 2.0, 10.0, 0.1]),
+            Control::slider("baseline", "Baseline", "m", [0.3, 0.05, 1.5, 0.01]),
+            Control::slider("focal", "Focal length", "px", [400.0, 200.0, 800.0, 10.0]),
+            Control::slider("noise", "Noise of a pixel", "px", [2.0, 0.0, 3.0, 0.1]),
         ],
         handles: &[
             Handle { panel: ABOVE, label: "believed landmark" },

@@ -42,6 +42,34 @@ pub struct Control {
     pub kind: Kind,
 }
 
+impl Control {
+    /// A slider from its start, its ends and its step.
+    pub const fn slider(
+        name: &'static str,
+        label: &'static str,
+        unit: &'static str,
+        [start, least, most, step]: [f64; 4],
+    ) -> Self {
+        Self { name, label, unit, start, least, most, step, kind: Kind::Slider }
+    }
+
+    /// A list whose first choice stands at the start.
+    pub const fn choice(
+        name: &'static str,
+        label: &'static str,
+        choices: &'static [&'static str],
+    ) -> Self {
+        let most = choices.len() as f64 - 1.0;
+        let kind = Kind::Choice(choices);
+        Self { kind, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
+    }
+
+    /// A button that counts up to a number.
+    pub const fn count(name: &'static str, label: &'static str, most: f64) -> Self {
+        Self { kind: Kind::Count, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
+    }
+}
+
 /// How a number is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

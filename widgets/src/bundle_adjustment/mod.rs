@@ -8,7 +8,7 @@ mod world;
 pub use run::{Run, State};
 pub use world::{Setting, World};
 
-use crate::{Axis, Control, Face, Kind, Panel, Question, Reading, Scene, Shape, Style, Widget};
+use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Shape, Style, Widget};
 
 /// Most steps that a reader can ask for.
 pub const MOST_STEPS: usize = 40;
@@ -23,15 +23,6 @@ const WHOLE: usize = 0;
 const REDUCED: usize = 1;
 const ABOVE: usize = 2;
 const PROGRESS: usize = 3;
-
-const fn control(name: &'static str, label: &'static str, range: [f64; 4], kind: Kind) -> Control {
-    let [start, least, most, step] = range;
-    Control { name, label, unit: "", start, least, most, step, kind }
-}
-
-const fn choice(name: &'static str, label: &'static str, of: &'static [&'static str]) -> Control {
-    control(name, label, [0.0, 0.0, of.len() as f64 - 1.0, 1.0], Kind::Choice(of))
-}
 
 const fn panel(title: &'static str, [x, y]: [Axis; 2], equal: bool) -> Panel {
     Panel { title, x, y, aspect: 0.92, span: 3, equal, down: false }
@@ -51,21 +42,18 @@ impl Widget for BundleAdjustment {
         lead: "Press Step until the solver has converged, and compare the two curves. \
                Then hold nothing, press again, and look where camera 0 goes. The ring has another S.",
         controls: &[
-            control("step", "Step", [0.0, 0.0, MOST_STEPS as f64, 1.0], Kind::Count),
-            choice("world", "World", &["street", "ring", "ring of stereo pairs"]),
-            choice("held", "Gauge", &["camera 0 held", "nothing held"]),
-            choice("kernel", "Kernel", &["squared", "Huber", "Cauchy"]),
-            Control {
-                unit: "%",
-                ..control("outliers", "Share of outliers", [0.0, 0.0, 40.0, 1.0], Kind::Slider)
-            },
-            control(
+            Control::count("step", "Step", MOST_STEPS as f64),
+            Control::choice("world", "World", &["street", "ring", "ring of stereo pairs"]),
+            Control::choice("held", "Gauge", &["camera 0 held", "nothing held"]),
+            Control::choice("kernel", "Kernel", &["squared", "Huber", "Cauchy"]),
+            Control::slider("outliers", "Share of outliers", "%", [0.0, 0.0, 40.0, 1.0]),
+            Control::slider(
                 "start",
                 "Noise of the start, times the chapter's",
+                "",
                 [6.0, 0.0, 8.0, 0.5],
-                Kind::Slider,
             ),
-            control("seed", "Seed", [1.0, 1.0, 20.0, 1.0], Kind::Slider),
+            Control::slider("seed", "Seed", "", [1.0, 1.0, 20.0, 1.0]),
         ],
         handles: &[],
         panels: &[

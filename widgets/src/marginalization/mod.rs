@@ -49,21 +49,6 @@ const ODOMETRY: usize = 3;
 const DROP: usize = 4;
 const LINK: usize = 5;
 
-const fn choice(
-    name: &'static str,
-    label: &'static str,
-    choices: &'static [&'static str],
-) -> Control {
-    let most = (choices.len() - 1) as f64;
-    let kind = Kind::Choice(choices);
-    Control { name, label, unit: "", start: 0.0, least: 0.0, most, step: 1.0, kind }
-}
-
-const fn count(name: &'static str, label: &'static str, most: f64) -> Control {
-    let kind = Kind::Count;
-    Control { name, label, unit: "", start: 0.0, least: 0.0, most, step: 1.0, kind }
-}
-
 const fn end(title: &'static str) -> Panel {
     let x = Axis { label: "to the right, mm", range: [-1.0, 1.0] };
     let y = Axis { label: "depth, mm", range: [-1.0, 1.0] };
@@ -86,16 +71,24 @@ impl Widget for Marginalization {
     const FACE: Face = Face {
         lead: "Answer, then slide the window: squares with a dot, and their edges, are couplings that no measurement made. Then choose a way to drop the link of a and b, slide again, and drag the ring from link to link: the ellipses compare what is reported with the truth.",
         controls: &[
-            count("slides", "Slide the window", MOST_SLIDES),
-            choice("leaves", "What leaves", &["keyframe, landmarks", "keyframe alone"]),
-            choice("points", "Linearization", &["not frozen", "frozen anew", "frozen at first"]),
-            Control { kind: Kind::Switch, start: 1.0, ..count("odometry", "Odometry", 1.0) },
-            choice(
+            Control::count("slides", "Slide the window", MOST_SLIDES),
+            Control::choice("leaves", "What leaves", &["keyframe, landmarks", "keyframe alone"]),
+            Control::choice(
+                "points",
+                "Linearization",
+                &["not frozen", "frozen anew", "frozen at first"],
+            ),
+            Control {
+                kind: Kind::Switch,
+                start: 1.0,
+                ..Control::count("odometry", "Odometry", 1.0)
+            },
+            Control::choice(
                 "drop",
                 "Link of a and b",
                 &["kept", "zeroed", "marginals kept", "as in the SEIF"],
             ),
-            count("link", "Next link", 9999.0),
+            Control::count("link", "Next link", 9999.0),
         ],
         handles: &[Handle { panel: MATRIX, label: "link" }],
         panels: &[

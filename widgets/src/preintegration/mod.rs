@@ -19,25 +19,6 @@ pub struct Preintegration {
     cloud: Cloud,
 }
 
-const fn slider(
-    name: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    [start, least, most, step]: [f64; 4],
-) -> Control {
-    Control { name, label, unit, start, least, most, step, kind: Kind::Slider }
-}
-
-const fn choice(
-    name: &'static str,
-    label: &'static str,
-    choices: &'static [&'static str],
-) -> Control {
-    let most = choices.len() as f64 - 1.0;
-    let kind = Kind::Choice(choices);
-    Control { kind, ..slider(name, label, "", [0.0, 0.0, most, 1.0]) }
-}
-
 const fn panel(title: &'static str, [x, y]: [&'static str; 2], aspect: f64) -> Panel {
     let (x, y) = (Axis { label: x, range: [-1.0, 1.0] }, Axis { label: y, range: [-1.0, 1.0] });
     Panel { title, x, y, aspect, span: 3, equal: false, down: false }
@@ -53,12 +34,17 @@ impl Widget for Preintegration {
         controls: &[
             Control {
                 kind: Kind::Sweep,
-                ..slider("believed", "Bias believed, over the true one", "", [1.0, 0.0, 1.5, 0.01])
+                ..Control::slider(
+                    "believed",
+                    "Bias believed, over the true one",
+                    "",
+                    [1.0, 0.0, 1.5, 0.01],
+                )
             },
-            slider("seconds", "Time between the keyframes", "s", [1.0, 0.1, 2.0, 0.05]),
-            slider("gyro", "Bias of the gyroscope", "mrad/s", [100.0, 0.0, 150.0, 1.0]),
-            choice("axis", "Axis of that bias", &["ahead", "up"]),
-            slider(
+            Control::slider("seconds", "Time between the keyframes", "s", [1.0, 0.1, 2.0, 0.05]),
+            Control::slider("gyro", "Bias of the gyroscope", "mrad/s", [100.0, 0.0, 150.0, 1.0]),
+            Control::choice("axis", "Axis of that bias", &["ahead", "up"]),
+            Control::slider(
                 "force",
                 "Bias of the accelerometer, to the left",
                 "m/s²",
@@ -66,13 +52,19 @@ impl Widget for Preintegration {
             ),
             Control {
                 kind: Kind::Logarithmic,
-                ..slider("noise", "Noise, over that of a poor sensor", "", [1.0, 0.05, 5.0, 0.01])
+                ..Control::slider(
+                    "noise",
+                    "Noise, over that of a poor sensor",
+                    "",
+                    [1.0, 0.05, 5.0, 0.01],
+                )
             },
-            choice("motion", "Motion", &["figure-eight", "level turn", "turn on the spot"]),
-            Control {
-                kind: Kind::Count,
-                ..slider("other", "Other noise", "", [0.0, 0.0, 999.0, 1.0])
-            },
+            Control::choice(
+                "motion",
+                "Motion",
+                &["figure-eight", "level turn", "turn on the spot"],
+            ),
+            Control::count("other", "Other noise", 999.0),
         ],
         handles: &[],
         panels: &[
