@@ -12,8 +12,8 @@ import { axe, bookDir, launch, open, overhang, pages, read, serve } from "./help
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const every = Boolean(process.env.EVERY);
-/** The filter of a whole flight has more to load than a picture; a solver with its test of rank is still too large. */
-const LARGEST = { msckf: 250, bundle_adjustment: 120 };
+/** The filter of a whole flight has more to load than a picture. */
+const LARGEST = { msckf: 250 };
 const SLOWEST = 8;
 
 /** Every widget and the page that shows it. */

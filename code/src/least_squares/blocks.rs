@@ -122,6 +122,11 @@ impl<const D: usize> SchurComplement<D> {
         &mut self.blocks[self.start[row] + column - self.first[row]]
     }
 
+    /// The block of a row on the diagonal.
+    pub fn diagonal(&self, row: usize) -> &Block<D> {
+        &self.blocks[self.start[row] + row - self.first[row]]
+    }
+
     /// The blocks of a row up to the diagonal, and the column of the first of them.
     #[inline]
     pub fn row(&mut self, row: usize) -> (&mut [Block<D>], usize) {

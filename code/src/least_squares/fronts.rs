@@ -218,17 +218,6 @@ impl Fronts {
     }
     // ANCHOR_END: covariances
 
-    /// Whether a pivot is so small that the Jacobian has to decide.
-    fn is_suspicious(&self) -> bool {
-        self.tree.nodes.iter().enumerate().any(|(number, node)| {
-            let factor = &self.factor[self.tree.panel(number)];
-            node.own.clone().enumerate().any(|(place, column)| {
-                let diagonal = factor[place * (node.width() + 2)];
-                Pivots::are_suspicious(self.smallest[column], diagonal.powi(2))
-            })
-        })
-    }
-
     /// How many columns the widest front has.
     pub fn widest(&self) -> usize {
         self.tree.nodes.iter().map(Node::width).max().unwrap_or(0)
@@ -272,17 +261,8 @@ impl LinearSystem for Fronts {
         if self.gradient_norm().is_finite() { Ok(()) } else { Err(SolveError::OutOfRange) }
     }
 
-    fn step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        damping: f64,
-        into: &mut [f64],
-    ) -> Option<Prediction> {
+    fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction> {
         if !self.eliminate_all(damping) {
-            return None;
-        }
-        if damping == 0.0 && self.is_suspicious() && !problem.is_determined(at) {
             return None;
         }
         let (twice, square) = self.substitute_back(damping);
@@ -293,6 +273,16 @@ impl LinearSystem for Fronts {
             step_norm: square.sqrt(),
             predicted_decrease: 0.5 * twice,
             gradient_norm: self.gradient_norm(),
+        })
+    }
+
+    fn is_suspicious(&self) -> bool {
+        self.tree.nodes.iter().enumerate().any(|(number, node)| {
+            let factor = &self.factor[self.tree.panel(number)];
+            node.own.clone().enumerate().any(|(place, column)| {
+                let diagonal = factor[place * (node.width() + 2)];
+                Pivots::are_suspicious(self.smallest[column], diagonal.powi(2))
+            })
         })
     }
 

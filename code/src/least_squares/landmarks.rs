@@ -348,15 +348,6 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     }
     // ANCHOR_END: solve
 
-    /// Whether a pivot of the Schur complement is so small that the Jacobian has to decide.
-    fn is_suspicious(&mut self) -> bool {
-        let small = |(row, smallest): (usize, &[f64; D])| {
-            let diagonal = self.schur.block(row, row);
-            (0..D).any(|axis| Pivots::are_suspicious(smallest[axis], diagonal[axis][axis].powi(-2)))
-        };
-        self.smallest.iter().enumerate().any(small)
-    }
-
     // ANCHOR: back_substitute
     /// Writes the step of all coordinates. Returns twice the predicted decrease and the squared
     /// scaled length of the step; `forward` is what `solve` returned.
@@ -584,18 +575,9 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
     }
 
     // ANCHOR: attempt
-    fn step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        damping: f64,
-        into: &mut [f64],
-    ) -> Option<Prediction> {
+    fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction> {
         self.eliminate_all(damping).ok()?;
         let forward = self.solve().ok()?;
-        if damping == 0.0 && self.is_suspicious() && !problem.is_determined(at) {
-            return None;
-        }
         let (twice, square) = wide(
             #[inline(always)]
             || self.back_substitute(forward, into),
@@ -607,6 +589,14 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
         })
     }
     // ANCHOR_END: attempt
+
+    fn is_suspicious(&self) -> bool {
+        let small = |(row, smallest): (usize, &[f64; D])| {
+            let diagonal = self.schur.diagonal(row);
+            (0..D).any(|axis| Pivots::are_suspicious(smallest[axis], diagonal[axis][axis].powi(-2)))
+        };
+        self.smallest.iter().enumerate().any(small)
+    }
 
     fn gradient_norm(&self) -> f64 {
         let pairs = self.gradient.as_flattened().iter().zip(self.curvature.as_flattened());

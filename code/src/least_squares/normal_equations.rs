@@ -177,24 +177,18 @@ impl LinearSystem for Dense {
     }
     // ANCHOR_END: linearize
 
-    fn step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        damping: f64,
-        into: &mut [f64],
-    ) -> Option<Prediction> {
+    fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction> {
         let Self { equations, step, matrix, columns, .. } = self;
         equations.step_into(damping, matrix, step).then_some(())?;
-        let is_suspicious = damping == 0.0 && step.smallest_pivot < SUSPICIOUS_PIVOT;
-        // The Hessian has squared what there is to see; its Jacobian decides.
-        if is_suspicious && !problem.is_determined(at) {
-            return None;
-        }
         columns.spread(step.step.as_slice(), into);
         let Step { norm, predicted_decrease, .. } = *step;
         let gradient_norm = equations.gradient_norm();
         Some(Prediction { step_norm: norm, predicted_decrease, gradient_norm })
+    }
+
+    /// The Hessian has squared what there is to see; its Jacobian decides.
+    fn is_suspicious(&self) -> bool {
+        self.step.smallest_pivot < SUSPICIOUS_PIVOT
     }
 
     fn gradient_norm(&self) -> f64 {

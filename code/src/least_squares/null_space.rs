@@ -148,7 +148,7 @@ impl Problem {
     }
 
     /// Whether nothing is free at a point; not when it cannot be said.
-    pub(super) fn is_determined(&self, at: Point) -> bool {
+    pub(crate) fn is_determined(&self, at: Point) -> bool {
         self.null_space_at(at).is_ok_and(|null_space| null_space.nullity() == 0)
     }
 

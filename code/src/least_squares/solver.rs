@@ -23,13 +23,11 @@ pub trait LinearSystem {
 
     /// Writes the step of all coordinates for a damping relative to the Hessian's diagonal, from
     /// the point of the last [`LinearSystem::linearize`]. `None` when the equations are singular.
-    fn step(
-        &mut self,
-        problem: &Problem,
-        at: Point,
-        damping: f64,
-        into: &mut [f64],
-    ) -> Option<Prediction>;
+    fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction>;
+
+    /// Whether a pivot of the last step is so small that, without damping, the Jacobian has to say
+    /// whether the step is determined.
+    fn is_suspicious(&self) -> bool;
 
     /// The norm of the scaled gradient at that point.
     fn gradient_norm(&self) -> f64;
@@ -377,7 +375,9 @@ impl<S: LinearSystem> Search<S> {
     // ANCHOR: gauss_newton
     /// A step that is taken wherever it leads.
     fn gauss_newton(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
-        let Some(predicted) = self.predict(problem, 0.0) else {
+        let predicted = self.system.step(0.0, &mut self.step);
+        let is_clear = !self.system.is_suspicious() || problem.is_determined(self.point());
+        let Some(predicted) = predicted.filter(|_| is_clear) else {
             return Err(self.undetermined(problem));
         };
         if let Some(stop) = self.before_trial(&predicted) {
@@ -393,13 +393,18 @@ impl<S: LinearSystem> Search<S> {
     // ANCHOR_END: gauss_newton
 
     // ANCHOR: levenberg_marquardt
-    /// A step that is damped, and taken if it lowers the cost enough.
-    fn levenberg_marquardt(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
+    /// A step that is damped, and taken if it lowers the cost enough. [`Search::iterate`] counts
+    /// them; who calls this instead counts them himself.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`] when a residual becomes one that is not finite.
+    pub fn levenberg_marquardt(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         let damping = self.damping.value;
         if damping > LARGEST_DAMPING {
             return Ok(Some(self.stalled()));
         }
-        let Some(predicted) = self.predict(problem, damping) else {
+        let Some(predicted) = self.system.step(damping, &mut self.step) else {
             self.damping.learn(None);
             return Ok(None);
         };
@@ -454,11 +459,6 @@ impl<S: LinearSystem> Search<S> {
         }
         let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
         self.system.linearize(problem, at)
-    }
-
-    fn predict(&mut self, problem: &Problem, damping: f64) -> Option<Prediction> {
-        let at = Point { values: &self.values, frozen: self.frozen.as_ref() };
-        self.system.step(problem, at, damping, &mut self.step)
     }
 
     // ANCHOR: try_step

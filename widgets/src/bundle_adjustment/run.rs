@@ -80,7 +80,7 @@ impl Run {
     pub fn advance(&mut self, steps: usize) {
         while self.states.len() <= steps && self.ended.is_none() {
             let tried = self.search.iterations().len();
-            let stop = self.search.iterate(&self.problem);
+            let stop = self.search.levenberg_marquardt(&self.problem);
             self.ended = stop.map_or(Some(None), |stop| stop.map(Some));
             if self.search.iterations().len() > tried {
                 self.keep();
