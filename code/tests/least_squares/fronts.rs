@@ -49,7 +49,7 @@ fn step(problem: &Problem, mut system: impl LinearSystem, damping: f64) -> (Vec<
     let at = Point { values: problem.values(), frozen: None };
     system.linearize(problem, at).unwrap();
     let mut step = vec![0.0; problem.values().dimension()];
-    let prediction = system.step(problem, at, damping, &mut step).unwrap();
+    let prediction = system.step(damping, &mut step).unwrap();
     (step, [prediction.step_norm, prediction.predicted_decrease, prediction.gradient_norm])
 }
 
