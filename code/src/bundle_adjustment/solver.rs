@@ -71,9 +71,10 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let mut step = vec![0.0; self.values().dimension()];
         let mut system = self.system();
         let prediction = system.step(damping, &mut step);
-        let is_clear =
-            damping > 0.0 || !system.is_suspicious() || self.problem().is_determined(self.at());
-        match prediction.filter(|_| is_clear) {
+        let is_clear = |_: &_| {
+            damping > 0.0 || !system.is_suspicious() || self.problem().is_determined(self.at())
+        };
+        match prediction.filter(is_clear) {
             Some(prediction) => Ok(self.trial(&step, prediction.predicted_decrease)),
             None => {
                 // Once more, to learn what has no inverse.

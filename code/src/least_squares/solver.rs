@@ -376,8 +376,8 @@ impl<S: LinearSystem> Search<S> {
     /// A step that is taken wherever it leads.
     fn gauss_newton(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         let predicted = self.system.step(0.0, &mut self.step);
-        let is_clear = !self.system.is_suspicious() || problem.is_determined(self.point());
-        let Some(predicted) = predicted.filter(|_| is_clear) else {
+        let is_clear = |_: &_| !self.system.is_suspicious() || problem.is_determined(self.point());
+        let Some(predicted) = predicted.filter(is_clear) else {
             return Err(self.undetermined(problem));
         };
         if let Some(stop) = self.before_trial(&predicted) {
