@@ -292,7 +292,7 @@
                 this.input.addEventListener("click", () => change(this, this.value + 1));
                 this.back = element("button", { type: "button", textContent: "Back" });
                 this.back.addEventListener("click", () => change(this, this.value - 1));
-                this.box = element("div", { className: "control" }, this.input, this.back, this.shown);
+                this.box = element("div", { className: "control count" }, this.input, this.back, this.shown);
             } else if (face.kind === "switch") {
                 this.input = element("input", { type: "checkbox" });
                 this.input.addEventListener("change", () => change(this, Number(this.input.checked)));
@@ -345,8 +345,9 @@
                 input.value = String(value);
             } else if (face.kind === "count") {
                 this.shown.textContent = String(value);
-                this.input.disabled = value >= face.most;
-                this.back.disabled = value <= face.least;
+                // Not disabled, for that would take the focus away.
+                this.input.setAttribute("aria-disabled", value >= face.most);
+                this.back.setAttribute("aria-disabled", value <= face.least);
             } else {
                 const digits = face.kind === "logarithmic" ? Math.max(0, 2 - Math.floor(Math.log10(value)))
                     : Math.max(0, -Math.floor(Math.log10(face.step) + 1e-9));
