@@ -6,6 +6,8 @@ use vislam::bundle_adjustment::{Camera, PosedPinhole};
 use super::{ARROWS, Comparison, ERRORS, RESIDUALS, STEPS, WATCHED, to_side};
 use crate::{Scene, Shape, Style};
 
+/// Where the names of both curves stand, in steps.
+const LEGEND: f64 = 10.5;
 /// Where a line breaks.
 const BREAK: [f64; 2] = [f64::NAN, f64::NAN];
 /// How far the shown step goes along an axis and about it, in metres and radians.
@@ -65,10 +67,9 @@ pub fn errors(run: &Comparison, at: usize, rate: f64, scene: &mut Scene) {
         if let Some(here) = curve.get(at) {
             scene.draw(ERRORS, (Shape::Rings, Style::Ink, 6.0), [*here]);
         }
-        let last = curve.iter().rev().find(|[_, power]| (-13.0..1.0).contains(power));
-        if let Some([step, power]) = last {
-            scene.word(ERRORS, number, style, [(step + 0.4).min(STEPS as f64 - 6.0), power + 0.7]);
-        }
+        let height = 1.6 - 1.4 * number as f64;
+        scene.draw(ERRORS, (marks, style, 3.5), [[LEGEND - 0.6, height]]);
+        scene.word(ERRORS, number, style, [LEGEND, height - 0.3]);
     }
 }
 
@@ -82,7 +83,7 @@ pub fn residuals(run: &Comparison, at: usize, scene: &mut Scene) {
             factors.clone().map(|factor| place(&factor.pixel)),
         );
         let Some(state) = one.states.get(at) else {
-            scene.word(panel, 2, Style::Ink, [220.0, 240.0]);
+            scene.word(panel, 2, Style::Ink, [340.0, 240.0]);
             continue;
         };
         let Some(camera) = one.cameras(at).map(|cameras| -> PosedPinhole { cameras[WATCHED].0 })

@@ -91,13 +91,13 @@ pub struct Reprojection {
     comparison: Option<Comparison>,
 }
 
-const ARROWS: usize = 0;
-const ERRORS: usize = 1;
+const ERRORS: usize = 0;
+const ARROWS: usize = 1;
 const RESIDUALS: [usize; 2] = [2, 3];
 
 const fn picture(title: &'static str) -> Panel {
-    let x = Axis { label: "", range: [0.0, 640.0] };
-    let y = Axis { label: "", range: [0.0, 480.0] };
+    let x = Axis { label: "", range: [200.0, 520.0] };
+    let y = Axis { label: "", range: [120.0, 360.0] };
     Panel { title, x, y, aspect: 0.75, span: 3, equal: true, down: true }
 }
 
@@ -107,14 +107,14 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Reprojection {
     const FACE: Face = Face {
-        lead: "Slide the Jacobian from the right to the left, while steps are still taken on the right, and see its arrows \
-               leave the points. Then turn the world: the curve of the mixed optimizer tilts, and the consistent one's does not.",
+        lead: "Steps are taken on the right. The Jacobian of the mixed optimizer stands on the left: its arrows miss the \
+               points. Slide it to the right, and both optimizers are one. Then turn the world, and watch the slope of each curve.",
         controls: &[
             Control::slider(
                 "side",
                 "Side of the Jacobian: 0 right, 1 left",
                 "",
-                [0.0, 0.0, 1.0, 0.02],
+                [1.0, 0.0, 1.0, 0.02],
             ),
             Control::slider(
                 "angle",
@@ -122,12 +122,12 @@ impl Widget for Reprojection {
                 "°",
                 [40.0, 0.0, 120.0, 1.0],
             ),
-            Control { start: 2.0, ..Control::count("step", "Step", STEPS as f64) },
+            Control { start: 3.0, ..Control::count("step", "Step", STEPS as f64) },
             Control {
                 start: 1.0,
                 ..Control::choice(
                     "axis",
-                    "Step in the first picture",
+                    "Step whose arrows are drawn",
                     &["along x", "along y", "along z", "about x", "about y", "about z"],
                 )
             },
@@ -136,7 +136,6 @@ impl Widget for Reprojection {
         ],
         handles: &[],
         panels: &[
-            picture("One step: what it does (filled), what the Jacobian says (hollow)"),
             Panel {
                 x: Axis { label: "Gauss-Newton steps", range: [-0.5, STEPS as f64 + 0.5] },
                 y: Axis { label: "error of the cameras, power of ten", range: [-15.5, 2.5] },
@@ -144,6 +143,7 @@ impl Widget for Reprojection {
                 down: false,
                 ..picture("Both optimizers")
             },
+            picture("One step: what it does (filled), what the Jacobian says (hollow)"),
             picture("Residuals of the consistent optimizer"),
             picture("Residuals of the mixed optimizer"),
         ],
