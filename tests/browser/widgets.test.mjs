@@ -99,7 +99,8 @@ for (const widget of widgets) {
             const slider = figure.locator('input[type="range"]');
             if (await slider.count() > 0) {
                 await slider.first().focus();
-                for (let k = 0; k < 5; k += 1) await page.keyboard.press("ArrowRight");
+                const atItsEnd = await slider.first().evaluate(({ value, max }) => value === max);
+                for (let k = 0; k < 5; k += 1) await page.keyboard.press(atItsEnd ? "ArrowLeft" : "ArrowRight");
                 assert.ok(await slider.first().getAttribute("aria-valuetext"));
             } else {
                 await figure.locator(".control select").first().focus();

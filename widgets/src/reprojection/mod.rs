@@ -96,8 +96,8 @@ const ARROWS: usize = 1;
 const RESIDUALS: [usize; 2] = [2, 3];
 
 const fn picture(title: &'static str) -> Panel {
-    let x = Axis { label: "", range: [200.0, 520.0] };
-    let y = Axis { label: "", range: [120.0, 360.0] };
+    let x = Axis { label: "", range: [180.0, 540.0] };
+    let y = Axis { label: "", range: [103.0, 373.0] };
     Panel { title, x, y, aspect: 0.75, span: 3, equal: true, down: true }
 }
 
