@@ -47,11 +47,24 @@ pub fn guarded(content: &str) -> String {
         let end = start + span_length(&rest[start..]);
         out.push_str(&rest[..start]);
         let formula = ANNOTATION.replace_all(&rest[start..end], "");
-        out.push_str(&TEXT.replace_all(&formula, escape));
-        rest = &rest[end..];
+        let formula = TEXT.replace_all(&formula, escape);
+        let (tied, after) = rest[end..].split_at(punctuation(&rest[end..]));
+        // A formula of several parts may be broken between them; one of one part takes its full stop along.
+        if !tied.is_empty() && formula.matches("class=\"base\"").count() == 1 {
+            out.push_str(&format!("<span class=\"tied\">{formula}{tied}</span>"));
+        } else {
+            out.push_str(&formula);
+            out.push_str(tied);
+        }
+        rest = after;
     }
     out.push_str(rest);
     out
+}
+
+/// The length of what must not begin a line.
+fn punctuation(text: &str) -> usize {
+    text.find(|c: char| !matches!(c, ',' | '.' | ';' | ':' | ')' | '?')).unwrap_or(text.len())
 }
 
 /// The length of the element `span` at the start of `html`.
@@ -76,6 +89,19 @@ fn span_length(html: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_formula_of_one_part_keeps_its_punctuation_on_its_line() {
+        let part = r#"<span class="base">x</span>"#;
+        let one = format!(r#"<span class="katex">{part}</span>"#);
+        assert_eq!(
+            guarded(&format!("{one}), so")),
+            format!(r#"<span class="tied">{one}),</span> so"#)
+        );
+        let two = format!(r#"<span class="katex">{part}{part}</span>."#);
+        assert_eq!(guarded(&two), two);
+        assert_eq!(guarded(&format!("{one} so")), format!("{one} so"));
+    }
 
     #[test]
     fn the_text_of_a_formula_is_escaped_and_its_tex_is_dropped() {

@@ -92,7 +92,7 @@ impl Emitter<'_, '_> {
         let href = self.source(&file, cut.first);
         let items = self.items(block, id, (&file, cut.first, cut.last));
         let html = format!(
-            "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines {}–{}</a>{items}\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
+            "<figure class=\"listing\" id=\"{id}\">\n<figcaption>\n\n**Listing {}.** {caption} <a class=\"source\" href=\"{href}\">{file}, lines\u{a0}{}–\u{2060}{}</a>{items}\n\n</figcaption>\n\n```{language},ignore\n{}\n```\n\n</figure>\n",
             block.number,
             cut.first,
             cut.last,
@@ -175,7 +175,7 @@ impl Emitter<'_, '_> {
             let name = item.path.rsplit("::").next().unwrap_or_default();
             item_link(self.page, library, item, name)
         };
-        let links = html! { " " span.source { "API: " (listed(shown.iter().map(link))) } };
+        let links = html! { " " span.source { "API:\u{a0}" (listed(shown.iter().map(link))) } };
         if shown.is_empty() { String::new() } else { links.into_string() }
     }
 
