@@ -55,6 +55,8 @@ pub fn powers(digits: usize, values: impl IntoIterator<Item = f64>) -> Vec<Strin
 
 pub const INK: RGBColor = RGBColor(1, 0, 0);
 pub const GRID: RGBColor = RGBColor(2, 0, 0);
+/// The page behind a figure, for marks on what is filled.
+pub const PAPER: RGBColor = RGBColor(3, 0, 0);
 pub const MEASURED: RGBColor = RGBColor(4, 0, 0);
 pub const ESTIMATED: RGBColor = RGBColor(5, 0, 0);
 pub const SERIES: [RGBColor; 5] = [
@@ -66,9 +68,10 @@ pub const SERIES: [RGBColor; 5] = [
 ];
 
 /// What the page puts in the place of each colour that a figure draws with.
-const MEANING: [(RGBColor, &str); 9] = [
+const MEANING: [(RGBColor, &str); 10] = [
     (INK, "currentColor"),
     (GRID, "var(--grid)"),
+    (PAPER, "var(--plot-ground)"),
     (MEASURED, "var(--measured)"),
     (ESTIMATED, "var(--estimated)"),
     (SERIES[0], "var(--series-1)"),

@@ -4,7 +4,7 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 
 use crate::figure::{
-    Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of, plain,
+    Draw, Figure, GRID, INK, PAPER, SERIES, decimals, letters_around, letters_right_of, plain,
 };
 use crate::filtering::faults::{FILTERS, LENGTHS, tested};
 
@@ -60,7 +60,7 @@ pub fn faults() -> Figure {
                         if sign.is_empty() { colour.stroke_width(3) } else { colour.filled() };
                     chart.draw_series([Rectangle::new(corners, filled)])?;
                     let middle = (left + 0.42, top + 1.25);
-                    chart.write(sign, middle, letters_around(INK))?;
+                    chart.write(sign, middle, letters_around(PAPER))?;
                 }
             }
         }

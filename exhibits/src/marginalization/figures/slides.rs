@@ -6,7 +6,7 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use vislam::marginalization::{Couplings, Layout, fill_in};
 
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, GRID, INK, SERIES, letters, plain};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, GRID, INK, PAPER, SERIES, letters, plain};
 
 /// The pattern after some slides.
 struct Pattern {
@@ -77,7 +77,8 @@ fn paint(drawing: &Drawing, number: usize, pattern: &Pattern) -> Drawn {
         1 => "one slide".to_owned(),
         _ => format!("{number} slides"),
     };
-    let counted = format!("{title}: {} pairs, {} new", pattern.pairs.len(), pattern.new);
+    let counted =
+        format!("{title}: {} pairs, {} dotted", pattern.pairs.len(), pattern.filled.len());
     chart.write(&counted, (0.0, 2.6), letters(INK))?;
     let place = |name: usize| pattern.names.iter().position(|own| *own == name);
     let mut square = |row: usize, column: usize, colour: plotters::style::RGBColor| -> Drawn {
@@ -101,5 +102,5 @@ fn paint(drawing: &Drawing, number: usize, pattern: &Pattern) -> Drawn {
     // What is filled in has a dot, for readers who do not go by colour.
     let dots = pattern.filled.iter().flat_map(|(a, b)| [(*a, *b), (*b, *a)]);
     let dots = dots.filter_map(|(a, b)| Some((place(b)? as f64 + 0.5, -(place(a)? as f64) - 0.5)));
-    chart.dots(dots.collect::<Vec<_>>(), 5, INK)
+    chart.dots(dots.collect::<Vec<_>>(), 6, PAPER)
 }
