@@ -438,6 +438,7 @@ pub fn name_of(label: &str, target: &Target, bare: bool) -> String {
         Some(&"fig:") => "Figure",
         Some(&"lst:") => "Listing",
         Some(&"thm:") => "Theorem",
+        Some(&"sec:") if target.chapter && target.path.starts_with("exercises") => "Exercise",
         Some(&"sec:") if target.chapter => "Chapter",
         _ => "Section",
     };
