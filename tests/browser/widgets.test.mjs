@@ -48,17 +48,21 @@ async function alive({ name, file }, options, body, { search = "", quiet = true 
     }
 }
 
-/** What the page shows, and with which controls. */
-const shown = figure => figure.evaluate(({ widget }) => ({
+/** What the page shows when all is computed, with which controls, and what it tells of the steps on the way. */
+const shown = figure => figure.evaluate(async ({ widget }) => {
+    while (widget.more) await new Promise(requestAnimationFrame);
+    return {
     controls: Object.fromEntries(widget.session.face.controls.map((control, k) => [control.name, widget.session.controls[k]])),
     readings: Object.fromEntries(widget.readings.map(({ face, value }) => [face.label, Number(value.dataset.value)])),
-}));
+    steps: [...widget.session.steps],
+    };
+});
 
 /** What the native library shows with these controls. */
 function native(name, { controls }) {
     const said = execFileSync("cargo", ["run", "--quiet", "--bin", "widgets", "--", name,
         ...Object.entries(controls).map(([control, value]) => `${control}=${value}`)], { cwd: root });
-    return JSON.parse(said).readings;
+    return JSON.parse(said);
 }
 
 function same(page, library, told) {
@@ -67,6 +71,26 @@ function same(page, library, told) {
         const expected = library[label] ?? NaN;
         const near = Math.abs(value - expected) <= 1e-9 * Math.max(1, Math.abs(expected));
         assert.ok(near || (Number.isNaN(value) && Number.isNaN(expected)) || value === expected, `${told}: ${label}: ${value} and ${expected}`);
+    }
+}
+
+/** The same in each step and at the end, or until the first step in which rounding has changed a decision; says which. */
+function sameUntilDecided(page, { readings, told: { decisions, numbers }, steps }, told) {
+    const width = decisions.length + numbers.length;
+    const step = k => page.steps.slice(k * width, (k + 1) * width);
+    const decided = row => row.slice(0, decisions.length).join();
+    const apart = steps.findIndex((row, k) => decided(step(k)) !== decided(row));
+    const until = apart < 0 ? steps.length : apart;
+    const named = row => Object.fromEntries(numbers.map((label, k) => [label, row[decisions.length + k]]));
+    for (let k = 0; k < until; k += 1) {
+        same(named(step(k)), named(steps[k]), `${told}, step ${k}`);
+    }
+    if (apart < 0) {
+        assert.equal(page.steps.length, steps.length * width, told);
+        same(page.readings, readings, told);
+    } else {
+        assert.ok(apart > 0, `${told}: the first step is decided otherwise`);
+        console.log(`${told}: step ${apart} of ${steps.length} is decided otherwise: ${step(apart)} and ${steps[apart]}`);
     }
 }
 
@@ -88,7 +112,7 @@ for (const widget of widgets) {
                     widget.render();
                 }, state);
                 const told = await shown(figure);
-                same(told.readings, native(widget.name, told), `${widget.name} ${JSON.stringify(told.controls)}`);
+                sameUntilDecided(told, native(widget.name, told), `${widget.name} ${JSON.stringify(told.controls)}`);
             }
         });
     });

@@ -7,6 +7,7 @@
     const SHAPES = ["line", "dashed", "area", "discs", "rings", "crosses", "cells", "pale-cells"];
     const [VIEW, HANDLE, WORD] = [100, 101, 102];
     const QUIET = 700; // ms without a change before numbers are announced
+    const TURN = 3; // ms that are computed before a picture of the screen, what is begun being ended
     const SVG = "http://www.w3.org/2000/svg";
     const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -68,8 +69,22 @@
             return this.numbers(this.exports.controls());
         }
 
+        // Computes for so many milliseconds; whether more is left.
+        advance(milliseconds) {
+            const until = performance.now() + milliseconds;
+            let more = this.exports.advance();
+            while (more && performance.now() < until) {
+                more = this.exports.advance();
+            }
+            return Boolean(more);
+        }
+
         show() {
             return this.numbers(this.exports.show());
+        }
+
+        get steps() {
+            return this.numbers(this.exports.steps());
         }
 
         drag(handle, [x, y]) {
@@ -447,6 +462,7 @@
             cancelAnimationFrame(this.wanted);
             this.wanted = null;
             try {
+                this.more = this.session.advance(TURN);
                 this.draw(this.session.show());
             } catch (error) {
                 this.pause();
@@ -458,6 +474,9 @@
             this.write();
             clearTimeout(this.later);
             this.later = setTimeout(() => this.announce(), QUIET);
+            if (this.more) {
+                this.ask();
+            }
         }
 
         draw(numbers) {

@@ -150,3 +150,13 @@ pub struct Question {
     /// Which of them is right, counted from zero.
     pub right: usize,
 }
+
+/// What is told of each step of what goes on in steps. Two machines compute the same numbers but for their rounding,
+/// until rounding changes a decision.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Steps {
+    /// What was decided.
+    pub decisions: &'static [&'static str],
+    /// What came out.
+    pub numbers: &'static [&'static str],
+}

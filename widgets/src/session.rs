@@ -1,6 +1,6 @@
 //! A widget in the hands of a reader.
 
-use crate::{Scene, Widget};
+use crate::{Scene, Steps, Widget};
 
 /// A widget, the values of its controls and what it shows.
 pub struct Session<W> {
@@ -9,6 +9,7 @@ pub struct Session<W> {
     controls: Vec<f64>,
     scene: Scene,
     numbers: Vec<f64>,
+    steps: Vec<f64>,
 }
 
 impl<W: Widget> Session<W> {
@@ -20,6 +21,7 @@ impl<W: Widget> Session<W> {
             controls: W::FACE.controls.iter().map(|control| control.start).collect(),
             scene: Scene::default(),
             numbers: Vec::new(),
+            steps: Vec::new(),
         }
     }
 
@@ -40,16 +42,41 @@ impl<W: Widget> Session<W> {
         &self.controls
     }
 
-    /// Draws; the readings and the marks.
+    /// Computes a little of what is shown; whether more is left.
+    pub fn advance(&mut self) -> bool {
+        self.settle();
+        self.widget.advance(&self.controls)
+    }
+
+    /// Draws what has been computed; the readings and the marks.
     pub fn show(&mut self) -> &[f64] {
-        for (value, control) in self.controls.iter_mut().zip(W::FACE.controls) {
-            let inside = value.clamp(control.least, control.most);
-            *value = if inside.is_nan() { control.start } else { inside };
-        }
+        self.settle();
         self.scene.clear();
         self.widget.show(&self.controls, &mut self.scene);
         self.scene.write(&mut self.numbers);
         &self.numbers
+    }
+
+    /// The decisions and numbers of the steps until what is shown.
+    pub fn steps(&mut self) -> &[f64] {
+        self.settle();
+        self.steps.clear();
+        self.widget.steps(&self.controls, &mut self.steps);
+        &self.steps
+    }
+
+    /// Puts all controls between their ends.
+    fn settle(&mut self) {
+        for (value, control) in self.controls.iter_mut().zip(W::FACE.controls) {
+            let inside = value.clamp(control.least, control.most);
+            *value = if inside.is_nan() { control.start } else { inside };
+        }
+    }
+
+    /// Computes all that is left, and draws it.
+    fn show_whole(&mut self) -> &[f64] {
+        while self.advance() {}
+        self.show()
     }
 
     /// Drags a handle.
@@ -76,10 +103,12 @@ pub trait Player {
     fn drag(&mut self, handle: usize, to: [f64; 2]);
     /// The values of the controls, by name.
     fn controls(&self) -> Vec<(&'static str, f64)>;
-    /// Draws; the readings by label.
+    /// Draws the whole picture; the readings by label.
     fn readings(&mut self) -> Vec<(&'static str, f64)>;
-    /// Draws; all numbers of the scene.
+    /// Draws the whole picture; all numbers of the scene.
     fn numbers(&mut self) -> &[f64];
+    /// What is told of each step until what is shown, and each of them.
+    fn steps(&mut self) -> (Steps, Vec<Vec<f64>>);
 }
 
 impl<W: Widget> Player for Session<W> {
@@ -105,12 +134,19 @@ impl<W: Widget> Player for Session<W> {
     }
 
     fn readings(&mut self) -> Vec<(&'static str, f64)> {
-        self.show();
+        self.show_whole();
         let labels = W::FACE.readings.iter().map(|reading| reading.label);
         labels.zip(self.scene.readings().iter().copied()).collect()
     }
 
     fn numbers(&mut self) -> &[f64] {
-        self.show()
+        self.show_whole()
+    }
+
+    fn steps(&mut self) -> (Steps, Vec<Vec<f64>>) {
+        self.show_whole();
+        let width = W::STEPS.decisions.len() + W::STEPS.numbers.len();
+        let steps = Session::steps(self).chunks(width.max(1)).map(<[f64]>::to_vec);
+        (W::STEPS, steps.collect())
     }
 }

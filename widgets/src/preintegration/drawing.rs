@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix2, Vector2};
 use vislam::inertial::{ImuBias, NavState};
 use vislam::preintegration::{Matrix9, Vector9};
 
 use super::interval::{Belief, DT, Interval};
+use crate::ellipse::ellipse;
 use crate::{Scene, Shape, Style};
 
 pub const FLIGHT: usize = 0;
@@ -71,8 +71,8 @@ pub fn flight(scene: &mut Scene, panel: usize, interval: &Interval, belief: &Bel
     scene.draw(panel, AS_SUMMED_LINE, as_summed);
     scene.draw(panel, CORRECTED_LINE, corrected);
     let end = above(&interval.second);
-    let around = ellipse(interval).map(|[x, y]| [end[0] + x, end[1] + y]);
-    scene.draw(panel, (Shape::Line, Style::Ink, 1.0), around);
+    let line = around(interval).map(|[x, y]| [end[0] + x, end[1] + y]);
+    scene.draw(panel, (Shape::Line, Style::Ink, 1.0), line);
     scene.draw(panel, (Shape::Discs, Style::Ink, 4.0), [above(&interval.first)]);
     scene.draw(panel, TRUE_END, [end]);
     key(scene, panel, [x, y]);
@@ -118,7 +118,7 @@ pub fn end(
     let believed = |part| interval.believe(part).predicted;
     let line = [believed(0.0), believed(Interval::believed(interval.curve.len() - 1))];
     let line = line.map(|state| off(&state));
-    let around = || ellipse(interval).map(centimetres);
+    let around = || around(interval).map(centimetres);
     let reach = |axis: usize| {
         let places = again().chain(line).chain(around());
         1.15 * places.map(|place| place[axis].abs()).fold(0.0, f64::max)
@@ -218,17 +218,12 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
 }
 
 /// Around the second keyframe, in metres: where positions seen from above should lie.
-fn ellipse(interval: &Interval) -> impl Iterator<Item = [f64; 2]> {
+fn around(interval: &Interval) -> impl Iterator<Item = [f64; 2]> {
     let rotation = interval.first.world_from_body;
     let covariance = interval.sums().covariance.fixed_view::<3, 3>(6, 6).into_owned();
     let covariance = rotation * covariance * rotation.inverse();
-    let level: Matrix2<f64> = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let root = level.cholesky().map_or(Matrix2::zeros(), |factor| factor.l());
-    (0..=48).map(move |part| {
-        let angle = TAU * f64::from(part) / 48.0;
-        let place = REACH * root * Vector2::new(angle.cos(), angle.sin());
-        [place.x, place.y]
-    })
+    let level = covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    ellipse(&level).into_iter().map(|place| place.map(|metres| REACH * metres))
 }
 
 fn above(state: &NavState) -> [f64; 2] {

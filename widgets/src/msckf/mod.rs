@@ -1,0 +1,200 @@
+//! The multi-state constraint Kalman filter on a flight: what it believes of where it is, and whether that is so.
+
+mod draw;
+mod run;
+mod setting;
+
+pub use run::{Frame, Run};
+pub use setting::{PICTURES, SECONDS, SIGMAS, Setting};
+
+use vislam::filtering::BlockNees;
+use vislam::msckf::{PictureReport, Refusals};
+
+use crate::{Axis, Control, Face, Kind, Panel, Question, Reading, Scene, Steps, Widget};
+
+/// A filter that follows a flight.
+#[derive(Default)]
+pub struct Filter {
+    run: Option<Run>,
+}
+
+const ABOVE: usize = 0;
+const ELLIPSE: usize = 1;
+const POSITION: usize = 2;
+const YAW: usize = 3;
+const TRACKS: usize = 4;
+const NEES: usize = 5;
+
+const TIME: Axis = Axis { label: "time, s", range: [0.0, SECONDS] };
+
+const fn map(title: &'static str, [x, y]: [Axis; 2]) -> Panel {
+    Panel { title, x, y, aspect: 0.8, span: 3, equal: true, down: false }
+}
+
+const fn over_time(title: &'static str, label: &'static str, range: [f64; 2]) -> Panel {
+    let y = Axis { label, range };
+    Panel { title, x: TIME, y, aspect: 0.42, span: 3, equal: false, down: false }
+}
+
+const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Reading {
+    Reading { label, unit, digits, none: "no estimate", veiled: false }
+}
+
+impl Widget for Filter {
+    const FACE: Face = Face {
+        lead: "Press Play: the cross, where the body truly is, has to stay within the reported ellipses. Then switch the gate off. Then, with the gate, keep landmarks in the state and compare the reported σ of the yaw with that at the start.",
+        controls: &[
+            Control {
+                kind: Kind::Sweep,
+                ..Control::slider("time", "Time flown", "s", [12.0, 0.0, SECONDS, 0.1])
+            },
+            Control::slider(
+                "window",
+                "Poses in the window, longest track",
+                "",
+                [11.0, 4.0, 16.0, 1.0],
+            ),
+            Control::slider("features", "Features in a picture", "", [20.0, 5.0, 30.0, 1.0]),
+            Control::slider("pixel", "Noise of a pixel", "px", [1.0, 0.2, 4.0, 0.1]),
+            Control {
+                kind: Kind::Logarithmic,
+                ..Control::slider(
+                    "imu",
+                    "Noise of the IMU, over that of EuRoC",
+                    "",
+                    [1.0, 0.1, 30.0, 0.01],
+                )
+            },
+            Control::slider("outliers", "Share of wrong pixels", "%", [1.0, 0.0, 10.0, 0.5]),
+            Control { kind: Kind::Switch, start: 1.0, ..Control::count("gate", "Gate", 1.0) },
+            Control::choice(
+                "landmarks",
+                "Landmarks in the state",
+                &["none", "ten, latest estimates", "ten, first estimates"],
+            ),
+            Control::slider("seed", "Seed of noise and room", "", [1.0, 1.0, 20.0, 1.0]),
+        ],
+        handles: &[],
+        panels: &[
+            map(
+                "From above: true (dashed), estimate, window (rings), rays",
+                [
+                    Axis { label: "x, m", range: [-6.0, 6.0] },
+                    Axis { label: "y, m", range: [-4.7, 4.7] },
+                ],
+            ),
+            map(
+                "Truth (cross) seen from the estimate, with one and three σ",
+                [
+                    Axis { label: "x, cm", range: [-1.0, 1.0] },
+                    Axis { label: "y, cm", range: [-1.0, 1.0] },
+                ],
+            ),
+            over_time("Position: error, reported σ (dashed)", "cm", [0.0, 1.0]),
+            over_time(
+                "Yaw: error, reported ±σ (dashed), that at the start (shaded)",
+                "°",
+                [-1.0, 1.0],
+            ),
+            over_time("Tracks: used (up), refused by the gate (down)", "", [-1.0, 1.0]),
+            over_time(
+                "NEES of position and yaw (dashed), one on average",
+                "power of ten",
+                [-2.0, 4.0],
+            ),
+        ],
+        readings: &[
+            reading("Position error", "cm", 1),
+            reading("Reported σ of the position", "cm", 1),
+            reading("Yaw error", "°", 2),
+            Reading { veiled: true, ..reading("Reported σ of the yaw", "°", 2) },
+            Reading { veiled: true, ..reading("The same, over that at the start", "", 2) },
+            reading("NEES of the position, mean until now", "", 2),
+            Reading { veiled: true, ..reading("NEES of the yaw, mean until now", "", 2) },
+            reading("Tracks used", "", 0),
+            reading("Tracks refused by the gate", "", 0),
+            reading("Tracks too short, or without a landmark", "", 0),
+        ],
+        question: Some(Question {
+            ask: "Neither camera nor IMU can tell which way is north. Ten landmarks now stay in the state, with derivatives at the latest estimates. What becomes of the reported σ of the yaw?",
+            choices: &[
+                "it never falls below that at the start",
+                "it falls below, and the error with it",
+                "it falls below, and the error does not",
+            ],
+            right: 2,
+        }),
+        words: &[],
+    };
+
+    const STEPS: Steps = Steps {
+        decisions: &["used", "rows", "too short", "no landmark", "rank", "gated"],
+        numbers: &["x", "y", "z", "yaw error", "σ of the position", "σ of the yaw", "NEES"],
+    };
+
+    fn advance(&mut self, controls: &[f64]) -> bool {
+        let Some((setting, picture)) = Setting::of(controls) else { return false };
+        if self.run.as_ref().is_none_or(|run| run.setting != setting) {
+            self.run = Run::new(setting);
+        }
+        self.run.as_mut().is_some_and(|run| run.advance(picture))
+    }
+
+    fn show(&mut self, controls: &[f64], scene: &mut Scene) {
+        let Some((run, frames)) = self.flown(controls) else {
+            Self::FACE.readings.iter().for_each(|_| scene.read(None));
+            return;
+        };
+        draw::above(run, frames, scene);
+        draw::ellipses(frames, scene);
+        draw::position(frames, scene);
+        draw::yaw(frames, scene);
+        draw::tracks(frames, scene);
+        draw::nees(frames, scene);
+        read(frames, scene);
+    }
+
+    fn steps(&self, controls: &[f64], into: &mut Vec<f64>) {
+        for frame in self.flown(controls).into_iter().flat_map(|(_, frames)| frames) {
+            let PictureReport { used, rows, refused, .. } = frame.report;
+            let Refusals { short, landmark, rank, gated } = refused;
+            into.extend([used, rows, short, landmark, rank, gated].map(|count| count as f64));
+            let nees = frame.nees.map_or(f64::NAN, |nees| nees.position);
+            into.extend(frame.estimate.position.iter());
+            into.extend([frame.error.yaw(), frame.sigma, frame.yaw_sigma, nees]);
+        }
+    }
+}
+
+impl Filter {
+    /// What has been flown of what the controls ask for.
+    fn flown(&self, controls: &[f64]) -> Option<(&Run, &[Frame])> {
+        let (setting, picture) = Setting::of(controls)?;
+        let run = self.run.as_ref().filter(|run| run.setting == setting)?;
+        Some((run, &run.frames[..run.frames.len().min(picture + 1)]))
+    }
+}
+
+/// The numbers after the last picture.
+fn read(frames: &[Frame], scene: &mut Scene) {
+    let last = frames.last();
+    scene.read(last.map(|frame| 100.0 * frame.error.position.norm()));
+    scene.read(last.map(|frame| 100.0 * frame.sigma));
+    scene.read(last.map(|frame| frame.error.yaw().to_degrees()));
+    scene.read(last.map(|frame| frame.yaw_sigma.to_degrees()));
+    let first = frames.first();
+    scene.read(last.zip(first).map(|(last, first)| last.yaw_sigma / first.yaw_sigma));
+    let mean = |of: fn(&BlockNees) -> f64| {
+        let nees: Option<Vec<f64>> =
+            frames.iter().map(|frame| frame.nees.as_ref().map(of)).collect();
+        nees.filter(|all| !all.is_empty()).map(|all| all.iter().sum::<f64>() / all.len() as f64)
+    };
+    scene.read(mean(|nees| nees.position));
+    scene.read(mean(|nees| nees.yaw));
+    let sum = |of: fn(&PictureReport) -> usize| {
+        frames.iter().map(|frame| of(&frame.report)).sum::<usize>() as f64
+    };
+    scene.read(sum(|report| report.used));
+    scene.read(sum(|report| report.refused.gated));
+    scene.read(sum(|report| report.refused.short + report.refused.landmark + report.refused.rank));
+}
