@@ -7,7 +7,7 @@
     const SHAPES = ["line", "dashed", "area", "discs", "rings", "crosses", "cells", "pale-cells"];
     const [VIEW, HANDLE, WORD] = [100, 101, 102];
     const QUIET = 700; // ms without a change before numbers are announced
-    const TURN = 3; // ms that are computed before a picture of the screen, what is begun being ended
+    const TURN = 2; // ms that are computed before a picture of the screen, what is begun being ended
     const SVG = "http://www.w3.org/2000/svg";
     const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -115,10 +115,14 @@
             this.grips = [];
         }
 
+        // Asked of all panels before one of them changes, since the browser would lay out the page anew for each.
+        fit() {
+            this.width = Math.max(160, this.box.clientWidth);
+        }
+
         // Margins, and how the coordinates lie between them.
         measure() {
-            const { face, view: [x0, x1, y0, y1] } = this;
-            const width = Math.max(160, this.box.clientWidth);
+            const { face, width, view: [x0, x1, y0, y1] } = this;
             const height = Math.round(width * face.aspect) + (face.x.label ? 34 : 0);
             const left = face.y.label ? 46 : 6;
             const bottom = face.x.label ? 38 : 6;
@@ -480,6 +484,7 @@
         }
 
         draw(numbers) {
+            this.panels.forEach(panel => panel.fit());
             this.readings.forEach((reading, number) => this.tell(reading, numbers[number]));
             this.panels.forEach(panel => panel.begin());
             for (let k = this.readings.length; k < numbers.length;) {

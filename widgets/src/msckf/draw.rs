@@ -11,8 +11,8 @@ use crate::{Scene, Shape, Style};
 
 /// A place that ends a line.
 const BREAK: [f64; 2] = [f64::NAN; 2];
-/// Every so many pictures are a place of a line.
-const EVERY: usize = 2;
+/// Every so many pictures are a place of a path, and of a line over time.
+const EVERY: [usize; 2] = [2, 3];
 /// What a consistent filter leaves with this probability.
 const OUTSIDE: f64 = 0.05;
 /// Of powers of ten of the NEES.
@@ -28,9 +28,9 @@ pub fn above(run: &Run, frames: &[Frame], scene: &mut Scene) {
     scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.0), right);
     scene.draw(ABOVE, (Shape::Dashed, Style::Third, 1.5), wrong);
     let flown = truth.states[..frames.len()].iter().map(seen_from_above);
-    scene.draw(ABOVE, (Shape::Dashed, Style::Ink, 1.5), thinned(flown));
+    scene.draw(ABOVE, (Shape::Dashed, Style::Ink, 1.5), thinned(EVERY[0], flown));
     let believed = frames.iter().map(|frame| seen_from_above(&frame.estimate));
-    scene.draw(ABOVE, (Shape::Line, Style::Estimated, 2.0), thinned(believed));
+    scene.draw(ABOVE, (Shape::Line, Style::Estimated, 2.0), thinned(EVERY[0], believed));
     scene.draw(ABOVE, (Shape::Rings, Style::Estimated, 3.0), last.poses.iter().copied());
     let now = [seen_from_above(&last.estimate)];
     scene.draw(ABOVE, (Shape::Discs, Style::Estimated, 5.0), now);
@@ -102,14 +102,13 @@ pub fn tracks(frames: &[Frame], scene: &mut Scene) {
     let gated = |frame: &Frame| frame.report.refused.gated as f64;
     let [up, down] = [largest(frames, used).max(5.0), largest(frames, gated).max(2.0)];
     scene.view(TRACKS, [0.0, SECONDS], [-1.1 * down, 1.1 * up]);
-    let bars = |of: &dyn Fn(&Frame) -> f64| {
-        let tall = frames.iter().enumerate().filter(|(_, frame)| of(frame) != 0.0);
-        let bar =
-            |(at, frame): (usize, &Frame)| [[seconds(at), 0.0], [seconds(at), of(frame)], BREAK];
-        tall.flat_map(bar).collect::<Vec<_>>()
+    let end = seconds(frames.len().saturating_sub(1));
+    let filled = |of: &dyn Fn(&Frame) -> f64| {
+        let counts = frames.iter().enumerate().map(|(at, frame)| [seconds(at), of(frame)]);
+        counts.chain([[end, 0.0], [0.0, 0.0]]).collect::<Vec<_>>()
     };
-    scene.draw(TRACKS, (Shape::Line, Style::Estimated, 1.5), bars(&used));
-    scene.draw(TRACKS, (Shape::Line, Style::Third, 1.5), bars(&|frame| -gated(frame)));
+    scene.draw(TRACKS, (Shape::Area, Style::Estimated, 1.0), filled(&used));
+    scene.draw(TRACKS, (Shape::Area, Style::Third, 1.0), filled(&|frame| -gated(frame)));
     scene.draw(TRACKS, (Shape::Line, Style::Ink, 1.0), [[0.0, 0.0], [SECONDS, 0.0]]);
 }
 
@@ -133,14 +132,18 @@ fn seconds(number: usize) -> f64 {
 }
 
 fn over_time(frames: &[Frame], of: impl Fn(&Frame) -> f64) -> impl Iterator<Item = [f64; 2]> {
-    thinned(frames.iter().enumerate().map(move |(at, frame)| [seconds(at), of(frame)]))
+    let places = frames.iter().enumerate().map(move |(at, frame)| [seconds(at), of(frame)]);
+    thinned(EVERY[1], places)
 }
 
-/// Every so manieth place, and the last one.
-fn thinned(places: impl ExactSizeIterator<Item = [f64; 2]>) -> impl Iterator<Item = [f64; 2]> {
+/// Every so many places one, and the last one.
+fn thinned(
+    every: usize,
+    places: impl ExactSizeIterator<Item = [f64; 2]>,
+) -> impl Iterator<Item = [f64; 2]> {
     let last = places.len().saturating_sub(1);
     let numbered = places.enumerate();
-    numbered.filter(move |(at, _)| at % EVERY == 0 || *at == last).map(|(_, place)| place)
+    numbered.filter(move |(at, _)| at % every == 0 || *at == last).map(|(_, place)| place)
 }
 
 fn largest(frames: &[Frame], of: impl Fn(&Frame) -> f64) -> f64 {

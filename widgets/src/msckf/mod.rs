@@ -28,7 +28,7 @@ const NEES: usize = 5;
 const TIME: Axis = Axis { label: "time, s", range: [0.0, SECONDS] };
 
 const fn map(title: &'static str, [x, y]: [Axis; 2]) -> Panel {
-    Panel { title, x, y, aspect: 0.8, span: 3, equal: true, down: false }
+    Panel { title, x, y, aspect: 0.66, span: 3, equal: true, down: false }
 }
 
 const fn over_time(title: &'static str, label: &'static str, range: [f64; 2]) -> Panel {
@@ -42,7 +42,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Filter {
     const FACE: Face = Face {
-        lead: "Press Play: the cross, where the body truly is, has to stay within the reported ellipses. Then switch the gate off. Then, with the gate, keep landmarks in the state and compare the reported σ of the yaw with that at the start.",
+        lead: "Press Play: the cross, where the body truly is, has to stay within the reported ellipses. Rings are the poses of the window, rays the last pixels, dashed ones wrong. Then switch the gate off; then on again, keep ten landmarks in the state and watch σ of the yaw.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -77,31 +77,23 @@ impl Widget for Filter {
         handles: &[],
         panels: &[
             map(
-                "From above: true (dashed), estimate, window (rings), rays",
+                "From above: truth (dashed), estimate",
                 [
                     Axis { label: "x, m", range: [-6.0, 6.0] },
                     Axis { label: "y, m", range: [-4.7, 4.7] },
                 ],
             ),
             map(
-                "Truth (cross) seen from the estimate, with one and three σ",
+                "Truth (cross), and one and three σ",
                 [
                     Axis { label: "x, cm", range: [-1.0, 1.0] },
                     Axis { label: "y, cm", range: [-1.0, 1.0] },
                 ],
             ),
             over_time("Position: error, reported σ (dashed)", "cm", [0.0, 1.0]),
-            over_time(
-                "Yaw: error, reported ±σ (dashed), that at the start (shaded)",
-                "°",
-                [-1.0, 1.0],
-            ),
-            over_time("Tracks: used (up), refused by the gate (down)", "", [-1.0, 1.0]),
-            over_time(
-                "NEES of position and yaw (dashed), one on average",
-                "power of ten",
-                [-2.0, 4.0],
-            ),
+            over_time("Yaw: error, ±σ (dashed), start (shaded)", "degrees", [-1.0, 1.0]),
+            over_time("Tracks used (up), refused (down)", "tracks", [-1.0, 1.0]),
+            over_time("NEES: position (line), yaw (dashed)", "power of ten", [-2.0, 4.0]),
         ],
         readings: &[
             reading("Position error", "cm", 1),
@@ -118,9 +110,9 @@ impl Widget for Filter {
         question: Some(Question {
             ask: "Neither camera nor IMU can tell which way is north. Ten landmarks now stay in the state, with derivatives at the latest estimates. What becomes of the reported σ of the yaw?",
             choices: &[
-                "it never falls below that at the start",
-                "it falls below, and the error with it",
-                "it falls below, and the error does not",
+                "it stays near what it was at the start",
+                "it falls to about half, and the error with it",
+                "it falls to about half, and the error does not",
             ],
             right: 2,
         }),
@@ -141,7 +133,7 @@ impl Widget for Filter {
     }
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
-        let Some((run, frames)) = self.flown(controls) else {
+        let Some((run, frames, last)) = self.flown(controls) else {
             Self::FACE.readings.iter().for_each(|_| scene.read(None));
             return;
         };
@@ -151,11 +143,11 @@ impl Widget for Filter {
         draw::yaw(frames, scene);
         draw::tracks(frames, scene);
         draw::nees(frames, scene);
-        read(frames, scene);
+        read(frames, last, scene);
     }
 
     fn steps(&self, controls: &[f64], into: &mut Vec<f64>) {
-        for frame in self.flown(controls).into_iter().flat_map(|(_, frames)| frames) {
+        for frame in self.flown(controls).into_iter().flat_map(|(_, frames, _)| frames) {
             let PictureReport { used, rows, refused, .. } = frame.report;
             let Refusals { short, landmark, rank, gated } = refused;
             into.extend([used, rows, short, landmark, rank, gated].map(|count| count as f64));
@@ -167,17 +159,17 @@ impl Widget for Filter {
 }
 
 impl Filter {
-    /// What has been flown of what the controls ask for.
-    fn flown(&self, controls: &[f64]) -> Option<(&Run, &[Frame])> {
+    /// What has been flown of what the controls ask for, and where the filter stands now, if it could go on.
+    fn flown(&self, controls: &[f64]) -> Option<(&Run, &[Frame], Option<&Frame>)> {
         let (setting, picture) = Setting::of(controls)?;
         let run = self.run.as_ref().filter(|run| run.setting == setting)?;
-        Some((run, &run.frames[..run.frames.len().min(picture + 1)]))
+        let frames = &run.frames[..run.frames.len().min(picture + 1)];
+        Some((run, frames, run.last(picture)))
     }
 }
 
 /// The numbers after the last picture.
-fn read(frames: &[Frame], scene: &mut Scene) {
-    let last = frames.last();
+fn read(frames: &[Frame], last: Option<&Frame>, scene: &mut Scene) {
     scene.read(last.map(|frame| 100.0 * frame.error.position.norm()));
     scene.read(last.map(|frame| 100.0 * frame.sigma));
     scene.read(last.map(|frame| frame.error.yaw().to_degrees()));

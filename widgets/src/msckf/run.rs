@@ -16,8 +16,8 @@ pub struct Run {
     pub frames: Vec<Frame>,
     recorder: Recorder,
     filter: Option<Msckf>,
-    /// Whether there are no more pictures, or the filter cannot go on.
-    ended: bool,
+    /// Whether the filter cannot go on.
+    failed: bool,
 }
 
 /// The filter after a picture.
@@ -44,7 +44,7 @@ impl Run {
     /// The flight before it begins, if there is one.
     pub fn new(setting: Setting) -> Option<Self> {
         let recorder = setting.recorder().ok()?;
-        Some(Self { setting, frames: Vec::new(), recorder, filter: None, ended: false })
+        Some(Self { setting, frames: Vec::new(), recorder, filter: None, failed: false })
     }
 
     /// What the sensors have brought home until now.
@@ -54,12 +54,21 @@ impl Run {
 
     /// Goes on by a picture if this one is still to come; whether it is still to come then.
     pub fn advance(&mut self, to: usize) -> bool {
-        if self.frames.len() <= to && !self.ended {
+        if self.is_left(to) {
             let frame = self.picture();
-            self.ended = frame.is_none();
+            self.failed = frame.is_none();
             self.frames.extend(frame);
         }
-        self.frames.len() <= to && !self.ended
+        self.is_left(to)
+    }
+
+    fn is_left(&self, to: usize) -> bool {
+        self.frames.len() <= to && !self.failed
+    }
+
+    /// The filter after this picture, or as far as it has come; nothing if it could not go on until there.
+    pub fn last(&self, to: usize) -> Option<&Frame> {
+        self.frames.get(to).or(self.frames.last().filter(|_| !self.failed))
     }
 
     /// Takes a picture.

@@ -10,10 +10,10 @@ pub const SECONDS: f64 = 30.0;
 /// Pictures in a second.
 pub const PICTURES: f64 = 10.0;
 /// The standard deviations of what is known at the beginning: turns, velocity and position, in rad, m/s and m, and the
-/// biases of gyroscope and accelerometer, in rad/s and m/s². With a velocity that is nearly unknown, all that the filter
-/// can know of its yaw is what it was told at the beginning.
+/// biases of gyroscope and accelerometer, in rad/s and m/s². A velocity that is known well in the world would say something
+/// of the yaw.
 pub const SIGMAS: [f64; 15] =
-    [0.01, 0.01, 0.02, 0.3, 0.3, 0.3, 0.01, 0.01, 0.01, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
+    [0.01, 0.01, 0.015, 0.15, 0.15, 0.15, 0.01, 0.01, 0.01, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
 /// Metres from the flight to the walls of its room, and landmarks on them.
 const ROOM: (f64, usize) = (3.0, 240);
 /// The probability that a track without fault passes the gate.
