@@ -159,4 +159,6 @@ pub struct Steps {
     pub decisions: &'static [&'static str],
     /// What came out.
     pub numbers: &'static [&'static str],
+    /// The decision that says, by one, that from here on rounding grows from step to step.
+    pub lost: Option<&'static str>,
 }

@@ -25,7 +25,7 @@ pub trait Widget: Default {
     const FACE: Face;
 
     /// What is told of each step of what goes on in steps; by default nothing does.
-    const STEPS: Steps = Steps { decisions: &[], numbers: &[] };
+    const STEPS: Steps = Steps { decisions: &[], numbers: &[], lost: None };
 
     /// Computes a little of what these controls show, and says whether more is left. What takes too long for one picture
     /// of the screen is computed so; the rest is computed when it is shown.

@@ -191,8 +191,8 @@ fn more_noise_is_reported_and_more_pictures_and_features_help() {
         assert!(a < b && b < c, "{name}: {a} {b} {c}");
     };
     grows("pixel", [0.5, 1.0, 3.0]);
-    grows("imu", [0.3, 3.0, 30.0]);
-    grows("window", [16.0, 9.0, 4.0]);
+    grows("imu", [0.3, 2.0, 10.0]);
+    grows("window", [16.0, 9.0, 5.0]);
     grows("features", [30.0, 15.0, 5.0]);
 }
 
@@ -208,7 +208,7 @@ fn errors_are_about_as_large_as_reported_whatever_the_noise() {
 
 #[test]
 fn the_gate_refuses_more_the_more_pixels_are_wrong() {
-    let [none, few, many] = [0.0, 3.0, 10.0].map(|share| shown(&[("outliers", share)])(GATED));
+    let [none, few, many] = [0.0, 2.0, 5.0].map(|share| shown(&[("outliers", share)])(GATED));
     assert!(none < 5.0 && none < few && few < many, "{none} {few} {many}");
 }
 
@@ -260,6 +260,7 @@ fn what_is_told_of_the_steps_adds_up_to_what_is_shown() {
     let others = ["too short", "no landmark", "rank"].map(|name| column(name).sum::<f64>());
     assert_eq!(others.iter().sum::<f64>(), shown(OTHERS));
     close(100.0 * column("σ of the position").last().unwrap(), shown(SIGMA));
+    assert_eq!(column("lost").sum::<f64>(), 0.0);
     close(column("yaw error").last().unwrap().to_degrees(), shown(YAW_ERROR));
 }
 
@@ -338,11 +339,11 @@ fn the_hardest_flights_are_flown_to_their_end() {
     let mut session = session(&[LANDED]);
     for combination in 0..64 {
         let ends = [
-            ("window", [4.0, 16.0]),
+            ("window", [5.0, 16.0]),
             ("features", [5.0, 30.0]),
-            ("pixel", [0.2, 4.0]),
-            ("imu", [0.1, 30.0]),
-            ("outliers", [0.0, 10.0]),
+            ("pixel", [0.3, 3.0]),
+            ("imu", [0.1, 10.0]),
+            ("outliers", [0.0, 5.0]),
             ("gate", [0.0, 1.0]),
         ];
         for (at, (name, ends)) in ends.into_iter().enumerate() {

@@ -52,20 +52,20 @@ impl Widget for Filter {
                 "window",
                 "Poses in the window, longest track",
                 "",
-                [11.0, 4.0, 16.0, 1.0],
+                [11.0, 5.0, 16.0, 1.0],
             ),
             Control::slider("features", "Features in a picture", "", [20.0, 5.0, 30.0, 1.0]),
-            Control::slider("pixel", "Noise of a pixel", "px", [1.0, 0.2, 4.0, 0.1]),
+            Control::slider("pixel", "Noise of a pixel", "px", [1.0, 0.3, 3.0, 0.1]),
             Control {
                 kind: Kind::Logarithmic,
                 ..Control::slider(
                     "imu",
                     "Noise of the IMU, over that of EuRoC",
                     "",
-                    [1.0, 0.1, 30.0, 0.01],
+                    [1.0, 0.1, 10.0, 0.01],
                 )
             },
-            Control::slider("outliers", "Share of wrong pixels", "%", [1.0, 0.0, 10.0, 0.5]),
+            Control::slider("outliers", "Share of wrong pixels", "%", [1.0, 0.0, 5.0, 0.5]),
             Control { kind: Kind::Switch, start: 1.0, ..Control::count("gate", "Gate", 1.0) },
             Control::choice(
                 "landmarks",
@@ -120,8 +120,9 @@ impl Widget for Filter {
     };
 
     const STEPS: Steps = Steps {
-        decisions: &["used", "rows", "too short", "no landmark", "rank", "gated"],
+        decisions: &["used", "too short", "no landmark", "rank", "gated", "lost"],
         numbers: &["x", "y", "z", "yaw error", "σ of the position", "σ of the yaw", "NEES"],
+        lost: Some("lost"),
     };
 
     fn advance(&mut self, controls: &[f64]) -> bool {
@@ -148,9 +149,10 @@ impl Widget for Filter {
 
     fn steps(&self, controls: &[f64], into: &mut Vec<f64>) {
         for frame in self.flown(controls).into_iter().flat_map(|(_, frames, _)| frames) {
-            let PictureReport { used, rows, refused, .. } = frame.report;
-            let Refusals { short, landmark, rank, gated } = refused;
-            into.extend([used, rows, short, landmark, rank, gated].map(|count| count as f64));
+            let Refusals { short, landmark, rank, gated } = frame.report.refused;
+            let used = frame.report.used;
+            let lost = usize::from(frame.is_lost());
+            into.extend([used, short, landmark, rank, gated, lost].map(|count| count as f64));
             let nees = frame.nees.map_or(f64::NAN, |nees| nees.position);
             into.extend(frame.estimate.position.iter());
             into.extend([frame.error.yaw(), frame.sigma, frame.yaw_sigma, nees]);

@@ -8,6 +8,10 @@ use vislam::simulation::{FlightRecording, Recorder};
 
 use super::setting::{SIGMAS, Setting};
 
+/// A filter whose NEES of the position is beyond this is lost: it takes its derivatives where the body is not, and small
+/// differences grow.
+const LOST: f64 = 10.0;
+
 /// A flight until some picture.
 pub struct Run {
     /// What was asked for.
@@ -109,6 +113,11 @@ impl Frame {
             .ok(),
             report,
         }
+    }
+
+    /// Whether the filter is lost.
+    pub fn is_lost(&self) -> bool {
+        self.nees.is_none_or(|nees| nees.position > LOST)
     }
 }
 
