@@ -259,9 +259,9 @@ fn what_is_told_of_the_steps_adds_up_to_what_is_shown() {
     assert_eq!(column("gated").sum::<f64>(), shown(GATED));
     let others = ["too short", "no landmark", "rank"].map(|name| column(name).sum::<f64>());
     assert_eq!(others.iter().sum::<f64>(), shown(OTHERS));
-    close(100.0 * column("σ of the position").last().unwrap(), shown(SIGMA));
+    close(100.0 * column("σ of the position").next_back().unwrap(), shown(SIGMA));
     assert_eq!(column("lost").sum::<f64>(), 0.0);
-    close(column("yaw error").last().unwrap().to_degrees(), shown(YAW_ERROR));
+    close(column("yaw error").next_back().unwrap().to_degrees(), shown(YAW_ERROR));
 }
 
 fn bits(numbers: &[f64]) -> Vec<u64> {
