@@ -26,11 +26,7 @@ const FIRST: (&str, f64) = ("landmarks", 2.0);
 type Settings<'a> = &'a [(&'a str, f64)];
 
 fn session(settings: Settings) -> Session<Filter> {
-    let mut session = Session::new();
-    for (name, value) in settings {
-        assert!(session.set(name, *value), "{name}");
-    }
-    session
+    Session::with(settings).unwrap_or_else(|| panic!("{settings:?}"))
 }
 
 fn shown(settings: Settings) -> impl Fn(&str) -> f64 + use<> {
