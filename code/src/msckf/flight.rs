@@ -1,14 +1,14 @@
 //! Simulated flights, as a filter follows them.
 
 use nalgebra::SVector;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 use super::{Msckf, MsckfError, PictureReport, Start};
 use crate::least_squares::Manifold;
 use crate::preintegration::Matrix15;
 use crate::simulation::FlightRecording;
 use crate::simulation::random::normal;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 impl Start {
     /// What is believed when a recording begins: the truth, off by an error that is drawn. `sigmas`

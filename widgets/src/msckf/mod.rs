@@ -1,4 +1,9 @@
 //! The multi-state constraint Kalman filter on a flight: what it believes of where it is, and whether that is so.
+//!
+//! A whole flight takes longer than a picture of the screen may. So it is flown picture by picture, from the start
+//! whenever a control other than the time has changed, and only as far as the time that is asked for: what is shown in
+//! the end depends on the controls alone, each step on the way is short on a slow machine too, and to move the time back
+//! costs nothing.
 
 mod draw;
 mod run;
