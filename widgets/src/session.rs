@@ -1,23 +1,33 @@
 //! A widget in the hands of a reader.
 
-use crate::{Kind, Scene, Widget};
+use crate::{Face, Kind, Scene, Widget};
 
 /// A widget, the values of its controls and what it shows.
 pub struct Session<W> {
     widget: W,
-    face: String,
+    face: Face,
+    face_as_json: String,
     controls: Vec<f64>,
     scene: Scene,
     numbers: Vec<f64>,
 }
 
-impl<W: Widget> Session<W> {
+impl<W: Widget + Default> Session<W> {
     /// As it stands on the page at first.
     pub fn new() -> Self {
+        Self::of(W::default())
+    }
+}
+
+impl<W: Widget> Session<W> {
+    /// A widget as it stands on the page at first.
+    pub fn of(widget: W) -> Self {
+        let face = widget.face();
         Self {
-            widget: W::default(),
-            face: serde_json::to_string(&W::FACE).unwrap_or_default(),
-            controls: W::FACE.controls.iter().map(|control| control.start).collect(),
+            widget,
+            face,
+            face_as_json: serde_json::to_string(&face).unwrap_or_default(),
+            controls: face.controls.iter().map(|control| control.start).collect(),
             scene: Scene::default(),
             numbers: Vec::new(),
         }
@@ -25,7 +35,7 @@ impl<W: Widget> Session<W> {
 
     /// The face as JSON.
     pub fn face(&self) -> &str {
-        &self.face
+        &self.face_as_json
     }
 
     /// The values of the controls.
@@ -35,7 +45,7 @@ impl<W: Widget> Session<W> {
 
     /// Draws; the readings and the marks.
     pub fn show(&mut self) -> &[f64] {
-        for (value, control) in self.controls.iter_mut().zip(W::FACE.controls) {
+        for (value, control) in self.controls.iter_mut().zip(self.face.controls) {
             let inside = value.clamp(control.least, control.most);
             *value = if inside.is_nan() { control.start } else { inside };
         }
@@ -43,6 +53,11 @@ impl<W: Widget> Session<W> {
         self.widget.show(&self.controls, &mut self.scene);
         self.scene.write(&mut self.numbers);
         &self.numbers
+    }
+
+    /// What the picture that was drawn last says in words.
+    pub fn said(&self) -> &str {
+        self.scene.said()
     }
 
     /// Drags a handle.
@@ -53,7 +68,7 @@ impl<W: Widget> Session<W> {
     }
 }
 
-impl<W: Widget> Default for Session<W> {
+impl<W: Widget + Default> Default for Session<W> {
     fn default() -> Self {
         Self::new()
     }
@@ -77,15 +92,15 @@ pub trait Player {
 
 impl<W: Widget> Player for Session<W> {
     fn face(&self) -> &str {
-        &self.face
+        &self.face_as_json
     }
 
     fn set(&mut self, name: &str, value: f64) -> bool {
-        let Some(at) = W::FACE.controls.iter().position(|control| control.name == name) else {
+        let Some(at) = self.face.controls.iter().position(|control| control.name == name) else {
             return false;
         };
-        let counts = W::FACE.controls.iter().map(|control| control.kind == Kind::Count);
-        if W::FACE.controls[at].kind != Kind::Count {
+        let counts = self.face.controls.iter().map(|control| control.kind == Kind::Count);
+        if self.face.controls[at].kind != Kind::Count {
             self.controls.iter_mut().zip(counts).filter(|(_, is)| *is).for_each(|(v, _)| *v = 0.0);
         }
         self.controls[at] = value;
@@ -97,13 +112,13 @@ impl<W: Widget> Player for Session<W> {
     }
 
     fn controls(&self) -> Vec<(&'static str, f64)> {
-        let names = W::FACE.controls.iter().map(|control| control.name);
+        let names = self.face.controls.iter().map(|control| control.name);
         names.zip(self.controls.iter().copied()).collect()
     }
 
     fn readings(&mut self) -> Vec<(&'static str, f64)> {
         self.show();
-        let labels = W::FACE.readings.iter().map(|reading| reading.label);
+        let labels = self.face.readings.iter().map(|reading| reading.label);
         labels.zip(self.scene.readings().iter().copied()).collect()
     }
 

@@ -1,0 +1,44 @@
+//! An answer, as a picture asks it.
+
+use std::panic;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use exercise_spec::answer::{Fault, Native, Transport};
+use exercise_spec::declaration::Dispatch;
+
+/// An answer that can be asked again and again.
+pub type Asked = Arc<dyn Transport>;
+
+/// What the latest panic says, and where it happened.
+static PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// The answer of these functions. In a module a panic ends the call, and what it said is kept for the page; elsewhere it
+/// is a [`Fault`].
+pub fn written(functions: impl Dispatch + 'static) -> Asked {
+    if cfg!(not(target_family = "wasm")) {
+        return Arc::new(Native(functions));
+    }
+    panic::set_hook(Box::new(|info| {
+        let place = info.location().map(|at| format!(" at {}:{}", at.file(), at.line()));
+        let sentence = info.payload_as_str().unwrap_or("without words");
+        let fault = Fault::of_panic(sentence, place.unwrap_or_default());
+        *PANIC.lock().unwrap_or_else(PoisonError::into_inner) = fault.to_string();
+    }));
+    Arc::new(Called(functions))
+}
+
+/// What the panic that ended a call said: its address in the upper half, its length in the lower one.
+pub fn panic_said() -> u64 {
+    let said = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+    (said.as_ptr() as usize as u64) << 32 | said.len() as u64
+}
+
+/// An answer whose panics end all.
+struct Called<F>(F);
+
+impl<F: Dispatch> Transport for Called<F> {
+    fn call(&self, function: usize, input: &[u8]) -> Result<Vec<u8>, Fault> {
+        let output = self.0.dispatch(function, input);
+        output.ok_or_else(|| Fault::Output(format!("there is no function {function} of that type")))
+    }
+}
