@@ -25,10 +25,14 @@
     // ---- Modules come as scripts that call this with their name and their bytes, compressed.
     const asked = new Map();
 
-    function module(name, packed) {
+    function compiled(packed) {
         const bytes = Uint8Array.from(atob(packed), letter => letter.charCodeAt(0));
         const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-        asked.get(name).resolve(new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code)));
+        return new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code));
+    }
+
+    function module(name, packed) {
+        asked.get(name).resolve(compiled(packed));
     }
 
     function load(name, address) {
@@ -47,7 +51,7 @@
     class Session {
         constructor(instance) {
             this.exports = instance.exports;
-            this.face = JSON.parse(new TextDecoder().decode(this.bytes(this.exports.face())));
+            this.face = JSON.parse(this.text(this.exports.face()));
         }
 
         place(packed) {
@@ -57,6 +61,10 @@
         bytes(packed) {
             const [address, length] = this.place(packed);
             return new Uint8Array(this.exports.memory.buffer, address, length);
+        }
+
+        text(packed) {
+            return new TextDecoder().decode(this.bytes(packed));
         }
 
         numbers(packed) {
@@ -70,6 +78,10 @@
 
         show() {
             return this.numbers(this.exports.show());
+        }
+
+        get said() {
+            return this.text(this.exports.said());
         }
 
         drag(handle, [x, y]) {
@@ -357,12 +369,13 @@
     // ---- A widget: its face built once, and shown again at every change.
     class Widget {
         constructor(figure, session) {
-            Object.assign(this, { figure, session, name: figure.dataset.widget });
+            Object.assign(this, { figure, session, name: figure.dataset.widget ?? figure.dataset.answer });
             const { face } = session;
             this.controls = face.controls.map((control, number) =>
                 new Control(control, number, (...change) => this.change(...change)));
             this.panels = face.panels.map(panel => new Panel(panel, (handle, place) => this.drag(handle, place)));
             this.readings = face.readings.map(reading => this.reading(reading));
+            this.said = element("p", { className: "said" });
             this.spoken = element("p", { className: "spoken" });
             this.spoken.setAttribute("role", "status");
             const reset = element("button", { type: "button", className: "reset", textContent: "Reset" });
@@ -372,6 +385,7 @@
                 element("div", { className: "panels" }, ...this.panels.map(panel => panel.box)),
                 ...(face.question ? [this.question(face.question)] : []),
                 element("dl", { className: "readings" }, ...this.readings.map(reading => reading.box)),
+                this.said,
                 element("div", { className: "controls" }, ...this.controls.map(control => control.box), reset),
                 this.spoken);
             this.box.setAttribute("role", "group");
@@ -451,12 +465,16 @@
             cancelAnimationFrame(this.wanted);
             this.wanted = null;
             try {
-                this.draw(this.session.show());
+                this.shown(this.session.show(), this.session.said);
             } catch (error) {
                 this.pause();
                 stand(this.figure, `its program has stopped: ${error.message}`);
-                return;
             }
+        }
+
+        shown(numbers, said) {
+            this.draw(numbers);
+            this.said.textContent = said;
             const values = this.session.controls;
             this.controls.forEach((control, number) => control.show(values[number]));
             this.write();
@@ -487,7 +505,8 @@
 
         announce() {
             const told = this.readings.filter(reading => !reading.box.classList.contains("veiled"));
-            this.spoken.textContent = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            const readings = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            this.spoken.textContent = [readings, this.said.textContent].filter(Boolean).join(". ");
         }
 
         // ---- Playing: up and down a slider. Who wants no motion goes on by steps.
@@ -590,5 +609,5 @@
         }
     }
 
-    window.vislamWidgets = { module, start };
+    window.vislamWidgets = { module, start, compiled, element, stand, Session, Widget };
 })();
