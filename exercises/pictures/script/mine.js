@@ -18,6 +18,10 @@
                 session = new Session(new WebAssembly.Instance(module, {}));
                 return { face: session.face };
             },
+            silence: () => {
+                session.exports.silence();
+                return {};
+            },
             show: controls => {
                 session.controls.set(controls);
                 const numbers = session.show().slice();
@@ -95,17 +99,30 @@
                     }
                     shown(picture.numbers, picture.said);
                 } catch (error) {
-                    failed(error);
+                    failed(error, await this.alone().catch(() => null));
                 }
             }
             this.busy = false;
         }
 
+        // What is expected, without the answer.
+        async alone() {
+            await this.load();
+            await this.ask("silence", null, PATIENCE);
+            const { numbers } = await this.ask("show", this.controls, PATIENCE);
+            this.end();
+            return numbers;
+        }
+
+        end() {
+            this.worker.terminate();
+            this.worker = null;
+        }
+
         ask(task, argument, patience) {
             return new Promise((resolve, reject) => {
                 const fail = why => {
-                    this.worker.terminate();
-                    this.worker = null;
+                    this.end();
                     reject(new Error(why));
                 };
                 const late = setTimeout(() => fail(ENDLESS), patience);
@@ -184,7 +201,7 @@
                     this.known = known;
                     this.fare(...known);
                 };
-                this.session.show((...picture) => keep("", picture), error => keep(error.message));
+                this.session.show((...picture) => keep("", picture), (error, alone) => keep(error.message, alone && [alone, ""]));
             }
 
             reset() {
@@ -192,22 +209,12 @@
                 super.reset();
             }
 
-            // A picture, or why there is none; the picture before it stays, pale.
+            // A picture, or why there is none; then it is one without the answer.
             fare(sentence, picture) {
                 this.trouble ??= this.troubleBox();
                 this.trouble.textContent = sentence;
                 this.box.classList.toggle("failed", Boolean(sentence));
-                if (picture) {
-                    this.shown(...picture);
-                    return;
-                }
-                const values = this.session.controls;
-                this.controls.forEach((control, number) => control.show(values[number]));
-                this.write();
-                if (!this.panels.some(panel => panel.drawnFor)) {
-                    this.panels.forEach(panel => panel.begin());
-                    this.panels.forEach(panel => panel.end([]));
-                }
+                this.shown(...picture ?? [new Float64Array(this.readings.length).fill(NaN), ""]);
             }
 
             troubleBox() {

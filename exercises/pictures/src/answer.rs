@@ -1,6 +1,7 @@
 //! An answer, as a picture asks it.
 
 use std::panic;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use exercise_spec::answer::{Fault, Native, Transport};
@@ -11,6 +12,14 @@ pub type Asked = Arc<dyn Transport>;
 
 /// What the latest panic says, and where it happened.
 static PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// Whether answers are asked no more.
+static SILENT: AtomicBool = AtomicBool::new(false);
+
+/// Asks no answer from now on, so that a picture shows what is expected alone.
+pub fn silence() {
+    SILENT.store(true, Ordering::Relaxed);
+}
 
 /// The answer of these functions. In a module a panic ends the call, and what it said is kept for the page; elsewhere it
 /// is a [`Fault`].
@@ -38,6 +47,9 @@ struct Called<F>(F);
 
 impl<F: Dispatch> Transport for Called<F> {
     fn call(&self, function: usize, input: &[u8]) -> Result<Vec<u8>, Fault> {
+        if SILENT.load(Ordering::Relaxed) {
+            return Err(Fault::Stopped("it is not asked".to_owned()));
+        }
         let output = self.0.dispatch(function, input);
         output.ok_or_else(|| Fault::Output(format!("there is no function {function} of that type")))
     }

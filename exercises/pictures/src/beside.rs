@@ -75,7 +75,7 @@ impl Widget for Beside {
     const FACE: Face = Face {
         lead: "Your answer is asked what the tests ask it. A square is as large as its number, hollow where that is \
                negative; a frame marks a number that differs from the one expected.",
-        controls: &[Control::slider("case", "Case", "", [1.0, 1.0, 24.0, 1.0])],
+        controls: &[Control::slider("case", "Case", "", [1.0, 1.0, 60.0, 1.0])],
         handles: &[],
         panels: &[
             bare("Your answer", 3, 0.6),
@@ -88,7 +88,7 @@ impl Widget for Beside {
             graph(
                 "All cases: how far off",
                 "case",
-                Axis { label: "log₁₀ of the part", range: [FLOOR - 1.0, 2.0] },
+                Axis { label: "log₁₀ of the difference", range: [FLOOR - 1.0, 2.0] },
             ),
         ],
         readings: &[
@@ -116,6 +116,9 @@ impl Widget for Beside {
                 one(scene, compared);
                 all(scene, &seen.cases, case);
                 scene.say(&format!("Case {case} of {}: {}", seen.cases.len(), told(compared)));
+                if let Some(others) = others(&seen.cases, case) {
+                    scene.say(&others);
+                }
             }
             None => {
                 scene.read(None);
@@ -130,6 +133,22 @@ impl Widget for Beside {
             None => {}
         }
     }
+}
+
+/// Which other cases differ.
+fn others(cases: &[Compared], shown: usize) -> Option<String> {
+    const MOST: usize = 8;
+    let numbered =
+        (1..).zip(cases).filter(|(number, case)| *number != shown && case.failure.is_some());
+    let differing: Vec<String> = numbered.map(|(number, _)| number.to_string()).collect();
+    let (first, more) = (differing.first()?, differing.len().saturating_sub(MOST));
+    let listed = if differing.len() == 1 {
+        format!("case {first}")
+    } else {
+        format!("cases {}", differing[..differing.len().min(MOST)].join(", "))
+    };
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(format!("What differs too: {listed}{more}."))
 }
 
 /// Draws one case.

@@ -3,8 +3,10 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use exercise_spec::answer::Fault;
+use exercise_spec::check::readable;
+use nalgebra::SMatrix;
 use vislam::least_squares::{Dense, Options, Problem, Search, Values};
-use widgets::{Axis, Panel, Scene, Shape, Style};
+use widgets::{Axis, Panel, Reading, Scene, Shape, Style};
 
 /// Hers, and the book's.
 pub const HERS: Style = Style::First;
@@ -33,7 +35,7 @@ impl Trouble {
 pub struct Way<S> {
     /// The start, and where each step has led.
     pub states: Vec<S>,
-    /// The cost there, by the book's residual.
+    /// The cost there by the book's residual, less that of the minimum.
     pub costs: Vec<f64>,
     /// Why it went no further, if it did not.
     pub ended: Option<String>,
@@ -70,24 +72,26 @@ impl<S> Way<S> {
         Self { states, costs, ended }
     }
 
+    /// The cost and the state at the end.
+    pub fn end(&self) -> (f64, &S) {
+        // There is the start at least.
+        (self.costs[self.costs.len() - 1], &self.states[self.states.len() - 1])
+    }
+
     /// How many steps it takes until the cost is next to nothing.
     pub fn steps_needed(&self) -> Option<f64> {
         self.costs.iter().position(|cost| *cost < ARRIVED).map(|steps| steps as f64)
     }
-
-    fn last(&self) -> f64 {
-        self.costs.last().copied().unwrap_or(f64::NAN)
-    }
 }
 
 /// A cost that is next to nothing.
-const ARRIVED: f64 = 1e-12;
+const ARRIVED: f64 = 1e-9;
 /// Where a cost of nothing is drawn, as a power of ten.
-const FLOOR: f64 = -32.0;
+const FLOOR: f64 = -24.0;
 
 /// The panel of the costs.
 pub const COSTS: Panel = Panel {
-    title: "Cost: crosses with your derivative, rings with the book's",
+    title: "Cost above its minimum: crosses yours, rings the book's",
     x: Axis { label: "step", range: [0.0, 10.0] },
     y: Axis { label: "log₁₀ of the cost", range: [FLOOR, 10.0] },
     aspect: 0.75,
@@ -96,9 +100,20 @@ pub const COSTS: Panel = Panel {
     down: false,
 };
 
+/// How many steps it takes.
+pub const fn steps(label: &'static str) -> Reading {
+    Reading { label, unit: "", digits: 0, none: "not in these", veiled: false }
+}
+
+/// How far off a search ends.
+pub const fn off(label: &'static str, unit: &'static str) -> Reading {
+    Reading { label, unit, digits: 3, none: "no number", veiled: false }
+}
+
 /// Draws the costs of both ways.
 pub fn draw_costs<S>(scene: &mut Scene, panel: usize, hers: &Way<S>, books: &Way<S>) {
-    let height = |cost: f64| if cost.is_nan() { f64::NAN } else { cost.log10().clamp(FLOOR, 40.0) };
+    let height =
+        |cost: f64| if cost.is_nan() { f64::NAN } else { cost.max(0.0).log10().clamp(FLOOR, 40.0) };
     let places = |way: &Way<S>| -> Vec<[f64; 2]> {
         way.costs.iter().enumerate().map(|(step, cost)| [step as f64, height(*cost)]).collect()
     };
@@ -114,9 +129,25 @@ pub fn draw_costs<S>(scene: &mut Scene, panel: usize, hers: &Way<S>, books: &Way
     scene.draw(panel, (Shape::Crosses, HERS, 3.5), hers);
 }
 
-/// Says how the ways end.
-pub fn say<S>(scene: &mut Scene, hers: &Way<S>, books: &Way<S>, fault: Option<Fault>) {
-    let number = exercise_spec::check::readable;
+/// How far a derivative is from the book's, as a part of the greatest number; nothing where one of them is not there.
+pub fn difference<const R: usize, const C: usize>(
+    hers: Option<SMatrix<f64, R, C>>,
+    books: Option<SMatrix<f64, R, C>>,
+) -> Option<f64> {
+    let (hers, books) = (hers?, books?);
+    Some((hers - books).amax() / books.amax())
+}
+
+/// A difference that is more than one of central differences.
+const SEEN: f64 = 1e-5;
+
+/// Says how the ways end, and whether the derivative at the start is the book's.
+pub fn say<S>(
+    scene: &mut Scene,
+    [hers, books]: [&Way<S>; 2],
+    difference: Option<f64>,
+    fault: Option<Fault>,
+) {
     if let Some(fault) = fault {
         return scene.say(&format!("{fault}."));
     }
@@ -128,21 +159,25 @@ pub fn say<S>(scene: &mut Scene, hers: &Way<S>, books: &Way<S>, fault: Option<Fa
         (Some(hers), Some(books)) if hers <= books => {
             "Your derivative leads there as fast as the book's."
         }
-        (Some(_), _) => {
-            "Your derivative leads there, with more steps than the book's: something in it is not quite the slope."
-        }
-        (None, _) if hers.last() >= start => {
+        (Some(_), _) => "Your derivative leads there, with more steps than the book's.",
+        (None, _) if hers.end().0 >= start => {
             "With your derivative the cost has not fallen: look at signs first."
         }
         (None, Some(_)) => {
-            "Your derivative creeps where the book's arrives: look at frames, and at which side a step stands."
+            "Your derivative does not arrive where the book's does: look at frames, and at which side a step stands."
         }
         (None, None) => "Neither has arrived: start nearer, or take more steps.",
     };
     scene.say(&format!(
-        "The cost begins with {} and ends with {} by your derivative, with {} by the book's. {sentence}",
-        number(start),
-        number(hers.last()),
-        number(books.last()),
+        "Above its minimum the cost begins with {} and ends with {} by your derivative, with {} by the book's. {sentence}",
+        readable(start),
+        readable(hers.end().0),
+        readable(books.end().0),
     ));
+    if let Some(difference) = difference.filter(|difference| *difference > SEEN) {
+        scene.say(&format!(
+            "At the start it differs from the book's, by {} of the greatest number: the tests say where.",
+            readable(difference)
+        ));
+    }
 }

@@ -7,10 +7,10 @@ use exercise_spec::left_perturbation::{Answer, Side};
 use nalgebra::{Isometry3, Matrix2x6, Point3, Vector2, Vector3, Vector6};
 use vislam::least_squares::{Factor, Kernel, Key, Problem};
 use vislam::manifold::se3;
-use widgets::{Axis, Control, Face, Panel, Reading, Scene, Shape, Style, Widget};
+use widgets::{Axis, Control, Face, Panel, Scene, Shape, Style, Widget};
 
 use crate::Asked;
-use crate::descent::{self, BOOKS, COSTS, HERS, Trouble, Way};
+use crate::descent::{self, BOOKS, COSTS, HERS, Trouble, Way, steps};
 
 /// Points that the camera has seen.
 const POINTS: usize = 12;
@@ -123,6 +123,33 @@ impl Setting {
         Self { camera, start: se3::exp(&xi) * truth, seen }
     }
 
+    /// How far the derivative at the start is from the book's, for one point.
+    fn difference(&self, answer: &Asked, source: Source, trouble: &Trouble) -> Option<f64> {
+        let pose = Problem::new().add_variable(self.start);
+        let of =
+            |source| self.factors(pose, answer, source, trouble).next()?.derivative(&self.start);
+        descent::difference(of(source), of(Source::Book))
+    }
+
+    /// What each point says of the pose.
+    fn factors(
+        &self,
+        pose: Key<Isometry3<f64>>,
+        answer: &Asked,
+        source: Source,
+        trouble: &Trouble,
+    ) -> impl Iterator<Item = Seen> {
+        self.seen.iter().map(move |&(point_in_world, pixel)| Seen {
+            point_in_world,
+            pixel,
+            camera: self.camera,
+            pose,
+            source,
+            answer: answer.clone(),
+            trouble: trouble.clone(),
+        })
+    }
+
     fn way(
         &self,
         answer: &Asked,
@@ -132,10 +159,7 @@ impl Setting {
     ) -> Way<Isometry3<f64>> {
         let mut problem = Problem::new();
         let pose = problem.add_variable(self.start);
-        for &(point_in_world, pixel) in &self.seen {
-            let (answer, trouble) = (answer.clone(), trouble.clone());
-            let factor =
-                Seen { point_in_world, pixel, camera: self.camera, pose, source, answer, trouble };
+        for factor in self.factors(pose, answer, source, trouble) {
             // The variable is the problem's own.
             let _ = problem.add_factor(factor, Kernel::Squared);
         }
@@ -173,30 +197,15 @@ impl Widget for LeftPerturbation {
             COSTS,
             Panel {
                 title: "The image: rings were measured, points go from the disc",
-                x: Axis { label: "u (px)", range: [0.0, 640.0] },
-                y: Axis { label: "v (px)", range: [0.0, 480.0] },
+                x: Axis { label: "u (px)", range: [-20.0, 660.0] },
+                y: Axis { label: "v (px)", range: [-60.0, 540.0] },
                 aspect: 0.75,
                 span: 3,
                 equal: true,
                 down: true,
             },
         ],
-        readings: &[
-            Reading {
-                label: "Steps until the cost is gone, yours",
-                unit: "",
-                digits: 0,
-                none: "not in these",
-                veiled: false,
-            },
-            Reading {
-                label: "The same, the book's",
-                unit: "",
-                digits: 0,
-                none: "not in these",
-                veiled: false,
-            },
-        ],
+        readings: &[steps("Steps until it is there, yours"), steps("The same, the book's")],
         question: None,
         words: &[],
     };
@@ -204,15 +213,16 @@ impl Widget for LeftPerturbation {
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
         let &[derivative, turned, shifted, count, number] = controls else { return };
         let setting = Setting::drawn(number, turned, shifted);
-        let (steps, trouble) = (count as usize, Trouble::default());
+        let (count, trouble) = (count as usize, Trouble::default());
         let source = SOURCES[(derivative as usize).min(SOURCES.len() - 1)];
-        let books = setting.way(&self.answer, Source::Book, steps, &trouble);
-        let hers = setting.way(&self.answer, source, steps, &trouble);
+        let books = setting.way(&self.answer, Source::Book, count, &trouble);
+        let hers = setting.way(&self.answer, source, count, &trouble);
         scene.read(hers.steps_needed());
         scene.read(books.steps_needed());
         descent::draw_costs(scene, 0, &hers, &books);
         draw_image(scene, 1, &setting, &hers, &books);
-        descent::say(scene, &hers, &books, trouble.take());
+        let difference = setting.difference(&self.answer, source, &trouble);
+        descent::say(scene, [&hers, &books], difference, trouble.take());
     }
 }
 
@@ -247,7 +257,7 @@ fn draw_image(
     scene.draw(panel, (Shape::Discs, Style::Ink, 2.5), starts);
     scene.draw(
         panel,
-        (Shape::Rings, Style::Measured, 6.0),
+        (Shape::Rings, Style::Ink, 8.0),
         setting.seen.iter().map(|(_, pixel)| [pixel.x, pixel.y]),
     );
 }

@@ -10,7 +10,7 @@ mod left_perturbation;
 mod residual_jacobian;
 mod squares;
 
-pub use answer::{Asked, panic_said, written};
+pub use answer::{Asked, panic_said, silence, written};
 pub use beside::Beside;
 pub use exercise_spec;
 pub use left_perturbation::LeftPerturbation;
@@ -31,6 +31,13 @@ macro_rules! picture {
         #[unsafe(no_mangle)]
         pub extern "C" fn panic_said() -> u64 {
             $crate::panic_said()
+        }
+
+        /// Asks the answer no more.
+        #[allow(unsafe_code)]
+        #[unsafe(no_mangle)]
+        pub extern "C" fn silence() {
+            $crate::silence();
         }
     };
 }

@@ -8,10 +8,15 @@ use vislam::inertial::{ImuBias, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Problem};
 use vislam::manifold::so3;
 use vislam::preintegration::{LinearizedImu, linearize};
-use widgets::{Axis, Control, Face, Panel, Reading, Scene, Shape, Style, Widget};
+use widgets::{Axis, Control, Face, Panel, Scene, Shape, Style, Widget};
 
 use crate::Asked;
-use crate::descent::{self, BOOKS, COSTS, HERS, Trouble, Way};
+use crate::descent::{self, BOOKS, COSTS, HERS, Trouble, Way, off, steps};
+
+/// How many intervals there are.
+const INTERVALS: usize = 3;
+/// As many steps as lead to the minimum.
+const MANY: usize = 80;
 
 /// A search for the first state.
 pub struct ResidualJacobian {
@@ -34,6 +39,7 @@ struct Parts {
 }
 
 /// The residual of an interval whose end is known, of the state at its beginning.
+#[derive(Clone)]
 struct Beginning {
     case: Case,
     first: Key<NavState>,
@@ -103,62 +109,105 @@ impl Factor<9> for Beginning {
     }
 }
 
-impl ResidualJacobian {
-    /// Where the search goes from a start.
-    fn way(
+/// Intervals that begin with one state, and where the search for it begins.
+struct Setting {
+    cases: Vec<Case>,
+    start: NavState,
+}
+
+impl Setting {
+    /// The ends of the intervals say where the beginning is, and contradict each other by an angle.
+    fn drawn(number: f64, [turned, shifted, duration, contradicted]: [f64; 4]) -> Self {
+        let mut draw = Draw::new(number as u64);
+        let drawn = |draw: &mut Draw| Case::drawn(draw, [0.1, 0.2], [duration, duration + 1e-9]);
+        let Case { first, gravity, .. } = drawn(&mut draw);
+        let case = |_| {
+            let Case { deltas, .. } = drawn(&mut draw);
+            let led = deltas.lead(&first, &gravity);
+            let off = Rotation3::new(contradicted.to_radians() * draw.direction());
+            let second = State {
+                world_from_body: led.world_from_body * off,
+                velocity: led.velocity + contradicted / 40.0 * draw.direction(),
+                position: led.position + contradicted / 40.0 * draw.direction(),
+            };
+            Case { deltas, first, second, gravity }
+        };
+        let cases = (0..INTERVALS).map(case).collect();
+        let [axis, way, speed] = [0; 3].map(|_| draw.direction());
+        let start = NavState {
+            world_from_body: first.world_from_body * Rotation3::new(turned.to_radians() * axis),
+            velocity: first.velocity + shifted * speed,
+            position: first.position + shifted * way,
+        };
+        Self { cases, start }
+    }
+
+    /// The residuals of all intervals, of a variable of a problem.
+    fn beginnings(
         &self,
-        case: &Case,
-        start: NavState,
-        steps: usize,
-        parts: Parts,
-        trouble: &Trouble,
-    ) -> Way<NavState> {
-        let mut problem = Problem::new();
-        let first = problem.add_variable(start);
-        let beginning = || Beginning {
+        problem: &mut Problem,
+        (answer, parts, trouble): (&Asked, Parts, &Trouble),
+    ) -> Vec<Beginning> {
+        let first = problem.add_variable(self.start);
+        let (answer, trouble) = (answer.clone(), trouble.clone());
+        let beginning = |case: &Case| Beginning {
             case: *case,
             first,
-            answer: self.answer.clone(),
+            answer: answer.clone(),
             parts,
             trouble: trouble.clone(),
         };
-        // The variable is the problem's own.
-        let _ = problem.add_factor(beginning(), Kernel::Squared);
-        let judge = beginning();
-        Way::gone(
-            &problem,
-            steps,
-            |values| values[first],
-            |state| 0.5 * judge.by_book(state).residual.norm_squared(),
-        )
+        self.cases.iter().map(beginning).collect()
     }
-}
 
-/// A case whose second state is where the readings lead.
-fn agreed(number: f64, duration: f64) -> Case {
-    let mut draw = Draw::new(number as u64);
-    let case = Case::drawn(&mut draw, [0.1, 0.2], [duration, duration + 1e-9]);
-    Case { second: case.deltas.lead(&case.first, &case.gravity), ..case }
+    /// How far the derivative at the start is from the book's.
+    fn difference(&self, asked: (&Asked, Parts, &Trouble)) -> Option<f64> {
+        let beginnings = self.beginnings(&mut Problem::new(), asked);
+        let first = beginnings.first()?;
+        let books = first.by_book(&self.start).by_first;
+        descent::difference(first.asked_derivative(&self.start), Some(books))
+    }
+
+    /// Where the search goes, and the costs there less `least`.
+    fn way(&self, asked: (&Asked, Parts, &Trouble), steps: usize, least: f64) -> Way<NavState> {
+        let mut problem = Problem::new();
+        let beginnings = self.beginnings(&mut problem, asked);
+        for beginning in &beginnings {
+            // The variable is the problem's own.
+            let _ = problem.add_factor(beginning.clone(), Kernel::Squared);
+        }
+        let cost = |state: &NavState| {
+            let squares = beginnings.iter().map(|one| one.by_book(state).residual.norm_squared());
+            0.5 * squares.sum::<f64>() - least
+        };
+        Way::gone(&problem, steps, |values| values[beginnings[0].first], cost)
+    }
 }
 
 impl Widget for ResidualJacobian {
     const FACE: Face = Face {
-        lead: "The end of an interval is known and its beginning is sought: Gauss-Newton steps, once with your \
-               derivative and once with the book's, from one start.",
+        lead: "Three intervals begin with one state, and their ends say where: Gauss-Newton steps on it, once with \
+               your derivative and once with the book's, from one start.",
         controls: &[
             Control::choice("steps", "Derivative", &["by_first", "by_world_steps of by_first"]),
             Control::choice("residual", "Residual", &["the book's", "yours"]),
-            Control::slider("turned", "Start turned by", "°", [40.0, 0.0, 170.0, 5.0]),
+            Control::slider("turned", "Start turned by", "°", [40.0, 0.0, 120.0, 5.0]),
             Control::slider("shifted", "Start shifted by", "m", [3.0, 0.0, 10.0, 0.5]),
-            Control::slider("duration", "Interval", "s", [1.0, 0.3, 3.0, 0.1]),
-            Control::slider("count", "Steps", "", [8.0, 1.0, 20.0, 1.0]),
+            Control::slider(
+                "contradicted",
+                "Ends contradict each other by",
+                "°",
+                [20.0, 0.0, 40.0, 1.0],
+            ),
+            Control::slider("duration", "Length of the intervals", "s", [1.0, 0.3, 3.0, 0.1]),
+            Control::slider("count", "Steps", "", [12.0, 1.0, 30.0, 1.0]),
             Control::slider("problem", "Problem", "", [1.0, 1.0, 20.0, 1.0]),
         ],
         handles: &[],
         panels: &[
             COSTS,
             Panel {
-                title: "The first position from above; the ring is where it should be",
+                title: "The first position from above; from the disc to the ring",
                 x: Axis { label: "x (m)", range: [-5.0, 5.0] },
                 y: Axis { label: "y (m)", range: [-5.0, 5.0] },
                 aspect: 0.75,
@@ -168,66 +217,40 @@ impl Widget for ResidualJacobian {
             },
         ],
         readings: &[
-            Reading {
-                label: "Steps until the cost is gone, yours",
-                unit: "",
-                digits: 0,
-                none: "not in these",
-                veiled: false,
-            },
-            Reading {
-                label: "The same, the book's",
-                unit: "",
-                digits: 0,
-                none: "not in these",
-                veiled: false,
-            },
-            Reading {
-                label: "Position off in the end, yours",
-                unit: "m",
-                digits: 3,
-                none: "no number",
-                veiled: false,
-            },
-            Reading {
-                label: "Rotation off in the end, yours",
-                unit: "°",
-                digits: 3,
-                none: "no number",
-                veiled: false,
-            },
+            steps("Steps until it is there, yours"),
+            steps("The same, the book's"),
+            off("Position off in the end, yours", "m"),
+            off("Rotation off in the end, yours", "°"),
         ],
         question: None,
         words: &[],
     };
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
-        let &[derivative, residual, turned, shifted, duration, count, number] = controls else {
+        let &[derivative, residual, turned, shifted, contradicted, duration, count, number] =
+            controls
+        else {
             return;
         };
-        let case = agreed(number, duration);
-        let truth = case.first.nav();
-        let mut draw = Draw::new(100 + number as u64);
-        let [axis, way, speed] = [0; 3].map(|_| draw.direction());
-        let start = NavState {
-            world_from_body: truth.world_from_body * Rotation3::new(turned.to_radians() * axis),
-            velocity: truth.velocity + shifted * speed,
-            position: truth.position + shifted * way,
-        };
+        let setting = Setting::drawn(number, [turned, shifted, duration, contradicted]);
         let trouble = Trouble::default();
+        let none = Parts { residual: false, derivative: false, dictionary: false };
         let parts =
             Parts { residual: residual > 0.5, derivative: true, dictionary: derivative > 0.5 };
-        let none = Parts { residual: false, derivative: false, dictionary: false };
-        let books = self.way(&case, start, count as usize, none, &trouble);
-        let hers = self.way(&case, start, count as usize, parts, &trouble);
+        let by_book = (&self.answer, none, &trouble);
+        let whole = setting.way(by_book, MANY, 0.0);
+        let (least, there) = whole.end();
+        let books = setting.way(by_book, count as usize, least);
+        let hers = setting.way((&self.answer, parts, &trouble), count as usize, least);
         scene.read(hers.steps_needed());
         scene.read(books.steps_needed());
-        let end = hers.states.last().copied().unwrap_or(start);
-        scene.read((end.position - truth.position).norm());
-        scene.read(so3::local(&truth.world_from_body, &end.world_from_body).norm().to_degrees());
+        let (_, end) = hers.end();
+        scene.read((end.position - there.position).norm());
+        scene.read(so3::local(&there.world_from_body, &end.world_from_body).norm().to_degrees());
         descent::draw_costs(scene, 0, &hers, &books);
-        draw_ways(scene, 1, [&hers, &books], &truth.position, &start.position);
-        descent::say(scene, &hers, &books, trouble.take());
+        draw_ways(scene, 1, [&hers, &books], &there.position, &setting.start.position);
+        let difference = setting.difference((&self.answer, parts, &trouble));
+        descent::say(scene, [&hers, &books], difference, trouble.take());
     }
 }
 

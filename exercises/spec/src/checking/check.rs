@@ -95,11 +95,16 @@ pub struct Compared {
 
 /// Shows numbers of an answer beside others to whoever watches. It judges nothing: that is for checks
 /// whose verdict is not a comparison of numbers.
-pub fn show(what: &str, obtained: &[f64], expected: &[f64]) {
+pub fn show(what: &str, obtained: &DMatrix<f64>, expected: &DMatrix<f64>) {
     if WATCHED.with_borrow(Option::is_some) {
         // Whoever watches hears of it, and nothing comes back.
-        let _ = compare_list(what, obtained, expected).judge();
+        let _ = compare(what, obtained, expected).judge();
     }
+}
+
+/// The same for lists.
+pub fn show_list(what: &str, obtained: &[f64], expected: &[f64]) {
+    show(what, &column(obtained), &column(expected));
 }
 
 /// Why an answer fails a check, in words of the subject.
@@ -233,8 +238,11 @@ pub fn compare_number(what: &str, obtained: f64, expected: f64) -> Comparison<'_
 
 /// Compares a list of numbers with that of an oracle.
 pub fn compare_list<'a>(what: &'a str, obtained: &[f64], expected: &[f64]) -> Comparison<'a> {
-    let column = |list: &[f64]| DMatrix::from_column_slice(list.len(), 1, list);
     compare(what, &column(obtained), &column(expected))
+}
+
+fn column(list: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_column_slice(list.len(), 1, list)
 }
 
 fn dense<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(matrix: &Matrix<f64, R, C, S>) -> DMatrix<f64> {
