@@ -127,6 +127,7 @@ pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
         .fallback(get(page))
         .with_state(served.clone());
     runtime.spawn(async move { axum::serve(listener, router).await });
+    follow_answers(maker, &served);
     watch(maker, &served, &changes)
 }
 
@@ -146,11 +147,10 @@ fn watch(maker: &Maker, served: &Served, changes: &Receiver<PathBuf>) -> Result<
         maker.steps.say(&format!("\n{last} changed"));
         let answers = Answers::new(&maker.layout);
         // No page says what an answer says.
-        if maker.mine && changed.iter().all(|path| answers.is_answer(path)) {
-            follow_answers(maker, served);
-        } else {
+        if !maker.mine || !changed.iter().all(|path| answers.is_answer(path)) {
             build(maker, served);
         }
+        follow_answers(maker, served);
     }
 }
 
@@ -184,14 +184,11 @@ fn build(maker: &Maker, served: &Served) {
     eprint!("{trouble}");
     maker.steps.say(&format!("built in {:.1} s", start.elapsed().as_secs_f64()));
     served.tell(trouble);
-    if maker.mine {
-        follow_answers(maker, served);
-    }
 }
 
-/// Compiles answers that changed and shows them.
+/// Compiles answers that changed and shows them, where they are to be shown.
 fn follow_answers(maker: &Maker, served: &Served) {
-    let Some(site) = served.current() else { return };
+    let Some(site) = served.current().filter(|_| maker.mine) else { return };
     match maker.refresh_answers(&site) {
         Ok(true) => served.show(site, true),
         Ok(false) => {}
