@@ -161,7 +161,10 @@
     }
 
     function trouble(figure, sentence, text) {
-        figure.querySelector(".widget-note").textContent = sentence;
+        const note = figure.querySelector(".widget-note");
+        note.textContent = sentence;
+        note.classList.add("trouble");
+        figure.prepend(note);
         figure.querySelector(".plot").replaceChildren(...(text ? [Object.assign(document.createElement("pre"), { textContent: text, tabIndex: 0 })] : []));
     }
 

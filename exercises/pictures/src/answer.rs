@@ -21,9 +21,14 @@ pub fn silence() {
     SILENT.store(true, Ordering::Relaxed);
 }
 
+/// Whether no answer is asked.
+pub fn is_silent() -> bool {
+    SILENT.load(Ordering::Relaxed)
+}
+
 /// The answer of these functions. In a module a panic ends the call, and what it said is kept for the page; elsewhere it
-/// is a [`Fault`].
-pub fn written(functions: impl Dispatch + 'static) -> Asked {
+/// is a [`Fault`]. `nothing` are functions that answer NaN, in the place of one that may not be asked.
+pub fn written<F: Dispatch + 'static>(functions: F, nothing: F) -> Asked {
     if cfg!(not(target_family = "wasm")) {
         return Arc::new(Native(functions));
     }
@@ -33,7 +38,7 @@ pub fn written(functions: impl Dispatch + 'static) -> Asked {
         let fault = Fault::of_panic(sentence, place.unwrap_or_default());
         *PANIC.lock().unwrap_or_else(PoisonError::into_inner) = fault.to_string();
     }));
-    Arc::new(Called(functions))
+    Arc::new(Called { functions, nothing })
 }
 
 /// What the panic that ended a call said: its address in the upper half, its length in the lower one.
@@ -43,14 +48,15 @@ pub fn panic_said() -> u64 {
 }
 
 /// An answer whose panics end all.
-struct Called<F>(F);
+struct Called<F> {
+    functions: F,
+    nothing: F,
+}
 
 impl<F: Dispatch> Transport for Called<F> {
     fn call(&self, function: usize, input: &[u8]) -> Result<Vec<u8>, Fault> {
-        if SILENT.load(Ordering::Relaxed) {
-            return Err(Fault::Stopped("it is not asked".to_owned()));
-        }
-        let output = self.0.dispatch(function, input);
+        let asked = if is_silent() { &self.nothing } else { &self.functions };
+        let output = asked.dispatch(function, input);
         output.ok_or_else(|| Fault::Output(format!("there is no function {function} of that type")))
     }
 }

@@ -1,11 +1,12 @@
 //! The form that fits every exercise: the numbers that a public check compares, the answer's beside those expected.
 
 use exercise_spec::Exercise;
-use exercise_spec::check::{Check, Compared, Failure, readable, told_apart};
+use exercise_spec::check::{Check, Compared, Failure, told_apart};
+use nalgebra::DMatrix;
 use widgets::{Axis, Control, Face, Panel, Reading, Scene, Shape, Style, Widget};
 
-use crate::Asked;
 use crate::squares;
+use crate::{Asked, is_silent};
 
 /// The panels, in the order of the face.
 const YOURS: usize = 0;
@@ -114,7 +115,9 @@ impl Widget for Beside {
         match seen.cases.get(case - 1) {
             Some(compared) => {
                 one(scene, compared);
-                all(scene, &seen.cases, case);
+                if !is_silent() {
+                    all(scene, &seen.cases, case);
+                }
                 scene.say(&format!("Case {case} of {}: {}", seen.cases.len(), told(compared)));
                 if let Some(others) = others(&seen.cases, case) {
                     scene.say(&others);
@@ -154,16 +157,18 @@ fn others(cases: &[Compared], shown: usize) -> Option<String> {
 /// Draws one case.
 fn one(scene: &mut Scene, compared: &Compared) {
     let Compared { obtained, expected, .. } = compared;
-    let same_shape = obtained.shape() == expected.shape();
+    let same_shape = obtained.shape() == expected.shape() && !is_silent();
     let wrong = |row, column| same_shape && compared.differs(row, column);
     let greatest = expected.amax().max(f64::MIN_POSITIVE);
-    squares::draw(scene, (YOURS, HERS), obtained, greatest, wrong);
+    if !is_silent() {
+        squares::draw(scene, (YOURS, HERS), obtained, greatest, wrong);
+    }
     squares::draw(scene, (EXPECTED, BOOKS), expected, greatest, wrong);
     let count = (0..expected.len()).filter(|&k| wrong(k % expected.nrows(), k / expected.nrows()));
     scene.read(expected.len() as f64);
     scene.read(same_shape.then(|| count.count() as f64));
     // By rows, as one reads.
-    let listed = |matrix: &nalgebra::DMatrix<f64>| -> Vec<[f64; 2]> {
+    let listed = |matrix: &DMatrix<f64>| -> Vec<[f64; 2]> {
         let entries = matrix.transpose();
         entries.iter().enumerate().map(|(k, number)| [k as f64 + 1.0, *number]).collect()
     };
@@ -181,7 +186,9 @@ fn one(scene: &mut Scene, compared: &Compared) {
     }
     scene.view(NUMBERS, [0.0, most + 1.0], [bottom, top]);
     scene.draw(NUMBERS, (Shape::Rings, BOOKS, 5.0), books);
-    scene.draw(NUMBERS, (Shape::Crosses, HERS, 3.5), hers);
+    if !is_silent() {
+        scene.draw(NUMBERS, (Shape::Crosses, HERS, 3.5), hers);
+    }
 }
 
 /// Draws how far off all cases are.
@@ -215,32 +222,32 @@ fn case_error(case: &Compared) -> f64 {
 
 /// A case in words.
 fn told(compared: &Compared) -> String {
-    let Compared { what, obtained, expected, rows, columns, failure, .. } = compared;
+    let Compared { what, obtained, expected, failure, .. } = compared;
     let Some(failure) = failure else {
         return format!("{what} agrees with what is expected.");
     };
-    let mut said = format!("{what} differs.");
-    let places = (0..expected.len()).map(|k| (k % expected.nrows(), k / expected.nrows()));
-    let off =
-        |&(row, column): &(usize, usize)| (obtained[(row, column)] - expected[(row, column)]).abs();
-    let largest = (obtained.shape() == expected.shape())
-        .then(|| places.max_by(|a, b| off(a).total_cmp(&off(b))))
-        .flatten();
-    if let Some((row, column)) = largest {
-        let [hers, books] = told_apart(obtained[(row, column)], expected[(row, column)]);
-        let name = |names: &[String], index: usize| {
-            names.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
-        };
-        let place = match (expected.nrows(), expected.ncols()) {
-            (1, 1) => String::new(),
-            (_, 1) => format!(" at {}", name(rows, row)),
-            _ => format!(" at ({}, {})", name(rows, row), name(columns, column)),
-        };
-        said += &format!(" Most of all{place}: yours {hers}, expected {books}.");
-        if !obtained.iter().all(|number| number.is_finite()) {
-            let count = obtained.iter().filter(|number| !number.is_finite()).count();
-            said += &format!(" Not finite: {}.", readable(count as f64));
-        }
+    if obtained.shape() != expected.shape() || !obtained.iter().all(|number| number.is_finite()) {
+        return failure.sentence.clone();
     }
-    format!("{said} {}", failure.sentence)
+    let places = (0..expected.len()).map(|k| (k % expected.nrows(), k / expected.nrows()));
+    let off = |&at: &(usize, usize)| (obtained[at] - expected[at]).abs();
+    let at = places.max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default();
+    let [hers, books] = told_apart(obtained[at], expected[at]);
+    let place = place(compared, at);
+    let why = failure.misconception.map_or("", |misconception| misconception.sentence);
+    let said = format!("{what} differs, most of all{place}: yours {hers}, expected {books}. {why}");
+    said.trim_end().to_owned()
+}
+
+/// Where a number stands, by the names of its row and column or as Rust counts.
+fn place(Compared { expected, rows, columns, .. }: &Compared, at: (usize, usize)) -> String {
+    let named = |names: &[String], index: usize| names.get(index).cloned();
+    match (expected.nrows(), expected.ncols(), named(rows, at.0), named(columns, at.1)) {
+        (1, 1, ..) => String::new(),
+        (_, 1, Some(row), _) => format!(" at {row}"),
+        (_, 1, None, _) => format!(" at [{}]", at.0),
+        (_, _, Some(row), Some(column)) => format!(" at ({row}, {column})"),
+        (_, _, Some(row), None) => format!(" at ({row}, [{}])", at.1),
+        _ => format!(" at [{}, {}]", at.0, at.1),
+    }
 }

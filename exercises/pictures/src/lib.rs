@@ -10,7 +10,7 @@ mod left_perturbation;
 mod residual_jacobian;
 mod squares;
 
-pub use answer::{Asked, panic_said, silence, written};
+pub use answer::{Asked, is_silent, panic_said, silence, written};
 pub use beside::Beside;
 pub use exercise_spec;
 pub use left_perturbation::LeftPerturbation;
@@ -22,8 +22,10 @@ pub use widgets;
 macro_rules! picture {
     ($picture:ident of $slug:ident: $($function:ident),+ $(,)?) => {
         $crate::widgets::module!($crate::$picture, {
-            let functions = $crate::exercise_spec::$slug::Functions { $($function: answer::$function),+ };
-            $crate::$picture::of(&$crate::exercise_spec::$slug::EXERCISE, $crate::written(functions))
+            use $crate::exercise_spec::$slug::{EXERCISE, Functions};
+            let [nothing, ..] = Functions::spoiled();
+            let functions = Functions { $($function: answer::$function),+ };
+            $crate::$picture::of(&EXERCISE, $crate::written(functions, nothing))
         });
 
         /// What the panic that ended a call said, in bytes.
