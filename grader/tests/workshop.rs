@@ -275,7 +275,7 @@ fn a_list_without_the_neighbour_is_mended_first() {
 
 /// Changes to a complete exercise: the file, what stands there, what comes in its place, and a
 /// part of the sentence that tells.
-const DAMAGE: [(&str, &str, &str, &str); 27] = [
+const DAMAGE: [(&str, &str, &str, &str); 30] = [
     ("exercises/spec/src/lib.rs", "pub mod fill_in;\n", "", "`pub mod fill_in;` is missing"),
     (
         "exercises/spec/src/lib.rs",
@@ -445,6 +445,9 @@ fn a_new_exercise_compiles_at_once_and_fails_only_where_something_is_to_be_writt
     let (_, said) = cargo(&["test", "--offline", "-p", "exercises", "epipolar_line"]);
     assert!(said.contains("not written yet: TODO") && said.contains("1 failed"), "{said}");
     assert!(!said.contains("warning:"), "{said}");
+    let picture = ["check", "--offline", "-p", "exercise-pictures", "--example", "epipolar_line"];
+    let (compiled, said) = cargo(&picture);
+    assert!(compiled && !said.contains("warning:"), "{said}");
     let (_, said) = cargo(&["test", "--offline", "-p", "book-tests", "--test", "exercises"]);
     let failed = "there_are_at_least_four ... FAILED";
     assert!(said.contains(failed) && said.contains("; 1 failed;"), "{said}");

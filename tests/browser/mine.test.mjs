@@ -7,7 +7,7 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { axe, launch, open, overhang } from "./helper.mjs";
+import { axe, bookDir, launch, open, overhang, pages, read } from "./helper.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const every = Boolean(process.env.EVERY);
@@ -139,6 +139,11 @@ async function alive(page, figure) {
     await page.waitForFunction(([slider, before]) => slider.getAttribute("aria-valuetext") !== before, [await slider.elementHandle(), before]);
     await page.locator(".predict input").first().check();
 }
+
+test("the book as it is published has no trace of answers", () => {
+    for (const file of pages()) assert.doesNotMatch(read(file), /data-answer|\bmine[-\w]*\.(js|css)|\{\{mine/, file);
+    assert.ok(!fs.existsSync(path.join(bookDir, "generated/mine")));
+});
 
 test("a right answer lies on the book's", async () => {
     await save(["residual_jacobian", solution("residual_jacobian")]);

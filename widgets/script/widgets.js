@@ -369,7 +369,7 @@
     // ---- A widget: its face built once, and shown again at every change.
     class Widget {
         constructor(figure, session) {
-            Object.assign(this, { figure, session, name: figure.dataset.widget ?? figure.dataset.answer });
+            Object.assign(this, { figure, session, name: figure.dataset.widget });
             const { face } = session;
             this.controls = face.controls.map((control, number) =>
                 new Control(control, number, (...change) => this.change(...change)));

@@ -227,6 +227,8 @@
                 return made;
             }
         }
+        // By this name the address keeps the sliders.
+        figure.dataset.widget = name;
         figure.widget = new Mine(figure, asked);
     }
 
