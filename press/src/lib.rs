@@ -4,11 +4,14 @@
 
 pub mod accept;
 pub mod accepted;
+pub mod answers;
 pub mod api;
 pub mod attributes;
 pub mod bibliography;
 pub mod blocks;
+
 mod cargo;
+mod compiler;
 pub mod emit;
 pub mod engine;
 pub mod exhibits;

@@ -42,6 +42,9 @@ enum Command {
         /// Open the book in a browser.
         #[arg(long)]
         open: bool,
+        /// Show your answers to exercises on their pages, beside what is expected.
+        #[arg(long)]
+        mine: bool,
     },
     /// Build the book into book/.
     Build,
@@ -101,11 +104,12 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
     let maker = |steps| -> Result<Maker> {
         let root = root(arguments.root.as_deref())?;
-        Ok(Maker { layout: Layout { root }, steps, warnings: warnings.clone() })
+        Ok(Maker { layout: Layout { root }, steps, warnings: warnings.clone(), mine: false })
     };
     match arguments.command {
-        Command::Serve { port, open } => {
-            serve::serve(&maker(Steps::new())?, port, open).map(|()| Faults::default())
+        Command::Serve { port, open, mine } => {
+            let maker = Maker { mine, ..maker(Steps::new())? };
+            serve::serve(&maker, port, open).map(|()| Faults::default())
         }
         Command::Build => maker(Steps::new())?.build_book(),
         Command::Check => {

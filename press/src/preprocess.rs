@@ -10,6 +10,7 @@ use mdbook_preprocessor::config::Config;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 
 use crate::accepted::Accepted;
+use crate::answers::Answers;
 use crate::api::Plan;
 use crate::api::items::Library;
 use crate::bibliography::{self, Bibliography};
@@ -38,6 +39,7 @@ pub struct Press {
     layout: Layout,
     faults: Arc<Mutex<Faults>>,
     later: Option<Later>,
+    mine: bool,
 }
 
 /// The pages of the library, when they are to be made after those of the chapters.
@@ -47,7 +49,12 @@ impl Press {
     /// A press for the book in `layout`, which adds what it finds to `faults`. It makes the pages of the library, or
     /// leaves them in `later` for somebody else to make.
     pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>, later: Option<Later>) -> Press {
-        Press { layout, faults, later }
+        Press { layout, faults, later, mine: false }
+    }
+
+    /// The same, whose pages of exercises show the reader's own answers.
+    pub fn with_answers(self) -> Press {
+        Press { mine: true, ..self }
     }
 
     fn make_or_leave(&self, plan: Plan) -> Result<Faults> {
@@ -68,7 +75,7 @@ impl Preprocessor for Press {
     }
 
     fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
-        let (mut faults, plan) = press(&self.layout, &context.config, &mut book)?;
+        let (mut faults, plan) = press(&self.layout, &context.config, &mut book, self.mine)?;
         if let Some(plan) = plan {
             faults.extend(self.make_or_leave(plan)?);
         }
@@ -78,7 +85,12 @@ impl Preprocessor for Press {
 }
 
 /// Presses all chapters of a book, and plans the pages of the library.
-fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, Option<Plan>)> {
+fn press(
+    layout: &Layout,
+    config: &Config,
+    book: &mut Book,
+    mine: bool,
+) -> Result<(Faults, Option<Plan>)> {
     let settings = Settings::read(&layout.root)?;
     let pages = Page::all(book);
     let mut faults = Faults::default();
@@ -95,10 +107,14 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let theorems = Theorems::collect(&pages, &mut faults);
     theorems.check(&pages, &exhibits, &mut faults);
     let widgets = Widgets::new(layout);
-    let scripts = widgets.scripts()?;
+    let mut scripts = widgets.scripts()?;
     let made = |name: &String| scripts.contains_key(Path::new(&format!("widgets/{name}.js")));
     let names = widgets.names()?.into_iter().map(|name| (name.clone(), made(&name)));
     let names: BTreeMap<String, bool> = names.collect();
+    let answers = Answers::new(layout);
+    if mine {
+        scripts.extend(answers.scripts()?);
+    }
     let known = Known {
         widgets: &names,
         labels: &labels,
@@ -119,7 +135,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         symbols: Symbols::default(),
         printed: BTreeMap::new(),
         sources: BTreeSet::new(),
-        generated: scripts.clone(),
+        generated: scripts,
         lint: Lint::new(&settings.allow),
     };
     let mut contents = BTreeMap::new();
@@ -134,6 +150,10 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
             if content.contains("{{ledger}}") {
                 *content = content
                     .replace("{{ledger}}", &ledger::ledger(page, &pages, &known, &mut found));
+            }
+            if content.contains("{{mine}}") {
+                let part = if mine { answers.part(page) } else { String::new() };
+                *content = content.replace("{{mine}}", &part);
             }
             if content.contains("{{index}}") {
                 *content =

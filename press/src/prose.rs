@@ -146,7 +146,7 @@ impl One<'_> {
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
-            Mark::Directive(word @ ("ledger" | "bibliography" | "index")) => {
+            Mark::Directive(word @ ("ledger" | "bibliography" | "index" | "mine")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
             Mark::Directive(words) => match words.split_once(char::is_whitespace) {
@@ -166,7 +166,7 @@ impl One<'_> {
             Mark::Directive(word) => (
                 *word,
                 "the press knows no such directive",
-                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}}, {{index}} and {{bibliography}}; code is included by a listing",
+                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{mine}}, {{ledger}}, {{index}} and {{bibliography}}; code is included by a listing",
             ),
             Mark::UnclosedMath => (
                 "$",

@@ -14,6 +14,7 @@ use flate2::write::GzEncoder;
 use sha2::{Digest, Sha256};
 use toolchain::{TARGET, Toolchain};
 
+use crate::compiler;
 use crate::files;
 use crate::pages::slashed;
 use crate::records::hex;
@@ -53,19 +54,19 @@ impl<'a> Widgets<'a> {
         Ok(made.is_some_and(|made| Some(made) == self.inputs().ok()))
     }
 
-    /// Compiles them if that is not done; gives why there are none where there is no compiler.
+    /// Compiles them if that is not done.
     ///
     /// # Errors
     /// What the compiler says.
-    pub fn refresh(&self, steps: &Steps) -> Result<Option<String>> {
+    pub fn refresh(&self, steps: &Steps) -> Result<Refreshed> {
         if self.names()?.is_empty() || self.are_fresh()? {
-            return Ok(None);
+            return Ok(Refreshed::Fresh);
         }
-        let toolchain = match Toolchain::find_or_add(|what| steps.say(what)) {
+        let toolchain = match compiler::find(self.layout, steps)? {
             Ok(toolchain) => toolchain,
             Err(why) => {
                 files::remove(&self.folder())?;
-                return Ok(Some(why));
+                return Ok(Refreshed::Impossible(why));
             }
         };
         let inputs = self.inputs()?;
@@ -77,7 +78,7 @@ impl<'a> Widgets<'a> {
             files::write(&self.packed(&name), &pack(&name, &module)?)?;
         }
         files::write(&self.folder().join("inputs"), inputs.as_bytes())?;
-        Ok(None)
+        Ok(Refreshed::Compiled)
     }
 
     /// What a page loads: the script that draws, and the modules, by their names.
@@ -89,12 +90,18 @@ impl<'a> Widgets<'a> {
             }
         }
         if !scripts.is_empty() {
-            for name in ["widgets.js", "widgets.css"] {
-                let script = files::read(&self.layout.root.join(SCRIPT).join(name))?;
-                scripts.insert(Path::new("widgets").join(name), script.into_bytes());
-            }
+            scripts.extend(self.drawing()?);
         }
         Ok(scripts)
+    }
+
+    /// What draws, without any module.
+    pub fn drawing(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
+        let read = |name: &str| {
+            let script = files::read(&self.layout.root.join(SCRIPT).join(name))?;
+            Ok((Path::new("widgets").join(name), script.into_bytes()))
+        };
+        ["widgets.js", "widgets.css"].into_iter().map(read).collect()
     }
 
     fn compile(&self, toolchain: &Toolchain) -> Result<()> {
@@ -142,12 +149,28 @@ impl<'a> Widgets<'a> {
     }
 }
 
-/// A module as a script that hands it over, compressed.
+/// What became of modules that were to be fresh.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Refreshed {
+    /// They were.
+    Fresh,
+    /// They were compiled.
+    Compiled,
+    /// There is no compiler, and why.
+    Impossible(String),
+}
+
+/// A module as a script that hands it over.
 fn pack(name: &str, module: &[u8]) -> Result<Vec<u8>> {
-    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
-    gzip.write_all(module)?;
-    let text = STANDARD.encode(gzip.finish()?);
+    let text = packed(module, Compression::best())?;
     Ok(format!("vislamWidgets.module({name:?}, \"{text}\");\n").into_bytes())
+}
+
+/// A module compressed, as letters.
+pub fn packed(module: &[u8], compression: Compression) -> Result<String> {
+    let mut gzip = GzEncoder::new(Vec::new(), compression);
+    gzip.write_all(module)?;
+    Ok(STANDARD.encode(gzip.finish()?))
 }
 
 #[cfg(test)]
@@ -159,7 +182,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let layout = Layout { root: root.path().to_path_buf() };
         let widgets = Widgets::new(&layout);
-        assert_eq!(widgets.refresh(&Steps::quiet()).unwrap(), None);
+        assert_eq!(widgets.refresh(&Steps::quiet()).unwrap(), Refreshed::Fresh);
         assert!(widgets.scripts().unwrap().is_empty());
     }
 

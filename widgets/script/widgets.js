@@ -26,10 +26,14 @@
     // ---- Modules come as scripts that call this with their name and their bytes, compressed.
     const asked = new Map();
 
-    function module(name, packed) {
+    function compiled(packed) {
         const bytes = Uint8Array.from(atob(packed), letter => letter.charCodeAt(0));
         const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-        asked.get(name).resolve(new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code)));
+        return new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code));
+    }
+
+    function module(name, packed) {
+        asked.get(name).resolve(compiled(packed));
     }
 
     function load(name, address) {
@@ -48,7 +52,7 @@
     class Session {
         constructor(instance) {
             this.exports = instance.exports;
-            this.face = JSON.parse(new TextDecoder().decode(this.bytes(this.exports.face())));
+            this.face = JSON.parse(this.text(this.exports.face()));
         }
 
         place(packed) {
@@ -58,6 +62,10 @@
         bytes(packed) {
             const [address, length] = this.place(packed);
             return new Uint8Array(this.exports.memory.buffer, address, length);
+        }
+
+        text(packed) {
+            return new TextDecoder().decode(this.bytes(packed));
         }
 
         numbers(packed) {
@@ -85,6 +93,10 @@
 
         get steps() {
             return this.numbers(this.exports.steps());
+        }
+
+        get said() {
+            return this.text(this.exports.said());
         }
 
         drag(handle, [x, y]) {
@@ -387,6 +399,7 @@
                 new Control(control, number, (...change) => this.change(...change)));
             this.panels = face.panels.map(panel => new Panel(panel, (handle, place) => this.drag(handle, place)));
             this.readings = face.readings.map(reading => this.reading(reading));
+            this.said = element("p", { className: "said" });
             this.spoken = element("p", { className: "spoken" });
             this.spoken.setAttribute("role", "status");
             const reset = element("button", { type: "button", className: "reset", textContent: "Reset" });
@@ -396,6 +409,7 @@
                 element("div", { className: "panels" }, ...this.panels.map(panel => panel.box)),
                 ...(face.question ? [this.question(face.question)] : []),
                 element("dl", { className: "readings" }, ...this.readings.map(reading => reading.box)),
+                this.said,
                 element("div", { className: "controls" }, ...this.controls.map(control => control.box), reset),
                 this.spoken);
             this.box.setAttribute("role", "group");
@@ -467,12 +481,16 @@
             this.wanted = null;
             try {
                 this.more = this.session.advance(TURN);
-                this.draw(this.session.show());
+                this.shown(this.session.show(), this.session.said);
             } catch (error) {
                 this.pause();
                 stand(this.figure, `its program has stopped: ${error.message}`);
-                return;
             }
+        }
+
+        shown(numbers, said) {
+            this.draw(numbers);
+            this.said.textContent = said;
             const values = this.session.controls;
             this.controls.forEach((control, number) => control.show(values[number]));
             this.write();
@@ -507,7 +525,8 @@
 
         announce() {
             const told = this.readings.filter(reading => !reading.box.classList.contains("veiled"));
-            this.spoken.textContent = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            const readings = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            this.spoken.textContent = [readings, this.said.textContent].filter(Boolean).join(". ");
         }
 
         // ---- Playing: up and down a slider. Who wants no motion goes on by steps.
@@ -610,5 +629,5 @@
         }
     }
 
-    window.vislamWidgets = { module, start };
+    window.vislamWidgets = { module, start, compiled, element, stand, Session, Widget };
 })();

@@ -20,9 +20,14 @@ pub use scene::{Scene, Shape, Style};
 pub use session::{Player, Session};
 
 /// A picture with controls.
-pub trait Widget: Default {
+pub trait Widget {
     /// What a reader can change, and what is shown.
     const FACE: Face;
+
+    /// The same, where it is not known before the widget is there.
+    fn face(&self) -> Face {
+        Self::FACE
+    }
 
     /// What is told of each step of what goes on in steps; by default nothing does.
     const STEPS: Steps = Steps { decisions: &[], numbers: &[], lost: None };
@@ -61,9 +66,12 @@ pub const WIDGETS: &[Named] = &[
 #[macro_export]
 macro_rules! module {
     ($widget:ty) => {
+        $crate::module!($widget, <$widget>::default());
+    };
+    ($widget:ty, $made:expr) => {
         std::thread_local! {
             static SESSION: std::cell::RefCell<$crate::Session<$widget>> =
-                std::cell::RefCell::new($crate::Session::new());
+                std::cell::RefCell::new($crate::Session::of($made));
         }
 
         fn place<T>(of: &[T]) -> u64 {
@@ -103,6 +111,13 @@ macro_rules! module {
         #[unsafe(no_mangle)]
         pub extern "C" fn steps() -> u64 {
             SESSION.with_borrow_mut(|session| place(session.steps()))
+        }
+
+        /// What the picture that was drawn last says in words, in bytes.
+        #[allow(unsafe_code)]
+        #[unsafe(no_mangle)]
+        pub extern "C" fn said() -> u64 {
+            SESSION.with_borrow(|session| place(session.said().as_bytes()))
         }
 
         /// Drags a handle; the controls are other ones then.

@@ -1,28 +1,22 @@
 //! A widget in the hands of a reader.
 
-use crate::{Scene, Steps, Widget};
+use crate::{Face, Scene, Steps, Widget};
 
 /// A widget, the values of its controls and what it shows.
 pub struct Session<W> {
     widget: W,
-    face: String,
+    face: Face,
+    face_as_json: String,
     controls: Vec<f64>,
     scene: Scene,
     numbers: Vec<f64>,
     steps: Vec<f64>,
 }
 
-impl<W: Widget> Session<W> {
+impl<W: Widget + Default> Session<W> {
     /// As it stands on the page at first.
     pub fn new() -> Self {
-        Self {
-            widget: W::default(),
-            face: serde_json::to_string(&W::FACE).unwrap_or_default(),
-            controls: W::FACE.controls.iter().map(|control| control.start).collect(),
-            scene: Scene::default(),
-            numbers: Vec::new(),
-            steps: Vec::new(),
-        }
+        Self::of(W::default())
     }
 
     /// With some controls changed, by name; `None` if there is no such control.
@@ -31,10 +25,26 @@ impl<W: Widget> Session<W> {
         let known = settings.iter().all(|(name, value)| session.set(name, *value));
         known.then_some(session)
     }
+}
+
+impl<W: Widget> Session<W> {
+    /// A widget as it stands on the page at first.
+    pub fn of(widget: W) -> Self {
+        let face = widget.face();
+        Self {
+            widget,
+            face,
+            face_as_json: serde_json::to_string(&face).unwrap_or_default(),
+            controls: face.controls.iter().map(|control| control.start).collect(),
+            scene: Scene::default(),
+            numbers: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
 
     /// The face as JSON.
     pub fn face(&self) -> &str {
-        &self.face
+        &self.face_as_json
     }
 
     /// The values of the controls.
@@ -67,7 +77,7 @@ impl<W: Widget> Session<W> {
 
     /// Puts all controls between their ends.
     fn settle(&mut self) {
-        for (value, control) in self.controls.iter_mut().zip(W::FACE.controls) {
+        for (value, control) in self.controls.iter_mut().zip(self.face.controls) {
             let inside = value.clamp(control.least, control.most);
             *value = if inside.is_nan() { control.start } else { inside };
         }
@@ -79,6 +89,11 @@ impl<W: Widget> Session<W> {
         self.show()
     }
 
+    /// What the picture that was drawn last says in words.
+    pub fn said(&self) -> &str {
+        self.scene.said()
+    }
+
     /// Drags a handle.
     pub fn drag(&mut self, handle: usize, to: [f64; 2]) {
         if to.iter().all(|number| number.is_finite()) {
@@ -87,7 +102,7 @@ impl<W: Widget> Session<W> {
     }
 }
 
-impl<W: Widget> Default for Session<W> {
+impl<W: Widget + Default> Default for Session<W> {
     fn default() -> Self {
         Self::new()
     }
@@ -113,11 +128,11 @@ pub trait Player {
 
 impl<W: Widget> Player for Session<W> {
     fn face(&self) -> &str {
-        &self.face
+        &self.face_as_json
     }
 
     fn set(&mut self, name: &str, value: f64) -> bool {
-        let Some(at) = W::FACE.controls.iter().position(|control| control.name == name) else {
+        let Some(at) = self.face.controls.iter().position(|control| control.name == name) else {
             return false;
         };
         self.controls[at] = value;
@@ -129,13 +144,13 @@ impl<W: Widget> Player for Session<W> {
     }
 
     fn controls(&self) -> Vec<(&'static str, f64)> {
-        let names = W::FACE.controls.iter().map(|control| control.name);
+        let names = self.face.controls.iter().map(|control| control.name);
         names.zip(self.controls.iter().copied()).collect()
     }
 
     fn readings(&mut self) -> Vec<(&'static str, f64)> {
         self.show_whole();
-        let labels = W::FACE.readings.iter().map(|reading| reading.label);
+        let labels = self.face.readings.iter().map(|reading| reading.label);
         labels.zip(self.scene.readings().iter().copied()).collect()
     }
 
