@@ -427,7 +427,7 @@
             return { face, value, box: element("div", {}, element("dt", { textContent: face.label }), value) };
         }
 
-        question({ ask, choices, right }) {
+        question({ ask, choices, right, why }) {
             this.veiled = true;
             const verdict = element("p", { className: "verdict" });
             verdict.setAttribute("role", "status");
@@ -435,7 +435,7 @@
                 const button = element("button", { type: "button", textContent: text });
                 button.addEventListener("click", () => {
                     this.veiled = false;
-                    verdict.textContent = number === right ? "That is right." : `No: ${choices[right]}.`;
+                    verdict.textContent = `${number === right ? "That is right" : `No: ${choices[right]}`}. ${why}`;
                     verdict.classList.add(number === right ? "right" : "wrong");
                     answers.forEach(other => { other.disabled = true; });
                     this.render();

@@ -149,6 +149,8 @@ pub struct Question {
     pub choices: &'static [&'static str],
     /// Which of them is right, counted from zero.
     pub right: usize,
+    /// The reason, in a sentence.
+    pub why: &'static str,
 }
 
 /// What is told of each step of what goes on in steps. Two machines compute the same numbers but for their rounding,

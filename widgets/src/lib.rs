@@ -10,6 +10,7 @@ mod ellipse;
 mod face;
 pub mod marginalization;
 pub mod msckf;
+pub mod parallax;
 pub mod preintegration;
 pub mod reprojection;
 mod scene;
@@ -54,6 +55,7 @@ pub type Named = (&'static str, fn() -> Box<dyn Player>);
 /// All widgets.
 pub const WIDGETS: &[Named] = &[
     ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
+    ("parallax", || Box::new(Session::<parallax::Parallax>::new())),
     ("reprojection", || Box::new(Session::<reprojection::Reprojection>::new())),
     ("preintegration", || Box::new(Session::<preintegration::Preintegration>::new())),
     ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),

@@ -120,6 +120,7 @@ impl Widget for Filter {
                 "it falls to about half, and the error does not",
             ],
             right: 2,
+            why: "Derivatives at ever other estimates contradict each other, and the filter takes the contradiction for a view of north; first estimates do not.",
         }),
         words: &[],
     };

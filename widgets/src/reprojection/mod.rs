@@ -16,6 +16,8 @@ use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Widget};
 pub const STEPS: usize = 16;
 /// The camera whose picture is shown.
 const WATCHED: usize = 1;
+/// Errors below this are rounding.
+const ROUNDING: f64 = 1e-15;
 /// Steps from the truth to the minimum of the cost.
 const TO_OPTIMUM: usize = 12;
 
@@ -112,9 +114,9 @@ impl Widget for Reprojection {
         controls: &[
             Control::slider(
                 "side",
-                "Side of the Jacobian: 0 right, 1 left",
+                "Jacobian for a step on the: 0 left, 1 right",
                 "",
-                [1.0, 0.0, 1.0, 0.02],
+                [0.0, 0.0, 1.0, 0.02],
             ),
             Control::slider(
                 "angle",
@@ -127,34 +129,45 @@ impl Widget for Reprojection {
                 start: 1.0,
                 ..Control::choice(
                     "axis",
-                    "Step whose arrows are drawn",
-                    &["along x", "along y", "along z", "about x", "about y", "about z"],
+                    "Trial step of one camera",
+                    &[
+                        "40 cm along x",
+                        "40 cm along y",
+                        "40 cm along z",
+                        "6° about x",
+                        "6° about y",
+                        "6° about z",
+                    ],
                 )
             },
             Control::slider("noise", "Noise of a pixel", "px", [0.0, 0.0, 3.0, 0.1]),
-            Control::slider("start", "Start off, times the scene's", "", [2.0, 0.0, 6.0, 0.5]),
+            Control::slider("start", "Start off, times 5 cm and 1°", "", [2.0, 0.0, 6.0, 0.5]),
         ],
         handles: &[],
         panels: &[
             Panel {
                 x: Axis { label: "Gauss-Newton steps", range: [-0.5, STEPS as f64 + 0.5] },
-                y: Axis { label: "error of the cameras, power of ten", range: [-15.5, 2.5] },
+                y: Axis { label: "way to the minimum, power of ten", range: [-15.5, 2.5] },
                 equal: false,
                 down: false,
                 ..picture("Both optimizers")
             },
-            picture("One step: what it does (filled), what the Jacobian says (hollow)"),
+            picture("Trial step: filled what it does, hollow what the Jacobian says"),
             picture("Residuals of the consistent optimizer"),
             picture("Residuals of the mixed optimizer"),
         ],
         readings: &[
-            reading("The shown arrows differ by", "px", 2),
+            reading("Trial step: the Jacobian errs by", "px", 2),
             reading("RMSE, consistent", "px", 3),
             reading("RMSE, mixed", "px", 3),
-            reading("Error of the cameras, consistent", "m, rad", 6),
-            reading("Error of the cameras, mixed", "m, rad", 6),
-            Reading { veiled: true, ..reading("The last mixed step left, of the error", "", 3) },
-            Reading { veiled: true, ..reading("The theorem predicts", "", 3) },
+            reading("Way to the minimum, consistent, power of ten", "", 1),
+            reading("Way to the minimum, mixed, power of ten", "", 1),
+            Reading {
+                veiled: true,
+                none: "no step",
+                ..reading("The way after the last mixed step, over that before", "", 3)
+            },
+            Reading { veiled: true, ..reading("The theorem predicts, without noise", "", 3) },
         ],
         question: Some(Question {
             ask: "The Jacobian is the left one, the steps are taken on the right, and the cameras are turned from the world by 80°. Where does the mixed optimizer go?",
@@ -164,12 +177,14 @@ impl Widget for Reprojection {
                 "away from the minimum, however close it begins",
             ],
             right: 2,
+            why: "A step leaves 2 sin 40° = 1.29 times the error, by the theorem: set the angle to 80° and see the curve rise.",
         }),
         words: &["consistent", "mixed", "lost"],
     };
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
         let &[side, angle, step, axis, noise, start] = controls else { return };
+        let side = 1.0 - side;
         let setting = Setting { side, angle: angle.to_radians(), noise, start };
         self.comparison = match self.comparison.take() {
             Some(known) if known.setting == setting => Some(known),
@@ -188,12 +203,16 @@ impl Widget for Reprojection {
         draw::residuals(comparison, at, scene);
         let [consistent, mixed] =
             [&comparison.consistent, &comparison.mixed].map(|run| comparison.state(run, at));
-        [consistent[0], mixed[0], consistent[1], mixed[1]]
-            .into_iter()
-            .for_each(|number| scene.read(number));
+        let power = |error: Option<f64>| error.map(|error| error.max(ROUNDING).log10());
+        let shown = [consistent[0], mixed[0], power(consistent[1]), power(mixed[1])];
+        shown.into_iter().for_each(|number| scene.read(number));
         let before = at.checked_sub(1).and_then(|at| comparison.state(&comparison.mixed, at)[1]);
         let left = mixed[1].zip(before).map(|(error, before)| error / before);
         scene.read(left.filter(|left| left.is_finite()));
         scene.read(predicted);
+        if mixed[0].is_none() {
+            let last = comparison.mixed.states.len() - 1;
+            scene.say(&format!("After step {last} the mixed optimizer is lost."));
+        }
     }
 }
