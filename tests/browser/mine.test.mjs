@@ -24,6 +24,7 @@ theme = "press/theme"
 default-theme = "light"
 preferred-dark-theme = "navy"
 additional-js = ["press/theme/book-extras.js"]
+hash-files = true
 
 [output.html.playground]
 runnable = false
