@@ -88,17 +88,26 @@ impl<'a> Answers<'a> {
     /// When cargo cannot be started or a file cannot be written. What an answer has of faults is in its script.
     pub fn refresh(&self, steps: &Steps) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
         let names = self.names()?;
-        let scripts = match compiler::find(self.layout, steps)? {
+        match compiler::find(self.layout, steps)? {
             Ok(toolchain) => {
-                steps.step("compiling your answers", || self.compiled(&toolchain, &names))?
+                let compile = || self.compiled(&toolchain, &names);
+                self.keep(steps.step("compiling your answers", compile)?)
             }
             Err(why) => {
                 let sentence = format!("Your answer cannot be shown: {why}.");
-                names.iter().map(|name| (name.clone(), told(&sentence, ""))).collect()
+                let changed = self.keep(all_told(&names, &sentence))?;
+                if !changed.is_empty() {
+                    steps.say(&sentence);
+                }
+                Ok(changed)
             }
-        };
+        }
+    }
+
+    /// Keeps what became of answers, and gives the scripts that are others now.
+    fn keep(&self, became: BTreeMap<String, Value>) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
         let mut changed = BTreeMap::new();
-        for (name, script) in scripts {
+        for (name, script) in became {
             let script = format!("vislamAnswer({script});\n");
             let file = self.kept(&name);
             if files::read_if_there(&file)?.as_ref() != Some(&script) {
@@ -221,6 +230,11 @@ fn told(sentence: &str, text: &str) -> Value {
     json!({ "sentence": sentence, "text": text })
 }
 
+/// The same for all.
+fn all_told(names: &BTreeSet<String>, sentence: &str) -> BTreeMap<String, Value> {
+    names.iter().map(|name| (name.clone(), told(sentence, ""))).collect()
+}
+
 /// What the compiler says of errors, with answers called as the student calls them.
 fn errors<'a>(said: impl Iterator<Item = &'a Said>) -> String {
     let errors =
@@ -241,6 +255,27 @@ mod tests {
             "message": {"level": "error", "rendered": "error\n --> exercises/pictures/modules/../../src/ring.rs:7:1\n"}}"#;
         let said: Said = serde_json::from_str(line).unwrap();
         assert_eq!(errors([said].iter()), "error\n --> exercises/src/ring.rs:7:1\n");
+    }
+
+    #[test]
+    fn a_page_waits_for_its_answer_and_hears_where_there_is_no_compiler() {
+        let root = tempfile::tempdir().unwrap();
+        let write = |path: &str| files::write(&root.path().join(path), b"").unwrap();
+        write("exercises/pictures/modules/ring.rs");
+        ["widgets/script/widgets.js", "widgets/script/widgets.css"].into_iter().for_each(write);
+        write("exercises/pictures/script/mine.css");
+        let layout = Layout { root: root.path().to_path_buf() };
+        let answers = Answers::new(&layout);
+        let script = |scripts: &BTreeMap<PathBuf, Vec<u8>>| {
+            scripts.get(&loaded("ring")).map(|script| String::from_utf8_lossy(script).into_owned())
+        };
+        let waiting = script(&answers.scripts().unwrap()).unwrap();
+        assert!(waiting.contains("is being compiled"), "{waiting}");
+        let told = || all_told(&answers.names().unwrap(), "there is no compiler");
+        let changed = script(&answers.keep(told()).unwrap()).unwrap();
+        assert!(changed.contains("there is no compiler"), "{changed}");
+        assert_eq!(script(&answers.scripts().unwrap()), Some(changed));
+        assert!(answers.keep(told()).unwrap().is_empty(), "nothing is another one");
     }
 
     #[test]

@@ -161,14 +161,18 @@ fn changed_file(layout: &Layout, event: notify::Result<notify::Event>) -> Option
     })?;
     let written = [layout.generated(), layout.api()];
     let foreign = |path: &PathBuf| !written.iter().any(|folder| path.starts_with(folder));
-    let path = event.paths.into_iter().find(|path| foreign(path) && !is_scratch(path))?;
-    Some(path.strip_prefix(&layout.root).map(Path::to_path_buf).unwrap_or(path))
+    let seen = |path: PathBuf| match path.strip_prefix(&layout.root) {
+        Ok(path) => path.to_path_buf(),
+        Err(_) => path,
+    };
+    event.paths.into_iter().filter(foreign).map(seen).find(|path| !is_scratch(path))
 }
 
-/// Whether an editor keeps the file for itself.
+/// Whether an editor keeps the file for itself, or a program in a hidden folder.
 fn is_scratch(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    name.starts_with('.') || name.ends_with('~') || name.ends_with(".swp") || name == "4913"
+    let hidden = path.iter().any(|part| part.to_string_lossy().starts_with('.'));
+    hidden || name.ends_with('~') || name.ends_with(".swp") || name == "4913"
 }
 
 /// Builds beside the pages that are being served, and puts the new ones in their place.
@@ -294,5 +298,20 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
             let page = page.unwrap_or_else(|_| "There is no such page.".to_owned());
             (StatusCode::NOT_FOUND, Html(page)).into_response()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_tests_and_editors_keep_is_no_change_of_the_book() {
+        for path in
+            ["exercises/.progress/ring.verdicts", "src/.ring.md.swp", "src/ring.md~", "src/4913"]
+        {
+            assert!(is_scratch(Path::new(path)), "{path}");
+        }
+        assert!(!is_scratch(Path::new("exercises/src/ring.rs")));
     }
 }

@@ -24,6 +24,7 @@ theme = "press/theme"
 default-theme = "light"
 preferred-dark-theme = "navy"
 additional-js = ["press/theme/book-extras.js"]
+hash-files = true
 
 [output.html.playground]
 runnable = false
@@ -91,7 +92,8 @@ before(async () => {
     const program = messages.split("\n").filter(Boolean).map(line => JSON.parse(line)).find(({ executable }) => executable)?.executable;
     server = spawn(program, ["serve", "--mine", "--port", "0"], { cwd: copy, stdio: ["ignore", "ignore", "pipe"] });
     server.stderr.setEncoding("utf8").on("data", text => { told += text; });
-    [, url] = await hears(/The book is at (http:\S+)/, 900_000);
+    [, url] = await hears(/The book is at (http:\S+)/, 300_000);
+    await hears(/✓ compiling your answers/, 900_000);
     browser = await launch();
 });
 

@@ -26,6 +26,7 @@ static BUILT: LazyLock<Built> = LazyLock::new(|| {
         layout: Layout { root: root() },
         steps: Steps::quiet(),
         warnings: Warnings::default(),
+        mine: false,
     };
     let faults = maker.build(&folder.path().join("site")).expect("a book");
     Built { folder, report: faults.report() }
