@@ -1,6 +1,6 @@
 """Compares what the viewer shows with the pictures of the chapters, or with --pictures puts it in their place.
 
-The bar of the viewer's menu is cut off, and a picture has half as many pixels in a row as the screen and at most 128
+The bar of the viewer's menu is cut off, and a picture has half as many pixels in a row as the screen and at most 256
 colours, so that a page stays light.
 """
 
@@ -20,7 +20,7 @@ def picture(screenshot: Path) -> Image.Image:
     scale = screen.width // 1100
     views = screen.crop((0, MENU * scale, screen.width, screen.height))
     small = views.resize((1100, 700 - MENU), Image.Resampling.LANCZOS)
-    return small.quantize(128, dither=Image.Dither.NONE)
+    return small.quantize(256, dither=Image.Dither.NONE)
 
 
 def difference(one: Image.Image, other: Image.Image) -> float:

@@ -1,6 +1,7 @@
 //! From where a scene is looked at, and what stands beside it: rerun calls that a blueprint.
 
 use nalgebra::Vector3;
+use rerun::datatypes::Uuid;
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
     Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, TimePanelBlueprint,
@@ -9,7 +10,6 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 use rerun::external::re_sdk_types::blueprint::components::{
     BackgroundKind, ContainerKind, PanelState, PlayState,
 };
-use rerun::datatypes::Uuid;
 use rerun::{Color, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 use crate::stage::coordinates;

@@ -13,7 +13,8 @@ use crate::layout::{Beside, Layout};
 use crate::stage::{colour, ellipsoids, lines, matrix, points};
 use crate::{Ellipsoid, Stage, StageError, frustum};
 
-pub const SHOWS: &str = "a window of eight keyframes; the oldest leave, and couple the landmarks that they saw";
+pub const SHOWS: &str =
+    "a window of eight keyframes; the oldest leave, and couple the landmarks that they saw";
 
 /// How many keyframes leave.
 const SLIDES: usize = 4;
@@ -41,7 +42,7 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
     stage.arrange(&Layout {
         title: "Keyframes along a wall, landmarks, and who is coupled",
         eye: Vector3::new(-0.9, -6.4, -1.6),
-        target: Vector3::new(1.7, 0.2, 3.4),
+        target: Vector3::new(1.55, -0.1, 3.6),
         up: -Vector3::y(),
         floor: None,
         beside: vec![
@@ -121,9 +122,8 @@ impl Sliding {
             let keyframes = self.window.keyframes;
             let (poses, marks): (Vec<_>, Vec<_>) =
                 self.names(gone).partition(|name| *name < keyframes);
-            let frusta = poses.iter().flat_map(|name| {
-                frustum(&CAMERA, &self.keyframes()[*name], IMAGE)
-            });
+            let frusta =
+                poses.iter().flat_map(|name| frustum(&CAMERA, &self.keyframes()[*name], IMAGE));
             let width = if gone { 0.8 } else { 1.8 };
             stage.now(&format!("{part}/keyframes"), &lines(frusta, (own, 255), width))?;
             let marks: Vec<_> = marks.iter().map(|name| self.place(*name)).collect();
@@ -135,8 +135,7 @@ impl Sliding {
     }
 
     fn draw_ellipsoids(&self, stage: &Stage) -> Result<(), StageError> {
-        let covariance: DMatrix<f64> =
-            self.information.covariance().map_err(StageError::scene)?;
+        let covariance: DMatrix<f64> = self.information.covariance().map_err(StageError::scene)?;
         let blocks = self.information.blocks();
         let around = self.names(false).filter(|name| *name >= self.window.keyframes);
         let around = around.filter_map(|name| {
@@ -152,8 +151,7 @@ impl Sliding {
         let pairs = self.couplings.pairs();
         let (measured, filled): (Vec<_>, Vec<_>) =
             pairs.into_iter().partition(|pair| self.measured.contains(pair));
-        let (new, old): (Vec<_>, Vec<_>) =
-            filled.iter().partition(|pair| self.new.contains(pair));
+        let (new, old): (Vec<_>, Vec<_>) = filled.iter().partition(|pair| self.new.contains(pair));
         stage.value("couplings/measured", measured.len() as f64)?;
         stage.value("couplings/filled_in", filled.len() as f64)?;
         for (entity, pairs, look, width) in [

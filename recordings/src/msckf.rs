@@ -7,16 +7,17 @@ mod example;
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
+use vislam::bearing::back_project;
 use vislam::inertial::{BodyPose, NavState};
 use vislam::msckf::{Msckf, MsckfOptions};
-use vislam::bearing::back_project;
 use vislam::simulation::FlightRecording;
 
 use crate::layout::{Beside, Layout};
 use crate::stage::{colour, coordinates, ellipsoids, lines, points};
 use crate::{Ellipsoid, Stage, StageError, frustum};
 
-pub const SHOWS: &str = "the filter on its flight, with its window, its tracks and what it believes";
+pub const SHOWS: &str =
+    "the filter on its flight, with its window, its tracks and what it believes";
 
 /// Seconds of the flight, and its seed.
 const SECONDS: f64 = 13.0;
@@ -123,16 +124,15 @@ impl Seen {
         let [red, green, blue] = colour::GONE;
         let grey = rerun::Color::from_rgb(red, green, blue);
         let size = pixel(&recording.flight.image);
-        stage.now("image/frame", &rerun::Boxes2D::from_mins_and_sizes([[0.0, 0.0]], [size]).with_colors([grey]))
+        stage.now(
+            "image/frame",
+            &rerun::Boxes2D::from_mins_and_sizes([[0.0, 0.0]], [size]).with_colors([grey]),
+        )
     }
 }
 
 /// The poses that the filter keeps, the last one larger.
-fn window(
-    stage: &Stage,
-    recording: &FlightRecording,
-    filter: &Msckf,
-) -> Result<(), StageError> {
+fn window(stage: &Stage, recording: &FlightRecording, filter: &Msckf) -> Result<(), StageError> {
     let poses = filter.belief().values().of_kind::<BodyPose>();
     let camera = &recording.flight.camera;
     let frusta = |poses: &[BodyPose], depth: f64| {

@@ -12,7 +12,8 @@ use crate::layout::{Beside, Layout};
 use crate::stage::{colour, lines, points};
 use crate::{Stage, StageError, ring_around};
 
-pub const SHOWS: &str = "a figure-eight, its readings summed, with a tube of three standard deviations";
+pub const SHOWS: &str =
+    "a figure-eight, its readings summed, with a tube of three standard deviations";
 
 /// Seconds between two readings, and the length of the flight in seconds.
 const DT: f64 = 0.005;
@@ -53,7 +54,10 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
         target: Vector3::new(0.35, 0.0, -0.15),
         up: Vector3::z(),
         floor: None,
-        beside: vec![Beside::Curves { title: "Standard deviation of the position, m", of: "sigma" }],
+        beside: vec![Beside::Curves {
+            title: "Standard deviation of the position, m",
+            of: "sigma",
+        }],
         timeline: "time",
         speed: 1.0,
     })?;
@@ -61,8 +65,7 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
     stage.curve("sigma/part", "summed from the last keyframe", colour::MEASURED)?;
     let motion = Trajectory::figure_eight();
     let steps = (SECONDS / DT) as usize;
-    let truth: Vec<NavState> =
-        (0..=steps).map(|step| motion.at(step as f64 * DT).state).collect();
+    let truth: Vec<NavState> = (0..=steps).map(|step| motion.at(step as f64 * DT).state).collect();
     let way = truth.iter().step_by(DRAWN).map(|state| state.position).collect();
     stage.always("world/truth", &lines([way], (colour::TRUTH, 160), 1.2))?;
     let whole = summed(&motion, 0, steps)?;
@@ -82,7 +85,7 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
         stage.value("sigma/whole", whole[drawn - 1].sigma())?;
         let keyframes = truth.iter().step_by(KEYFRAME).take((drawn * DRAWN - 1) / KEYFRAME + 1);
         let keyframes = keyframes.map(|state| &state.position);
-        stage.now("world/keyframes", &points(keyframes, colour::PRIOR, 5.0))?;
+        stage.now("world/keyframes", &points(keyframes, colour::PRIOR, 7.0))?;
         let past: Vec<&Place> = parts.iter().flatten().take(drawn).collect();
         let tubes = past.iter().map(|place| place.ring());
         stage.now("world/parts/tubes", &lines(tubes, (colour::MEASURED, 200), 0.8))?;

@@ -100,7 +100,9 @@ impl Stage {
     /// # Errors
     ///
     /// [`StageError::Recording`].
-    pub fn in_memory(name: &'static str) -> Result<(Self, rerun::sink::MemorySinkStorage), StageError> {
+    pub fn in_memory(
+        name: &'static str,
+    ) -> Result<(Self, rerun::sink::MemorySinkStorage), StageError> {
         let (stream, storage) = builder(name).memory()?;
         Ok((Self::of(stream, name), storage))
     }

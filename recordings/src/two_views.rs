@@ -40,7 +40,7 @@ const LARGE: f64 = 3.0;
 pub fn play(stage: &Stage) -> Result<(), StageError> {
     stage.arrange(&Layout {
         title: "Two cameras, and points with their ellipsoids",
-        eye: Vector3::new(-3.9, -4.2, -1.3),
+        eye: Vector3::new(-3.5, -3.9, -0.9),
         target: Vector3::new(0.15, 0.35, 4.0),
         up: -Vector3::y(),
         floor: None,
@@ -92,9 +92,8 @@ fn draw_cameras(
 ) -> Result<(), StageError> {
     let frusta = cameras.iter().flat_map(|camera| frustum(&CAMERA, &camera.camera_from_world, 0.5));
     stage.now("world/cameras", &lines(frusta, (colour::PRIOR, 255), 2.0))?;
-    let rays = cameras
-        .iter()
-        .flat_map(|camera| truth.iter().map(|point| vec![camera.centre(), *point]));
+    let rays =
+        cameras.iter().flat_map(|camera| truth.iter().map(|point| vec![camera.centre(), *point]));
     stage.now("world/rays", &lines(rays, (colour::MEASURED, 110), 0.8))
 }
 
