@@ -21,7 +21,7 @@ use vislam::msckf::{
     Calibrated, LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions,
     PictureReport, Rest, Sight, Start, TrackError, WindowPolicy, landmark,
 };
-use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::TriangulationError;
 
 fn linearized(sights: &[Sight], extrinsics: &Isometry3<f64>) -> (LinearizedTrack, Vector3<f64>) {
@@ -312,14 +312,7 @@ fn calibration_and_clock_are_found_on_the_way() {
 
 /// A flight about one spot, which sees the same landmarks all the time.
 fn hover(seconds: f64) -> FlightRecording {
-    let wave = ScalarTrajectory::wave;
-    let angles = EulerAngles {
-        yaw: wave(0.05, 0.7, 0.3),
-        pitch: wave(0.05, 0.9, 1.0),
-        roll: wave(0.05, 1.1, 0.0),
-    };
-    let position = [wave(0.5, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.5, 0.8, 2.0)];
-    let motion = Trajectory { position, angles };
+    let motion = Trajectory::about_one_spot();
     let flight = Flight { seconds, picture_rate: 5.0, tracks: 24, ..Flight::new(motion) };
     flight.record(&flight.room(2.5, 250, 4).unwrap(), 4).unwrap()
 }

@@ -47,6 +47,11 @@ pub enum Mark<'a> {
 pub static NAMED_LABEL: LazyLock<Regex> =
     LazyLock::new(|| Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern"));
 
+/// Works that a comment in code names, as in `[@triggs2000]` or `([@a; @b])`, with the parenthesis before them.
+pub static NAMED_WORKS: LazyLock<Regex> = LazyLock::new(|| {
+    Regex::new(r"(\(?)\[@([\w-]+(?:; @[\w-]+)*)\]|@([\w-]+)").expect("a valid pattern")
+});
+
 /// The kinds of labels that can be referred to.
 pub const LABEL_KINDS: [&str; 5] = ["eq:", "fig:", "lst:", "sec:", "thm:"];
 

@@ -290,7 +290,9 @@
             if (face.kind === "count") {
                 this.input = element("button", { type: "button", textContent: face.label });
                 this.input.addEventListener("click", () => change(this, this.value + 1));
-                this.box = element("div", { className: "control" }, this.input, this.shown);
+                this.back = element("button", { type: "button", textContent: "Back" });
+                this.back.addEventListener("click", () => change(this, this.value - 1));
+                this.box = element("div", { className: "control count" }, this.input, this.back, this.shown);
             } else if (face.kind === "switch") {
                 this.input = element("input", { type: "checkbox" });
                 this.input.addEventListener("change", () => change(this, Number(this.input.checked)));
@@ -343,6 +345,9 @@
                 input.value = String(value);
             } else if (face.kind === "count") {
                 this.shown.textContent = String(value);
+                // Not disabled, for that would take the focus away.
+                this.input.setAttribute("aria-disabled", value >= face.most);
+                this.back.setAttribute("aria-disabled", value <= face.least);
             } else {
                 const digits = face.kind === "logarithmic" ? Math.max(0, 2 - Math.floor(Math.log10(value)))
                     : Math.max(0, -Math.floor(Math.log10(face.step) + 1e-9));
@@ -408,17 +413,8 @@
                 element("p", { textContent: ask }), element("div", { className: "answers" }, ...answers), verdict);
         }
 
-        // Whatever was counted begins again with every other change.
         change(control, value) {
-            const values = this.session.controls;
-            if (control.face.kind !== "count") {
-                this.session.face.controls.forEach((other, number) => {
-                    if (other.kind === "count") {
-                        values[number] = 0;
-                    }
-                });
-            }
-            values[control.number] = value;
+            this.session.controls[control.number] = value;
             this.ask();
         }
 

@@ -84,7 +84,7 @@ pub enum Kind {
     Switch,
     /// By a list of choices, the first of which is zero.
     Choice(&'static [&'static str]),
-    /// By a button that adds one; zero again with every other change.
+    /// By a button that adds one, and another that takes it back.
     Count,
 }
 

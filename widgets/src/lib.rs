@@ -9,6 +9,7 @@ pub mod bundle_adjustment;
 mod face;
 pub mod marginalization;
 pub mod preintegration;
+pub mod reprojection;
 mod scene;
 mod session;
 
@@ -34,6 +35,7 @@ pub type Named = (&'static str, fn() -> Box<dyn Player>);
 /// All widgets.
 pub const WIDGETS: &[Named] = &[
     ("bearing", || Box::new(Session::<bearing::Bearing>::new())),
+    ("reprojection", || Box::new(Session::<reprojection::Reprojection>::new())),
     ("preintegration", || Box::new(Session::<preintegration::Preintegration>::new())),
     ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),
     ("bundle_adjustment", || Box::new(Session::<bundle_adjustment::BundleAdjustment>::new())),

@@ -1,6 +1,6 @@
 //! A widget in the hands of a reader.
 
-use crate::{Kind, Scene, Widget};
+use crate::{Scene, Widget};
 
 /// A widget, the values of its controls and what it shows.
 pub struct Session<W> {
@@ -21,6 +21,13 @@ impl<W: Widget> Session<W> {
             scene: Scene::default(),
             numbers: Vec::new(),
         }
+    }
+
+    /// With some controls changed, by name; `None` if there is no such control.
+    pub fn with(settings: &[(&str, f64)]) -> Option<Self> {
+        let mut session = Self::new();
+        let known = settings.iter().all(|(name, value)| session.set(name, *value));
+        known.then_some(session)
     }
 
     /// The face as JSON.
@@ -84,10 +91,6 @@ impl<W: Widget> Player for Session<W> {
         let Some(at) = W::FACE.controls.iter().position(|control| control.name == name) else {
             return false;
         };
-        let counts = W::FACE.controls.iter().map(|control| control.kind == Kind::Count);
-        if W::FACE.controls[at].kind != Kind::Count {
-            self.controls.iter_mut().zip(counts).filter(|(_, is)| *is).for_each(|(v, _)| *v = 0.0);
-        }
         self.controls[at] = value;
         true
     }

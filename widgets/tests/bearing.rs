@@ -15,10 +15,7 @@ const BELOW: &str = "One in twenty depths is below";
 const ABOVE: &str = "One in twenty depths is above";
 
 fn shown(settings: &[(&str, f64)]) -> impl Fn(&str) -> f64 + use<> {
-    let mut session = Session::<Bearing>::new();
-    for (name, value) in settings {
-        assert!(session.set(name, *value), "{name}");
-    }
+    let mut session = Session::<Bearing>::with(settings).expect("controls");
     let readings = session.readings();
     move |label| {
         let found = readings.iter().find(|(known, _)| *known == label);

@@ -23,8 +23,7 @@ fn read(hand: &mut Hand) -> Vec<f64> {
 }
 
 fn after(steps: f64, settings: &[(&str, f64)]) -> Vec<f64> {
-    let mut hand = Hand::new();
-    settings.iter().for_each(|(name, value)| assert!(hand.set(name, *value), "{name}"));
+    let mut hand = Hand::with(settings).expect("controls");
     assert!(hand.set("step", steps));
     read(&mut hand)
 }

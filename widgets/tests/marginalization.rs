@@ -9,13 +9,8 @@ use widgets::{Player, Session};
 
 type Settings<'a> = &'a [(&'a str, f64)];
 
-/// A session with these controls; whatever is counted has to stand last.
 fn session(settings: Settings) -> Session<Marginalization> {
-    let mut session = Session::new();
-    for (name, value) in settings {
-        assert!(session.set(name, *value), "{name}");
-    }
-    session
+    Session::with(settings).expect("controls")
 }
 
 /// The readings with these controls.

@@ -23,10 +23,7 @@ const BOUND: &str = "Bound on what is left";
 const AGAIN: &str = "Sum again beyond a move of";
 
 fn shown(settings: &[(&str, f64)]) -> impl Fn(&str) -> f64 + use<> {
-    let mut session = Session::<Preintegration>::new();
-    for (name, value) in settings {
-        assert!(session.set(name, *value), "{name}");
-    }
+    let mut session = Session::<Preintegration>::with(settings).expect("controls");
     let readings = session.readings();
     move |label| {
         let found = readings.iter().find(|(known, _)| *known == label);

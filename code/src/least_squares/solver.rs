@@ -392,13 +392,13 @@ impl<S: LinearSystem> Search<S> {
     }
     // ANCHOR_END: gauss_newton
 
-    // ANCHOR: levenberg_marquardt
     /// A step that is damped, and taken if it lowers the cost enough. [`Search::iterate`] counts
     /// them; who calls this instead counts them himself.
     ///
     /// # Errors
     ///
     /// A [`SolveError`] when a residual becomes one that is not finite.
+    // ANCHOR: levenberg_marquardt
     pub fn levenberg_marquardt(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         let damping = self.damping.value;
         if damping > LARGEST_DAMPING {

@@ -122,6 +122,17 @@ impl Scene {
     }
     // ANCHOR_END: stereo_ring
 
+    /// The scene with its start so many times as far from the truth.
+    pub fn with_start(mut self, times: f64) -> Self {
+        for (camera, truth) in self.problem.cameras.iter_mut().zip(&self.true_cameras) {
+            *camera = truth.retract(&(times * truth.local(camera)));
+        }
+        for (point, truth) in self.problem.points.iter_mut().zip(&self.true_points) {
+            *point = truth.lerp(point, times);
+        }
+        self
+    }
+
     // ANCHOR: outliers
     /// The scene with this fraction of its observations moved by so many pixels, each in a
     /// direction of its own.

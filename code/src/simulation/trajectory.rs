@@ -137,6 +137,18 @@ impl Trajectory {
         Self::default()
     }
 
+    /// Within a metre of one spot, nodding and swinging by three degrees.
+    pub fn about_one_spot() -> Self {
+        let wave = ScalarTrajectory::wave;
+        let angles = EulerAngles {
+            yaw: wave(0.05, 0.7, 0.3),
+            pitch: wave(0.05, 0.9, 1.0),
+            roll: wave(0.05, 1.1, 0.0),
+        };
+        let position = [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)];
+        Self { position, angles }
+    }
+
     /// Turning about the vertical without moving, at `rate` rad/s.
     pub fn turn_on_the_spot(rate: f64) -> Self {
         Self {

@@ -6,7 +6,7 @@ use vislam::inertial::NavState;
 use vislam::least_squares::Manifold;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, Start};
 use vislam::preintegration::Matrix15;
-use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
 use crate::chapter::Chapter;
 use crate::comparison::inverse;
@@ -27,23 +27,10 @@ pub const TIMES: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0, 60.0];
 const START: [f64; 15] =
     [0.01, 0.01, 0.03, 0.05, 0.05, 0.05, 1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
 
-/// Within a metre of one spot.
-fn motion() -> Trajectory {
-    let wave = ScalarTrajectory::wave;
-    let angles = EulerAngles {
-        yaw: wave(0.05, 0.7, 0.3),
-        pitch: wave(0.05, 0.9, 1.0),
-        roll: wave(0.05, 1.1, 0.0),
-    };
-    Trajectory {
-        position: [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)],
-        angles,
-    }
-}
-
 fn recorded(seconds: f64, seed: u64) -> FlightRecording {
+    let motion = Trajectory::about_one_spot();
     let flight =
-        Flight { seconds, picture_rate: PICTURE_RATE, tracks: KEPT, ..Flight::new(motion()) };
+        Flight { seconds, picture_rate: PICTURE_RATE, tracks: KEPT, ..Flight::new(motion) };
     let room = flight.room(2.5, 250, seed).expect("the hover has a room");
     flight.record(&room, seed).expect("the hover can be flown")
 }

@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use maud::html;
+use regex::Captures;
 
 use super::Emitter;
 use crate::api::items::Item;
 use crate::attributes::Attributes;
 use crate::blocks::Block;
 use crate::files;
-use crate::inline::NAMED_LABEL;
+use crate::inline::{NAMED_LABEL, NAMED_WORKS};
 use crate::listing::{self, Listing};
 use crate::pages::slashed;
-use crate::prose::{item_link, listed};
+use crate::prose::{item_link, listed, name_of};
 
 impl Emitter<'_, '_> {
     pub(super) fn fence(
@@ -95,9 +96,36 @@ impl Emitter<'_, '_> {
             block.number,
             cut.first,
             cut.last,
-            cut.code.join("\n"),
+            self.readable(&cut.code),
         );
         self.lines(&block.indent, &html);
+    }
+
+    /// Code whose comments name equations by their numbers and works by their authors.
+    fn readable(&self, code: &[String]) -> String {
+        let label = |found: &Captures<'_>| match self.known.labels.get(&found[1]) {
+            Some(target) => name_of(&found[1], target, false),
+            None => found[0].to_owned(),
+        };
+        let works = |found: &Captures<'_>| {
+            let before = found.get(1).map_or("", |before| before.as_str());
+            let keys = found.get(2).or(found.get(3)).map_or("", |keys| keys.as_str());
+            let name = |key: &str| {
+                let work = self.known.bibliography.get(key)?;
+                Some(if before.is_empty() { work.narrative.as_str() } else { work.short.as_str() })
+            };
+            match keys.split("; @").map(name).collect::<Option<Vec<_>>>() {
+                Some(names) => format!("{before}{}", names.join("; ")),
+                None => found[0].to_owned(),
+            }
+        };
+        let line = |text: &String| match text.trim_start().starts_with("//") {
+            true => {
+                NAMED_WORKS.replace_all(&NAMED_LABEL.replace_all(text, label), works).into_owned()
+            }
+            false => text.clone(),
+        };
+        code.iter().map(line).collect::<Vec<_>>().join("\n")
     }
 
     /// The piece of a file that an include asks for, and the file.

@@ -240,3 +240,17 @@ fn a_library_that_is_named_and_is_not_there_is_an_error() {
     let report = book().with("book.toml", "\"small-sums\"", "\"sums\"").faults();
     assert!(report.contains("`sums`") || report.contains("no package sums"), "{report}");
 }
+
+#[test]
+fn printed_code_names_numbers_and_authors() {
+    let book = SmallBook::sound().with(
+        "code/src/one.rs",
+        "{eq:sum}.",
+        "{eq:sum} ([@author2001]), as @author2001 and @nobody.",
+    );
+    assert!(book.run(&["build"]).status.success());
+    let page = book.read("book/one.html");
+    let said = "Implements Equation\u{a0}(1.1) (Author 2001), as Author (2001) and @nobody.";
+    let found = page.split("Implements").nth(1).map(|rest| rest.lines().next());
+    assert!(page.contains(said), "{found:?}");
+}

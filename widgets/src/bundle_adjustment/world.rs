@@ -1,7 +1,7 @@
 //! What the controls ask for.
 
 use nalgebra::Vector3;
-use vislam::bundle_adjustment::{Camera, PosedPinhole};
+use vislam::bundle_adjustment::PosedPinhole;
 use vislam::factors::{MovingCamera, PixelByCamera};
 use vislam::least_squares::{Kernel, Key, Problem, ProblemError};
 use vislam::reprojection::ReprojFactor;
@@ -74,13 +74,8 @@ impl Setting {
             World::StereoRing => Scene::stereo_ring(RIGS, POINTS, BASELINE, NOISE, self.seed),
             World::Street => Scene::street(cameras, reach, NOISE, self.seed),
         };
-        let mut scene = scene.with_outliers(self.outliers, OFF, self.seed + 100);
-        for (camera, truth) in scene.problem.cameras.iter_mut().zip(&scene.true_cameras) {
-            *camera = truth.retract(&(self.start * truth.local(camera)));
-        }
-        for (point, truth) in scene.problem.points.iter_mut().zip(&scene.true_points) {
-            *point = truth.lerp(point, self.start);
-        }
+        let scene = scene.with_outliers(self.outliers, OFF, self.seed + 100);
+        let mut scene = scene.with_start(self.start);
         if !self.held {
             scene.problem.fixed.fill(false);
         }

@@ -1,0 +1,94 @@
+//! One problem for two optimizers, whose Jacobians were derived for different perturbations of the cameras.
+
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Matrix6, Rotation3, Vector2, Vector3};
+use vislam::bundle_adjustment::PosedPinhole;
+use vislam::factors::{MovingCamera, PixelByCamera};
+use vislam::least_squares::{Factor, Kernel, Key, Problem, ProblemError};
+use vislam::manifold::se3;
+use vislam::simulation::Scene;
+
+/// Cameras of the street, how far they see along it in metres, and of what the scene is drawn.
+const STREET: (usize, f64, u64) = (4, 2.5, 1);
+
+type Camera = MovingCamera<PosedPinhole, 6>;
+
+/// A pixel whose derivative by the camera may belong to a step that is taken elsewhere than on the right.
+struct Slid {
+    pixel: PixelByCamera<PosedPinhole, 6>,
+    side: f64,
+}
+
+/// From the derivative by a step on the right of a pose to that by a step in its midst: with a side of one half
+/// the first half of the motion comes before the step and the second half after it; zero is the right, one the left.
+pub fn to_side(pose: &Isometry3<f64>, side: f64) -> Matrix6<f64> {
+    se3::adjoint(&se3::exp(&(-side * se3::log(pose))))
+}
+
+impl Factor<2> for Slid {
+    type Variables = (Camera, Vector3<f64>);
+    type Jacobians = (Matrix2x6<f64>, Matrix2x3<f64>);
+
+    fn variables(&self) -> (Key<Camera>, Key<Vector3<f64>>) {
+        self.pixel.variables()
+    }
+
+    fn residual(&self, values: (&Camera, &Vector3<f64>)) -> Option<Vector2<f64>> {
+        self.pixel.residual(values)
+    }
+
+    fn linearize(
+        &self,
+        values: (&Camera, &Vector3<f64>),
+    ) -> Option<(Vector2<f64>, Self::Jacobians)> {
+        let (residual, (by_camera, by_point)) = self.pixel.linearize(values)?;
+        let side = to_side(&values.0.0.camera_from_world, self.side);
+        Some((residual, (by_camera * side, by_point)))
+    }
+}
+
+/// A street in a world frame from which its cameras are turned by `angle` radians, with a start so many times as far
+/// off as the street has it. The first and the last camera are where they belong.
+pub fn street(angle: f64, noise: f64, start: f64) -> Scene {
+    let (cameras, reach, seed) = STREET;
+    let mut scene = Scene::street(cameras, reach, noise, seed).with_start(start);
+    let first = scene.true_cameras[0].camera_from_world;
+    let middle = Vector3::x() * (cameras - 1) as f64 / 2.0;
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), -angle) * first.rotation;
+    let turned = Isometry3::from_parts((-(turn * middle)).into(), turn.into());
+    let is_held = |camera: usize| camera == 0 || camera == cameras - 1;
+    scene.problem.fixed = (0..cameras).map(is_held).collect();
+    for (number, truth) in scene.true_cameras.iter_mut().enumerate() {
+        let camera = &mut scene.problem.cameras[number];
+        truth.camera_from_world *= turned.inverse();
+        camera.camera_from_world *= turned.inverse();
+        if is_held(number) {
+            *camera = *truth;
+        }
+    }
+    for point in scene.true_points.iter_mut().chain(&mut scene.problem.points) {
+        *point = se3::transform(&turned, point);
+    }
+    scene
+}
+
+/// The problem of an optimizer whose Jacobian is derived for steps on this side.
+pub fn problem(scene: &Scene, side: f64) -> Result<Problem, ProblemError> {
+    let start = &scene.problem;
+    let mut problem = Problem::new();
+    let cameras: Vec<Key<Camera>> =
+        start.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
+    let points: Vec<Key<Vector3<f64>>> =
+        start.points.iter().map(|point| problem.add_variable(*point)).collect();
+    for (camera, fixed) in cameras.iter().zip(&start.fixed) {
+        if *fixed {
+            problem.hold(*camera)?;
+        }
+    }
+    for factor in &start.factors {
+        let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
+        let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
+        let pixel = PixelByCamera { camera, landmark, pixel, inverse_sigma };
+        problem.add_factor(Slid { pixel, side }, Kernel::Squared)?;
+    }
+    Ok(problem)
+}

@@ -1,0 +1,63 @@
+//! Gauss-Newton, step by step.
+
+use nalgebra::{Isometry3, Vector3};
+use vislam::bundle_adjustment::PosedPinhole;
+use vislam::factors::MovingCamera;
+use vislam::least_squares::{LandmarkElimination, LinearSystem, Point, Problem, Values};
+use vislam::manifold::se3;
+
+/// Beyond this the optimizer is lost, in metres and radians.
+const LOST: f64 = 1e3;
+/// After a step that is nowhere longer than this, all others are rounding.
+const SETTLED: f64 = 1e-12;
+
+/// Where an optimizer stood before each of its steps, and where it stands.
+#[derive(Default)]
+pub struct Run {
+    /// All variables, from the start on; fewer than were asked for when a step failed.
+    pub states: Vec<Values>,
+}
+
+impl Run {
+    /// So many Gauss-Newton steps from where the problem starts; fewer if one fails or leads to the end of the world.
+    pub fn new(problem: &Problem, from: &Values, steps: usize) -> Self {
+        let mut states = vec![from.clone()];
+        let Ok(mut system) = LandmarkElimination::<6>::new::<Vector3<f64>>(problem) else {
+            return Self { states };
+        };
+        let mut step = vec![0.0_f64; from.dimension()];
+        for _ in 0..steps {
+            let values = &states[states.len() - 1];
+            if states.len() > 1 && step.iter().all(|part| part.abs() < SETTLED) {
+                states.push(values.clone());
+                continue;
+            }
+            if system.linearize(problem, Point { values, frozen: None }).is_err()
+                || system.step(0.0, &mut step).is_none()
+                || step.iter().any(|part| part.abs() > LOST || part.is_nan())
+            {
+                break;
+            }
+            states.push(values.retract(&step));
+        }
+        Self { states }
+    }
+
+    /// The cameras after so many steps, if the optimizer got there.
+    pub fn cameras(&self, steps: usize) -> Option<&[MovingCamera<PosedPinhole, 6>]> {
+        Some(self.states.get(steps)?.of_kind())
+    }
+
+    /// Distances of all cameras together from where they belong, in metres and radians, step by step.
+    pub fn errors(&self, optimum: &Values) -> impl Iterator<Item = f64> {
+        self.states.iter().map(|state| distance(state, optimum))
+    }
+}
+
+fn distance(values: &Values, optimum: &Values) -> f64 {
+    let pose =
+        |camera: &MovingCamera<PosedPinhole, 6>| -> Isometry3<f64> { camera.0.camera_from_world };
+    let pairs = values.of_kind().iter().zip(optimum.of_kind());
+    let squared = pairs.map(|(camera, best)| se3::local(&pose(best), &pose(camera)).norm_squared());
+    squared.sum::<f64>().sqrt()
+}
