@@ -12,7 +12,7 @@ mod two_views;
 mod web;
 
 pub use shapes::{Ellipsoid, frustum, ring_around};
-pub use stage::{Stage, StageError};
+pub use stage::{Stage, StageError, VERSION};
 pub use web::{WebError, write_viewer};
 
 /// A scene: the chapter that it belongs to, and what plays it.

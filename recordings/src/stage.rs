@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use rerun::log::ChunkBatcherConfig;
 use rerun::{
     AsComponents, Color, Image, LineStrips3D, Points3D, RecordingStream, RecordingStreamBuilder,
-    Scalars, SeriesLines,
+    RecordingStreamError, Scalars, SeriesLines, SpawnError,
 };
 use thiserror::Error;
 
@@ -37,10 +37,12 @@ pub enum StageError {
     Recording(#[from] rerun::RecordingStreamError),
     /// There is no viewer to show it.
     #[error(
-        "no viewer opens: {0}; install the one of this version with \
-         `pip install rerun-sdk=={version}`, or write a file with --save FILE",
-        version = crate::stage::VERSION
+        "no program `rerun` is on the path; install the viewer with `pip install rerun-sdk=={VERSION}`, or write a \
+         file with --save FILE"
     )]
+    NoViewer,
+    /// There is a viewer, and it does not open.
+    #[error("the viewer does not open: {0}; write a file with --save FILE instead")]
     Viewer(rerun::RecordingStreamError),
     /// The file cannot be written.
     #[error("{file} cannot be written: {why}; name a file in a folder that is writable")]
@@ -89,9 +91,14 @@ impl Stage {
     ///
     /// # Errors
     ///
-    /// [`StageError::Viewer`].
+    /// [`StageError::NoViewer`] and [`StageError::Viewer`].
     pub fn in_viewer(name: &'static str) -> Result<Self, StageError> {
-        let stream = builder(name).spawn().map_err(StageError::Viewer)?;
+        let stream = builder(name).spawn().map_err(|why| match why {
+            RecordingStreamError::SpawnViewer(SpawnError::ExecutableNotFoundInPath { .. }) => {
+                StageError::NoViewer
+            }
+            why => StageError::Viewer(why),
+        })?;
         Ok(Self::of(stream, name))
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use recordings::{Ellipsoid, SCENES, Scene, Stage, ring_around};
+use recordings::{Ellipsoid, SCENES, Scene, Stage, VERSION, ring_around};
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 
@@ -98,19 +98,19 @@ fn a_scene_is_named_as_its_file_and_its_picture() {
 }
 
 #[test]
+fn the_viewer_that_is_named_is_that_of_the_crate() {
+    let asked = format!("rerun = {{ version = \"={VERSION}\"");
+    assert!(include_str!("../Cargo.toml").contains(&asked), "{asked}");
+    assert!(include_str!("../../README.md").contains(&format!("rerun-sdk=={VERSION}")));
+}
+
+#[test]
 fn a_ring_converges_to_the_cost_that_the_library_finds() {
-    use vislam::bundle_adjustment::Camera;
     use vislam::simulation::Scene as World;
 
     let costs = curve(&recorded("bundle_adjustment"), "/progress/cost");
     assert!(costs.len() > 3 && costs.windows(2).all(|pair| pair[1] <= pair[0]), "{costs:?}");
-    let World { mut problem, true_cameras, true_points, .. } = World::ring(8, 30, 1.0, 1);
-    for (camera, truth) in problem.cameras.iter_mut().zip(&true_cameras) {
-        *camera = truth.retract(&(6.0 * truth.local(camera)));
-    }
-    for (point, truth) in problem.points.iter_mut().zip(&true_points) {
-        *point = truth.lerp(point, 6.0);
-    }
+    let mut problem = World::ring(8, 30, 1.0, 1).with_start(6.0).problem;
     let report = problem.solve(&Default::default()).expect("the ring converges");
     let last = costs.last().expect("there are steps");
     approx::assert_relative_eq!(*last, report.cost.log10(), epsilon = 1e-6);
