@@ -16,6 +16,17 @@
         return new Uint8Array(await new Response(stream).arrayBuffer());
     }
 
+    // ---- The viewer would tell its makers that it is used. A book asks nothing of other hosts, and sees to it that what it
+    // opens does not either.
+    function keepToThisHost() {
+        const anywhere = window.fetch;
+        window.fetch = (what, options) => {
+            const address = new URL(what instanceof Request ? what.url : what, document.baseURI);
+            const foreign = address.protocol.startsWith("http") && address.host !== location.host;
+            return foreign ? Promise.reject(new TypeError(`${address.host} is not asked`)) : anywhere.call(window, what, options);
+        };
+    }
+
     // ---- What was asked for, by its name, and the scripts that hand it over.
     const asked = new Map();
 
@@ -35,6 +46,7 @@
     }
 
     function viewer(program, packed) {
+        keepToThisHost();
         const started = unpacked(packed).then(code => program({ module_or_path: code })).then(() => program);
         asked.get("viewer").resolve(started);
     }

@@ -48,7 +48,7 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
     stage.always("world/landmarks", &points(&truth.landmarks, colour::GONE, 1.6))?;
     let way = truth.states.iter().map(|state| state.position).collect();
     stage.always("world/truth", &lines([way], (colour::TRUTH, 120), 1.0))?;
-    stage.curve("position/error", "error", colour::TRUTH)?;
+    stage.curve("position/error", "error", colour::NEUTRAL)?;
     stage.curve("position/sigma", "three standard deviations", colour::ESTIMATED)?;
     let options = MsckfOptions::of_flight(&recording.flight);
     let start = example::start(&recording, SEED);

@@ -23,6 +23,8 @@ pub mod colour {
     pub const PRIOR: [u8; 3] = [0x53, 0xc4, 0xa2];
     /// How it truly is.
     pub const TRUTH: [u8; 3] = [0xd8, 0xd8, 0xde];
+    /// A curve of something that has no role, on a light or a dark ground.
+    pub const NEUTRAL: [u8; 3] = [0x8e, 0x92, 0x9c];
     /// What is in error, or has just come up.
     pub const STRIKING: [u8; 3] = [0xff, 0x6f, 0xb0];
     /// What is gone.

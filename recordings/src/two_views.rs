@@ -57,7 +57,7 @@ pub fn play(stage: &Stage) -> Result<(), StageError> {
     let title = |point: usize| format!("{} m away", POINTS[point][2]);
     stage.curve("depth/near", &title(near), colour::MEASURED)?;
     stage.curve("depth/far", &title(far), colour::ESTIMATED)?;
-    stage.curve("baseline", "baseline", colour::TRUTH)?;
+    stage.curve("baseline", "baseline", colour::NEUTRAL)?;
     for step in 0..=STEPS {
         stage.at_step("step", step);
         let (first, last) = BASELINES;
