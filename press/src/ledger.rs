@@ -206,7 +206,8 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
     for (page, number, attributes, kind) in labelled(pages, "fig:") {
         let Kind::Figure { path, .. } = kind else { continue };
         let place = link(here, &page.path, &attributes.id, format!("Figure {number}"));
-        if let Some(scene) = recordings::scene(path) {
+        if let Some(scene) = recordings::scene(path).filter(|name| found.recordings.contains(*name))
+        {
             let href = source(here, &recordings::program(scene), 1, found);
             rows.push(html! {
                 td { (place) }
