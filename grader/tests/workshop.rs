@@ -405,6 +405,7 @@ fn with_a_new_exercise() -> PathBuf {
         "exhibits",
         "grader",
         "press",
+        "recordings",
         "solutions",
         "src",
         "tests/mutants",

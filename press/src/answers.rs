@@ -15,10 +15,11 @@ use toolchain::{TARGET, Toolchain};
 
 use crate::compiler;
 use crate::files;
+use crate::packing::packed;
 use crate::pages::Page;
 use crate::settings::Layout;
 use crate::steps::Steps;
-use crate::widgets::{Widgets, packed};
+use crate::widgets::Widgets;
 
 /// The profile of the modules.
 const PROFILE: &str = "answer";

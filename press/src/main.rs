@@ -67,6 +67,8 @@ enum Command {
         #[arg(long)]
         compare: bool,
     },
+    /// Record the scenes in three dimensions, and put them and their viewer beside the book.
+    Viewer,
     /// Make the files of a new chapter, all of them registered.
     New {
         /// The word that leads to everything of the chapter, as a Rust module: `loop_closure`.
@@ -119,6 +121,7 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
         Command::Accept { show, moved } => {
             accept::accept(&maker(Steps::new())?, show, moved).map(|()| Faults::default())
         }
+        Command::Viewer => maker(Steps::new())?.make_viewer().map(|()| Faults::default()),
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
         Command::New { name, title } => {
             let layout = maker(Steps::new())?.layout;

@@ -18,6 +18,7 @@ use crate::guard::Guard;
 use crate::links;
 use crate::preprocess::{Later, Press};
 use crate::program::Program;
+use crate::recordings::Recordings;
 use crate::settings::{Layout, Settings};
 use crate::steps::Steps;
 use crate::warnings::Warnings;
@@ -134,6 +135,26 @@ impl Maker {
         if let Refreshed::Impossible(why) = refreshed {
             self.steps.say(&format!("The pictures to take hold of stand still: {why}."));
         }
+        if Recordings::new(&self.layout).are_stale().unwrap_or_default() {
+            self.steps.say(
+                "The scenes cannot be opened in three dimensions: the library is another one since they were recorded. \
+                 `cargo book viewer` records them again.",
+            );
+        }
+    }
+
+    /// Makes what a page needs to open scenes in three dimensions.
+    ///
+    /// # Errors
+    /// What keeps rerun from being compiled, or the scenes from being recorded.
+    pub fn make_viewer(&self) -> Result<()> {
+        let bytes = Recordings::new(&self.layout).make(&self.steps)?;
+        self.steps.say(&format!(
+            "The viewer has {:.1} MB. `cargo book build` and `cargo book serve` put it beside the book from now on; \
+             deleting target/press/recordings leaves it out again.",
+            bytes as f64 / 1e6
+        ));
+        Ok(())
     }
 
     /// Computes the exhibits of the chapters whose inputs changed.

@@ -25,6 +25,7 @@ use crate::ledger;
 use crate::lint::Lint;
 use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
+use crate::recordings::{Recording, Recordings};
 use crate::settings::{Layout, Settings};
 use crate::sources;
 use crate::symbols::Symbols;
@@ -115,8 +116,10 @@ fn press(
     if mine {
         scripts.extend(answers.scripts()?);
     }
+    let recordings = Recordings::new(layout).shown()?;
     let known = Known {
         widgets: &names,
+        recordings: &recordings.scenes,
         labels: &labels,
         theorems: &theorems,
         ways: &ways,
@@ -130,12 +133,13 @@ fn press(
         formulas: Vec::new(),
         values: BTreeMap::new(),
         figures: BTreeSet::new(),
+        recordings: BTreeSet::new(),
         citations: BTreeMap::new(),
         terms: Terms::default(),
         symbols: Symbols::default(),
         printed: BTreeMap::new(),
         sources: BTreeSet::new(),
-        generated: scripts,
+        generated: scripts.into_iter().chain(recordings.files.clone()).collect(),
         lint: Lint::new(&settings.allow),
     };
     let mut contents = BTreeMap::new();
@@ -173,6 +177,7 @@ fn press(
         }
     });
     unused(&pages, &exhibits, &mut found);
+    unshown(&recordings.scenes, &mut found);
     found.terms.check(&pages, &mut found.faults);
     found.symbols.check(&pages, &mut found.faults);
     found.lint.finish(&mut found.faults);
@@ -227,6 +232,18 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
                 "label the equation, or remove the check",
             );
         }
+    }
+}
+
+/// Scenes that no chapter shows.
+fn unshown(scenes: &BTreeMap<String, Recording>, found: &mut Found<'_>) {
+    for name in scenes.keys().filter(|name| !found.recordings.contains(*name)) {
+        found.faults.add(
+            (&format!("recordings/pictures/{name}.png"), 0),
+            name,
+            "no chapter shows this picture of a scene",
+            format!("show it as a figure recordings/{name}.png, or remove the scene"),
+        );
     }
 }
 

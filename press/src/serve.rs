@@ -37,12 +37,13 @@ const NEWS: &str = "__book-news";
 const PAUSE: Duration = Duration::from_millis(80);
 
 /// What the book is made from: its pages and what they include, the program and the library, the theme.
-const WATCHED: [&str; 10] = [
+const WATCHED: [&str; 11] = [
     "src",
     "code",
     "exhibits",
     "exercises",
     "widgets",
+    "recordings",
     "grader/recipes",
     "press/theme",
     "book.toml",

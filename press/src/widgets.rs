@@ -3,21 +3,15 @@
 //! A module is packed into a script, so that it also loads where a page is opened from a disk and may not fetch.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
-use flate2::write::GzEncoder;
-use sha2::{Digest, Sha256};
 use toolchain::{TARGET, Toolchain};
 
 use crate::compiler;
 use crate::files;
-use crate::pages::slashed;
-use crate::records::hex;
+use crate::packing::{digest, packed};
 use crate::settings::Layout;
 use crate::steps::Steps;
 
@@ -75,7 +69,7 @@ impl<'a> Widgets<'a> {
             let module = self.target().join(format!("{name}.wasm"));
             let module = std::fs::read(&module)
                 .with_context(|| format!("there is no module {}", module.display()))?;
-            files::write(&self.packed(&name), &pack(&name, &module)?)?;
+            files::write(&self.script(&name), &pack(&name, &module)?)?;
         }
         files::write(&self.folder().join("inputs"), inputs.as_bytes())?;
         Ok(Refreshed::Compiled)
@@ -85,7 +79,7 @@ impl<'a> Widgets<'a> {
     pub fn scripts(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
         let mut scripts = BTreeMap::new();
         for name in self.names()? {
-            if let Some(packed) = files::read_if_there(&self.packed(&name))? {
+            if let Some(packed) = files::read_if_there(&self.script(&name))? {
                 scripts.insert(format!("widgets/{name}.js").into(), packed.into_bytes());
             }
         }
@@ -122,7 +116,7 @@ impl<'a> Widgets<'a> {
         self.layout.work().join("widgets")
     }
 
-    fn packed(&self, name: &str) -> PathBuf {
+    fn script(&self, name: &str) -> PathBuf {
         self.folder().join(format!("{name}.js"))
     }
 
@@ -132,20 +126,7 @@ impl<'a> Widgets<'a> {
 
     /// A digest of what they are made from.
     fn inputs(&self) -> Result<String> {
-        let mut hasher = Sha256::new();
-        let mut add = |path: &Path| -> Result<()> {
-            let bytes = std::fs::read(self.layout.root.join(path)).unwrap_or_default();
-            hasher.update(format!("\n{} {}\n", slashed(path), bytes.len()));
-            hasher.update(bytes);
-            Ok(())
-        };
-        for folder in SOURCES {
-            for file in files::below(&self.layout.root.join(folder))? {
-                add(&Path::new(folder).join(file))?;
-            }
-        }
-        FILES.iter().try_for_each(|file| add(Path::new(file)))?;
-        Ok(hex(&hasher.finalize()))
+        digest(&self.layout.root, &SOURCES, &FILES)
     }
 }
 
@@ -164,13 +145,6 @@ pub enum Refreshed {
 fn pack(name: &str, module: &[u8]) -> Result<Vec<u8>> {
     let text = packed(module, Compression::best())?;
     Ok(format!("vislamWidgets.module({name:?}, \"{text}\");\n").into_bytes())
-}
-
-/// A module compressed, as letters.
-pub fn packed(module: &[u8], compression: Compression) -> Result<String> {
-    let mut gzip = GzEncoder::new(Vec::new(), compression);
-    gzip.write_all(module)?;
-    Ok(STANDARD.encode(gzip.finish()?))
 }
 
 #[cfg(test)]
@@ -201,16 +175,5 @@ mod tests {
         assert!(widgets.are_fresh().unwrap());
         write("code/src/lib.rs", "two");
         assert!(!widgets.are_fresh().unwrap());
-    }
-
-    #[test]
-    fn a_packed_module_can_be_unpacked() {
-        let packed = String::from_utf8(pack("ring", b"\0asm").unwrap()).unwrap();
-        let text = packed.split('"').nth(3).unwrap();
-        let bytes = STANDARD.decode(text).unwrap();
-        let mut module = Vec::new();
-        std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&bytes[..]), &mut module)
-            .unwrap();
-        assert_eq!(module, b"\0asm");
     }
 }

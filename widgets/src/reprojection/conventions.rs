@@ -54,7 +54,7 @@ pub fn street(angle: f64, noise: f64, start: f64) -> Scene {
     let first = scene.true_cameras[0].camera_from_world;
     let middle = Vector3::x() * (cameras - 1) as f64 / 2.0;
     let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), -angle) * first.rotation;
-    let turned = Isometry3::from_parts((-(turn * middle)).into(), turn.into());
+    let turned = Isometry3::from_parts((-(turn * middle)).into(), turn);
     let is_held = |camera: usize| camera == 0 || camera == cameras - 1;
     scene.problem.fixed = (0..cameras).map(is_held).collect();
     for (number, truth) in scene.true_cameras.iter_mut().enumerate() {
