@@ -15,6 +15,8 @@ const BREAK: [f64; 2] = [f64::NAN; 2];
 const EVERY: [usize; 2] = [2, 3];
 /// What a consistent filter leaves with this probability.
 const OUTSIDE: f64 = 0.05;
+/// Of the picture of the ellipses, over its width.
+const HEIGHT: f64 = 0.75;
 /// Of powers of ten of the NEES.
 const LEAST_POWER: f64 = -2.0;
 
@@ -63,9 +65,9 @@ pub fn ellipses(frames: &[Frame], scene: &mut Scene) {
     let scaled =
         |sigmas: f64| around.iter().map(move |place| place.map(|metres| 100.0 * sigmas * metres));
     let truth = [100.0 * last.error.position.x, 100.0 * last.error.position.y];
-    let reach = scaled(3.0).chain([truth]).flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let reach = rounded(1.1 * reach);
-    scene.view(ELLIPSE, [-reach, reach], [-0.75 * reach, 0.75 * reach]);
+    let wide = |[x, y]: [f64; 2]| x.abs().max(y.abs() / HEIGHT);
+    let reach = rounded(1.1 * scaled(3.0).chain([truth]).map(wide).fold(0.0, f64::max));
+    scene.view(ELLIPSE, [-reach, reach], [-HEIGHT * reach, HEIGHT * reach]);
     scene.draw(ELLIPSE, (Shape::Area, Style::Estimated, 1.0), scaled(1.0));
     scene.draw(ELLIPSE, (Shape::Line, Style::Estimated, 2.0), scaled(3.0));
     scene.draw(ELLIPSE, (Shape::Discs, Style::Estimated, 4.0), [[0.0, 0.0]]);
