@@ -201,9 +201,9 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
         ((Shape::Dashed, Style::Second, 2.0), SUM_AGAIN),
     ];
     for (row, (mark, word)) in marks.into_iter().enumerate() {
-        let [x, y] = [left + 0.05, top - (0.1 + 0.11 * row as f64) * (top - bottom)];
+        let [x, y] = [left + 1.3, bottom + (0.29 - 0.075 * row as f64) * (top - bottom)];
         scene.draw(panel, mark, [[x, y], [x + 0.12, y]]);
-        scene.word(panel, word, Style::Ink, [x + 0.15, y - 0.03 * (top - bottom)]);
+        scene.word(panel, word, Style::Ink, [x + 0.15, y - 0.02 * (top - bottom)]);
     }
     if gyro > 0.0 {
         let [error, bound] = [|left: &Left| left.error, |left: &Left| left.bound];

@@ -99,7 +99,7 @@ const RESIDUALS: [usize; 2] = [2, 3];
 
 const fn picture(title: &'static str) -> Panel {
     let x = Axis { label: "", range: [180.0, 540.0] };
-    let y = Axis { label: "", range: [103.0, 373.0] };
+    let y = Axis { label: "", range: [88.0, 358.0] };
     Panel { title, x, y, aspect: 0.75, span: 3, equal: true, down: true }
 }
 
