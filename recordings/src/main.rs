@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use recordings::{SCENES, Scene, Stage, write_viewer};
+use recordings::{SCENES, Scene, Stage, VERSION, write_viewer};
 
 /// Records a scene of the book for the viewer of rerun.
 #[derive(Parser)]
@@ -75,5 +75,9 @@ fn names() -> String {
 fn list() -> String {
     let line = |scene: &Scene| format!("  {:<18} {}", scene.name, scene.shows);
     let lines: Vec<_> = SCENES.iter().map(line).collect();
-    format!("Scenes:\n{}", lines.join("\n"))
+    let viewer = format!(
+        "The viewer comes with `pip install rerun-sdk=={VERSION}`. It tells its makers that it is used, until \
+         `rerun analytics disable`."
+    );
+    format!("Scenes:\n{}\n\n{viewer}", lines.join("\n"))
 }
