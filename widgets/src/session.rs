@@ -78,8 +78,9 @@ impl<W: Widget> Session<W> {
     /// Puts all controls between their ends.
     fn settle(&mut self) {
         for (value, control) in self.controls.iter_mut().zip(self.face.controls) {
-            let inside = value.clamp(control.least, control.most);
-            *value = if inside.is_nan() { control.start } else { inside };
+            // Not `clamp`, which can panic with numbers in words, and a module would carry how to write them.
+            let inside = value.max(control.least).min(control.most);
+            *value = if value.is_nan() { control.start } else { inside };
         }
     }
 
