@@ -8,7 +8,7 @@ import { after, before, test } from "node:test";
 import { axe, bookDir, launch, open, overhang, pages, read, serve } from "./helper.mjs";
 
 /** Every scene, the page that shows it, and the figure in that page. */
-const scenes = pages().flatMap(file => [...read(file).matchAll(/<figure [^>]*id="([^"]+)"[^>]*>\s*<div class="plot"><img [^>]*generated\/recordings\/(\w+)\.png/g)]
+const scenes = pages().flatMap(file => [...read(file).matchAll(/<figure [^>]*id="([^"]+)"[^>]*>\s*<div class="plot"><a [^>]*><img [^>]*generated\/recordings\/(\w+)\.png/g)]
     .map(([, id, name]) => ({ file, id, name })));
 const viewer = path.join(bookDir, "generated/recordings/viewer.js");
 const opens = fs.existsSync(viewer);

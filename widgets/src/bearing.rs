@@ -58,7 +58,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Bearing {
     const FACE: Face = Face {
-        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it, and watch both pictures. The cross is where it is, the dots are other points on the same ray, and the cloud is where two noisy pixels would put it.",
+        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it, and watch both pictures. The cross is where it is, the dots are other points on the same ray, and the cloud is where two noisy pixels would put it. The other ring moves the second camera.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -134,7 +134,7 @@ impl Widget for Bearing {
             scene.read(residuals[0].map(|residual| residual.x));
         }
         let centres = [stage.centre(0), stage.centre(1)];
-        scene.read(parallax(&believed, &centres[0], &centres[1]).to_degrees());
+        scene.read(parallax(&stage.truth, &centres[0], &centres[1]).to_degrees());
         let sigma = disparity_sigma(noise, noise);
         let sigma = depth_sigma(&camera, baseline, depth, sigma);
         scene.read(100.0 * sigma);
@@ -165,11 +165,11 @@ impl Bearing {
     pub(crate) const READINGS: [Reading; 7] = [
         Reading { veiled: true, ..reading("Residual of the first camera", "px", 1) },
         Reading { veiled: true, ..reading("Residual of the second camera", "px", 1) },
-        reading("Parallax of the believed landmark", "°", 2),
+        reading("Parallax of the landmark", "°", 2),
         reading("σ of the depth", "cm", 1),
-        reading("The same, over the depth", "%", 1),
-        Reading { none: RAYS_PART, ..reading("Of 20 depths found, 19 are beyond", "m", 2) },
-        Reading { none: RAYS_PART, ..reading("Of 20 depths found, 19 are within", "m", 2) },
+        reading("σ over the depth", "%", 1),
+        Reading { none: RAYS_PART, ..reading("5 % of the depths found are nearer than", "m", 2) },
+        Reading { none: RAYS_PART, ..reading("5 % of them are farther than", "m", 2) },
     ];
 
     /// Where the landmark would be found with each draw of the noise, and how far away.

@@ -22,7 +22,7 @@ const fn readings() -> [Reading; 7] {
 
 impl Widget for Parallax {
     const FACE: Face = Face {
-        lead: "Answer, then draw the true depth to eight metres and the baseline to sixty centimetres, and compare the parallax and the part of the depth that σ is. Then lengthen the baseline alone.",
+        lead: "Answer, then draw the true depth to eight metres and the baseline to sixty centimetres, and compare the parallax and σ over the depth. Then lengthen the baseline alone. The cloud is where two noisy pixels put the landmark.",
         readings: &readings(),
         question: Some(Question {
             ask: "Depth and baseline both become twice as large. What becomes of σ, as a part of the depth?",

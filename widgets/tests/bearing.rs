@@ -10,10 +10,10 @@ use widgets::{Player, Session, Shape, Style, Widget};
 
 const FIRST: &str = "Residual of the first camera";
 const SECOND: &str = "Residual of the second camera";
-const PARALLAX: &str = "Parallax of the believed landmark";
+const PARALLAX: &str = "Parallax of the landmark";
 const SIGMA: &str = "σ of the depth";
-const BELOW: &str = "Of 20 depths found, 19 are beyond";
-const ABOVE: &str = "Of 20 depths found, 19 are within";
+const BELOW: &str = "5 % of the depths found are nearer than";
+const ABOVE: &str = "5 % of them are farther than";
 
 fn shown(settings: &[(&str, f64)]) -> impl Fn(&str) -> f64 + use<> {
     let mut session = Session::<Bearing>::with(settings).expect("controls");
@@ -38,7 +38,7 @@ fn residuals_are_those_of_two_projections() {
     }
     let sigma = depth_sigma(&camera, 0.3, 6.0, disparity_sigma(2.0, 2.0));
     assert_relative_eq!(shown(SIGMA), 100.0 * sigma, max_relative = 1e-9);
-    let (to_first, to_second) = (-1.5 * truth, Vector3::new(0.3, 0.0, 0.0) - 1.5 * truth);
+    let (to_first, to_second) = (-truth, Vector3::new(0.3, 0.0, 0.0) - truth);
     let parallax = to_first.angle(&to_second).to_degrees();
     assert_relative_eq!(shown(PARALLAX), parallax, max_relative = 1e-9);
 }
@@ -132,7 +132,7 @@ fn with_the_same_parallax_a_depth_is_as_sure_as_a_part_of_itself() {
         let mut session = Session::<Parallax>::with(&[("depth", depth), ("baseline", baseline)])
             .expect("controls");
         let readings = session.readings();
-        assert_eq!(readings[4].0, "The same, over the depth");
+        assert_eq!(readings[4].0, "σ over the depth");
         [readings[2].1, readings[4].1]
     };
     for (near, far) in shown(4.0, 0.3).into_iter().zip(shown(8.0, 0.6)) {
@@ -141,5 +141,5 @@ fn with_the_same_parallax_a_depth_is_as_sure_as_a_part_of_itself() {
     assert!(shown(8.0, 1.2)[1] < 0.6 * shown(8.0, 0.6)[1]);
     let veiled: Vec<_> = Parallax::FACE.readings.iter().filter(|reading| reading.veiled).collect();
     assert_eq!(veiled.len(), 1);
-    assert_eq!(veiled[0].label, "The same, over the depth");
+    assert_eq!(veiled[0].label, "σ over the depth");
 }

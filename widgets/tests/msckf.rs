@@ -8,7 +8,7 @@ use widgets::msckf::{Filter, SIGMAS};
 use widgets::{Player, Session, Widget};
 
 const ERROR: &str = "Position error";
-const SIGMA: &str = "Reported σ of the position";
+const SIGMA: &str = "Reported σ of the position, three axes";
 const YAW_ERROR: &str = "Yaw error";
 const YAW_SIGMA: &str = "Reported σ of the yaw";
 const YAW_RATIO: &str = "The same, over that at the start";

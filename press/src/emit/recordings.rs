@@ -33,7 +33,9 @@ impl Emitter<'_, '_> {
         let [width, height] = recording.size;
         let picture = html! {
             div.plot {
-                img src=(way(&format!("{name}.png"))) alt=(alt) width=(width) height=(height) loading="lazy";
+                a href=(way(&format!("{name}.png"))) {
+                    img src=(way(&format!("{name}.png"))) alt=(alt) width=(width) height=(height) loading="lazy";
+                }
             }
         };
         let command = format!("cargo run -p recordings --release -- {name}");
@@ -55,7 +57,7 @@ impl Emitter<'_, '_> {
         let program = self.source(&program(name), 1);
         let note = html! {
             p.recording-note {
-                "To turn it and play it in a viewer of its own: " code { (command) } " · "
+                "To turn it and play it in a viewer of its own, in the book's repository: " code { (command) } " · "
                 a href=(program) { "program" }
             }
         };

@@ -47,7 +47,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Filter {
     const FACE: Face = Face {
-        lead: "Press Play: the cross, where the body truly is, has to stay within the reported ellipses. Rings are the poses of the window, rays the last pixels, dashed ones wrong. Then switch the gate off; then on again, keep ten landmarks in the state and watch σ of the yaw.",
+        lead: "Answer the question, then press Play: the cross, where the body truly is, should nearly always be within the outer ellipse. Rings are the poses of the window, rays the last pixels, dashed ones wrong. Then switch the gate off; then on again, keep ten landmarks in the state and watch σ of the yaw.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -89,7 +89,7 @@ impl Widget for Filter {
                 ],
             ),
             map(
-                "Truth (cross), and one and three σ",
+                "Truth (cross), one and three σ of x and y",
                 [
                     Axis { label: "x, cm", range: [-1.0, 1.0] },
                     Axis { label: "y, cm", range: [-1.0, 1.0] },
@@ -98,11 +98,15 @@ impl Widget for Filter {
             over_time("Position: error, reported σ (dashed)", "cm", [0.0, 1.0]),
             over_time("Yaw: error, ±σ (dashed), start (shaded)", "degrees", [-1.0, 1.0]),
             over_time("Tracks used (up), refused (down)", "tracks", [-1.0, 1.0]),
-            over_time("NEES: position (line), yaw (dashed)", "power of ten", [-2.0, 4.0]),
+            over_time(
+                "NEES, to stay in the band: position, yaw (dashed)",
+                "power of ten",
+                [-2.0, 4.0],
+            ),
         ],
         readings: &[
             reading("Position error", "cm", 1),
-            reading("Reported σ of the position", "cm", 1),
+            reading("Reported σ of the position, three axes", "cm", 1),
             reading("Yaw error", "°", 2),
             Reading { veiled: true, ..reading("Reported σ of the yaw", "°", 2) },
             Reading { veiled: true, ..reading("The same, over that at the start", "", 2) },
@@ -120,7 +124,7 @@ impl Widget for Filter {
                 "it falls to about half, and the error does not",
             ],
             right: 2,
-            why: "Derivatives at ever other estimates contradict each other, and the filter takes the contradiction for a view of north; first estimates do not.",
+            why: "Derivatives at ever other estimates contradict each other, and the filter takes the contradiction for a view of north; first estimates do not. In a single flight the error may be small by luck: try other seeds.",
         }),
         words: &[],
     };

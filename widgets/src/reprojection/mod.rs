@@ -16,6 +16,8 @@ use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Widget};
 pub const STEPS: usize = 16;
 /// The camera whose picture is shown.
 const WATCHED: usize = 1;
+/// The quotient of errors below this is one of rounding.
+const SETTLED: f64 = 1e-11;
 /// Errors below this are rounding.
 const ROUNDING: f64 = 1e-15;
 /// Steps from the truth to the minimum of the cost.
@@ -109,8 +111,8 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Reprojection {
     const FACE: Face = Face {
-        lead: "Steps are taken on the right. The Jacobian of the mixed optimizer stands on the left: its arrows miss the \
-               points. Slide it to the right, and both optimizers are one. Then turn the world, and watch the slope of each curve.",
+        lead: "Both optimizers move their cameras by steps on the right. The mixed one has the Jacobian for a step on the left, so that \
+               what it says of a trial step (hollow) misses what happens (filled). Slide it to the right, and both optimizers are one. Then turn the world, and watch the slope of each curve.",
         controls: &[
             Control::slider(
                 "side",
@@ -131,7 +133,7 @@ impl Widget for Reprojection {
                     "axis",
                     "Trial step of one camera",
                     &[
-                        "40 cm along x",
+                        "40 cm along x, the axis of the turn",
                         "40 cm along y",
                         "40 cm along z",
                         "6° about x",
@@ -164,10 +166,10 @@ impl Widget for Reprojection {
             reading("Way to the minimum, mixed, power of ten", "", 1),
             Reading {
                 veiled: true,
-                none: "no step",
-                ..reading("The way after the last mixed step, over that before", "", 3)
+                none: "no step, or rounding",
+                ..reading("Way after the last mixed step, over that before", "", 3)
             },
-            Reading { veiled: true, ..reading("The theorem predicts, without noise", "", 3) },
+            Reading { veiled: true, ..reading("The theorem predicts, near the minimum", "", 3) },
         ],
         question: Some(Question {
             ask: "The Jacobian is the left one, the steps are taken on the right, and the cameras are turned from the world by 80°. Where does the mixed optimizer go?",
@@ -208,10 +210,10 @@ impl Widget for Reprojection {
         shown.into_iter().for_each(|number| scene.read(number));
         let before = at.checked_sub(1).and_then(|at| comparison.state(&comparison.mixed, at)[1]);
         let left = mixed[1].zip(before).map(|(error, before)| error / before);
-        scene.read(left.filter(|left| left.is_finite()));
+        scene.read(left.filter(|left| left.is_finite() && mixed[1] > Some(SETTLED)));
         scene.read(predicted);
-        if mixed[0].is_none() {
-            let last = comparison.mixed.states.len() - 1;
+        let last = comparison.mixed.states.len() - 1;
+        if last < STEPS {
             scene.say(&format!("After step {last} the mixed optimizer is lost."));
         }
     }
