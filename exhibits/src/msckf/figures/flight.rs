@@ -4,7 +4,7 @@ use crate::figure::{self, Draw, ESTIMATED, Figure, INK, decimals, letters_right_
 use crate::msckf::flights::{Seen, minute};
 
 /// Every so many pictures are shown.
-const EVERY: usize = 5;
+const EVERY: usize = 12;
 
 pub fn flight() -> Figure {
     let (_, seen) = minute();
