@@ -47,7 +47,9 @@ function copyBook() {
     fs.mkdirSync(copy, { recursive: true });
     fs.readdirSync(copy).filter(name => !keep.has(name)).forEach(name => fs.rmSync(path.join(copy, name), { recursive: true }));
     const filter = file => !["node_modules", "records", ".progress"].includes(path.basename(file));
-    for (const name of [".cargo", "code", "exercises", "exhibits", "grader", "press", "solutions", "tests", "toolchain", "widgets", "Cargo.toml", "Cargo.lock", "src/exercises", "src/exercises.md"]) {
+    const members = fs.readFileSync(path.join(root, "Cargo.toml"), "utf8").match(/^members = \[(.*)\]$/m)[1];
+    const folders = new Set([...members.matchAll(/"([^"/]+)/g)].map(([, folder]) => folder));
+    for (const name of [".cargo", ...folders, "Cargo.toml", "Cargo.lock", "src/exercises", "src/exercises.md"]) {
         fs.cpSync(path.join(root, name), path.join(copy, name), { recursive: true, preserveTimestamps: true, filter });
     }
     const lines = exercises.map(name => `    - [${name}](exercises/${name}.md)\n`);
