@@ -48,7 +48,7 @@ function copyBook() {
     fs.readdirSync(copy).filter(name => !keep.has(name)).forEach(name => fs.rmSync(path.join(copy, name), { recursive: true }));
     const filter = file => !["node_modules", "records", ".progress"].includes(path.basename(file));
     const members = fs.readFileSync(path.join(root, "Cargo.toml"), "utf8").match(/^members = \[(.*)\]$/m)[1];
-    const folders = new Set([...members.matchAll(/"([^"/]+)/g)].map(([, folder]) => folder));
+    const folders = new Set([...members.matchAll(/"([^"/]+)[^"]*"/g)].map(([, folder]) => folder));
     for (const name of [".cargo", ...folders, "Cargo.toml", "Cargo.lock", "src/exercises", "src/exercises.md"]) {
         fs.cpSync(path.join(root, name), path.join(copy, name), { recursive: true, preserveTimestamps: true, filter });
     }
