@@ -16,8 +16,8 @@ use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Widget};
 pub const STEPS: usize = 16;
 /// The camera whose picture is shown.
 const WATCHED: usize = 1;
-/// The quotient of errors below this is one of rounding.
-const SETTLED: f64 = 1e-11;
+/// The quotient of errors below this is not one of all digits any more.
+const SETTLED: f64 = 1e-6;
 /// Errors below this are rounding.
 const ROUNDING: f64 = 1e-15;
 /// Steps from the truth to the minimum of the cost.
@@ -162,8 +162,8 @@ impl Widget for Reprojection {
             reading("Trial step: the Jacobian errs by", "px", 2),
             reading("RMSE, consistent", "px", 3),
             reading("RMSE, mixed", "px", 3),
-            reading("Way to the minimum, consistent, power of ten", "", 1),
-            reading("Way to the minimum, mixed, power of ten", "", 1),
+            reading("Way to the minimum, consistent", "mm, mrad", 4),
+            reading("Way to the minimum, mixed", "mm, mrad", 4),
             Reading {
                 veiled: true,
                 none: "no step, or rounding",
@@ -205,8 +205,8 @@ impl Widget for Reprojection {
         draw::residuals(comparison, at, scene);
         let [consistent, mixed] =
             [&comparison.consistent, &comparison.mixed].map(|run| comparison.state(run, at));
-        let power = |error: Option<f64>| error.map(|error| error.max(ROUNDING).log10());
-        let shown = [consistent[0], mixed[0], power(consistent[1]), power(mixed[1])];
+        let small = |error: Option<f64>| error.map(|error| 1e3 * error);
+        let shown = [consistent[0], mixed[0], small(consistent[1]), small(mixed[1])];
         shown.into_iter().for_each(|number| scene.read(number));
         let before = at.checked_sub(1).and_then(|at| comparison.state(&comparison.mixed, at)[1]);
         let left = mixed[1].zip(before).map(|(error, before)| error / before);
