@@ -64,6 +64,11 @@ impl Control {
         Self { kind, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
     }
 
+    /// A switch that is on at the start.
+    pub const fn switch(name: &'static str, label: &'static str) -> Self {
+        Self { kind: Kind::Switch, ..Self::slider(name, label, "", [1.0, 0.0, 1.0, 1.0]) }
+    }
+
     /// A button that counts up to a number.
     pub const fn count(name: &'static str, label: &'static str, most: f64) -> Self {
         Self { kind: Kind::Count, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }

@@ -11,6 +11,7 @@ mod face;
 pub mod marginalization;
 pub mod msckf;
 pub mod parallax;
+mod pixels;
 pub mod preintegration;
 pub mod reprojection;
 mod scene;

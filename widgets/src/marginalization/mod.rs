@@ -7,7 +7,7 @@ mod window;
 
 use vislam::marginalization::Information;
 
-use crate::{Axis, Control, Face, Handle, Kind, Panel, Question, Reading, Scene, Widget};
+use crate::{Axis, Control, Face, Handle, Panel, Question, Reading, Scene, Widget};
 use draw::{ENDS, MATRIX, Sorted, WORDS, draw_end, draw_graph, draw_link, draw_matrix};
 use free::{Freeze, free_directions};
 use link::{Dropped, Ends, Way};
@@ -78,11 +78,7 @@ impl Widget for Marginalization {
                 "Linearization",
                 &["not frozen", "frozen anew", "frozen at first"],
             ),
-            Control {
-                kind: Kind::Switch,
-                start: 1.0,
-                ..Control::count("odometry", "Odometry", 1.0)
-            },
+            Control::switch("odometry", "Odometry"),
             Control::choice(
                 "drop",
                 "Link of a and b",

@@ -71,7 +71,7 @@ impl Widget for Filter {
                 )
             },
             Control::slider("outliers", "Share of wrong pixels", "%", [1.0, 0.0, 5.0, 0.5]),
-            Control { kind: Kind::Switch, start: 1.0, ..Control::count("gate", "Gate", 1.0) },
+            Control::switch("gate", "Gate"),
             Control::choice(
                 "landmarks",
                 "Landmarks in the state",

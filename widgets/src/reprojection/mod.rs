@@ -179,7 +179,7 @@ impl Widget for Reprojection {
                 "away from the minimum, however close it begins",
             ],
             right: 2,
-            why: "A step leaves 2 sin 40° = 1.29 times the error, by the theorem: set the angle to 80° and see the curve rise.",
+            why: "By the theorem a step leaves more than the whole error: set the angle to 80°, and read how much.",
         }),
         words: &["consistent", "mixed", "lost"],
     };
