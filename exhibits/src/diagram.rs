@@ -33,7 +33,7 @@ const MARGIN: i32 = 20;
 /// Between two rows, with the name of the lower one.
 const GAP: i32 = 116;
 /// Above and below the lines of a block.
-const PADDING: i32 = 18;
+const PADDING: i32 = 22;
 
 /// A block where it is drawn.
 struct Placed {
@@ -130,10 +130,13 @@ fn paint_block(drawing: &Drawing, Placed { block, corner, size, .. }: &Placed) -
     let corners = [*corner, (corner.0 + size.0, corner.1 + size.1)];
     let ground = if block.built { PAPER } else { GRID };
     drawing.draw(&Rectangle::new(corners, ground.filled()))?;
-    let frame = if block.built { SERIES[0].stroke_width(7) } else { INK.stroke_width(2) };
-    drawing.draw(&Rectangle::new(corners, frame))?;
+    // A rectangle of the backend has a hairline, whatever is asked for; a path has not.
+    let [(left, top), (right, bottom)] = corners;
+    let frame = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+    let style = if block.built { SERIES[0].stroke_width(8) } else { INK.stroke_width(2) };
+    drawing.draw(&PathElement::new(frame, style))?;
     for (number, line) in block.lines.iter().enumerate() {
-        let at = (corner.0 + 24, corner.1 + PADDING + LINE * number as i32);
+        let at = (corner.0 + 24, corner.1 + PADDING + 4 + LINE * number as i32);
         drawing.draw(&Text::new(*line, at, letters_of(LETTERS, INK)))?;
     }
     Ok(())

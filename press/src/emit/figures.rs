@@ -178,8 +178,9 @@ fn linked(Link { name, before, corner, size, .. }: &Link, lead: &Lead) -> Markup
     let label = format!("{name}: {before}{}", lead.in_full());
     html! {
         a href=(lead.way) aria-label=(label) {
+            title { (lead.in_full()) }
             rect x=(corner.0) y=(corner.1) width=(size.0) height=(size.1) {}
-            text x=(corner.0 + 24) y=(corner.1 + size.1 - 26) { (before) tspan { (lead.name) } }
+            text x=(corner.0 + 24) y=(corner.1 + size.1 - 28) { (before) tspan { (lead.name) } }
         }
     }
 }
