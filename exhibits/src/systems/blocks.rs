@@ -51,7 +51,7 @@ const VINS_MONO: &[Row] = &[
         name: "back end",
         blocks: &[
             built(
-                &["Cauchy kernel on", "pixels, damped steps,", "landmarks first"],
+                &["Cauchy kernel on", "pixels, dogleg steps,", "landmarks first"],
                 "sec:bundle_adjustment",
             ),
             built(&["One picture leaves:", "oldest or newest", "but one"], "sec:marginalization"),
