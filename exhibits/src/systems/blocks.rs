@@ -62,7 +62,7 @@ const VINS_MONO: &[Row] = &[
         name: "loop closure",
         blocks: &[
             left_out(&["Place recognition", "by a bag of words"]),
-            left_out(&["Old landmarks in", "the window again"]),
+            left_out(&["Pixels of the old", "picture, in the window"]),
         ],
     },
     Row {
