@@ -6,6 +6,7 @@ pub mod bundle_adjustment;
 pub mod chapter;
 pub mod comparison;
 pub mod data;
+pub mod diagram;
 pub mod figure;
 pub mod filtering;
 pub mod inertial;
@@ -21,6 +22,7 @@ pub mod record;
 pub mod report;
 pub mod reprojection;
 pub mod scene;
+pub mod systems;
 pub mod two_views;
 
 use std::path::Path;
@@ -47,6 +49,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("systems", systems::exhibits, no_records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}

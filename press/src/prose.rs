@@ -115,6 +115,36 @@ impl Prose<'_> {
         }
         out
     }
+
+    /// Where a label leads to from here. It may lead into depth: what asks for it is a pointer, and not a step of the
+    /// main road.
+    pub fn lead(&self, label: &str, known: &Known<'_>, found: &mut Found<'_>) -> Option<Lead> {
+        let one = One { prose: self, place: (&self.page.file, self.line), known };
+        let target = one.target(label, true, found)?;
+        let plain = Prose { html: false, deep: true, ..*self };
+        let title = plain.resolve(&target.title, known, found);
+        Some(Lead { way: one.way_to(label, target), name: name_of(label, target, false), title })
+    }
+}
+
+/// A place of the book, as a link to it needs it.
+pub struct Lead {
+    /// The way to it.
+    pub way: String,
+    /// How it is called, such as `Section 3.2`.
+    pub name: String,
+    /// Its title; empty for what has none.
+    pub title: String,
+}
+
+impl Lead {
+    /// Name and title.
+    pub fn in_full(&self) -> String {
+        match self.title.as_str() {
+            title if title.is_empty() || title == self.name => self.name.clone(),
+            title => format!("{}, {title}", self.name),
+        }
+    }
 }
 
 /// One mark and where it stands.

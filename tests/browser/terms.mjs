@@ -106,4 +106,13 @@ export const terms = {
     "sparsification": "marginalization.html#sec:marginalization",
     "Chow-Liu": "marginalization.html#sec:factor-recovery",
     "Kalibr": "your_own_data.html#the-camera",
+    "VINS-Mono": "systems.html#sec:vins-mono",
+    "ORB-SLAM3": "systems.html#sec:orb-slam3",
+    "OpenVINS": "systems.html#sec:openvins-basalt",
+    "Basalt": "systems.html#sec:openvins-basalt",
+    "DROID-SLAM": "systems.html#sec:learned-systems",
+    "place recognition": "systems.html#sec:orb-slam3",
+    "failures in practice": "systems.html#sec:failures-in-practice",
+    "errata": "errata.html#sec:errata",
+    "misstatements": "errata.html#sec:errata-misstatements",
 };

@@ -124,7 +124,7 @@ fn every_figure_has_a_text_a_caption_data_and_a_program() {
     for (name, page) in pages() {
         for figure in all(&page, "figure.exhibit") {
             let drawn =
-                [".plot[role=img][aria-label] svg", "figcaption", "details table", "a[download]"];
+                [".plot[role][aria-label] svg", "figcaption", "details table", "a[download]"];
             // A scene in three dimensions has a command in the place of data.
             let scene =
                 [".plot img[alt]", "figcaption", ".recording-note code", ".recording-note a[href]"];
@@ -137,6 +137,19 @@ fn every_figure_has_a_text_a_caption_data_and_a_program() {
         }
     }
     assert!(figures > 0, "the book has lost its figures");
+}
+
+#[test]
+fn every_block_of_a_diagram_is_a_link_with_a_name() {
+    let mut blocks = 0;
+    for (name, page) in pages() {
+        for block in all(&page, ".plot.diagram svg a") {
+            assert!(block.attr("href").is_some_and(|address| address.contains('#')), "{name}");
+            assert!(block.attr("aria-label").is_some_and(|text| text.contains(": ")), "{name}");
+            blocks += 1;
+        }
+    }
+    assert!(blocks > 0, "the book has lost its diagrams");
 }
 
 #[test]
