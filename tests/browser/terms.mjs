@@ -105,5 +105,10 @@ export const terms = {
     "fill-in": "marginalization.html#fill-in-and-the-markov-blanket",
     "sparsification": "marginalization.html#sec:marginalization",
     "Chow-Liu": "marginalization.html#sec:factor-recovery",
+    "algorithms": "algorithms.html#sec:algorithms",
+    "project_jacobians": "algorithms.html#sec:alg-projection",
+    "ba_solve": "algorithms.html#sec:alg-bundle",
+    "msckf_update": "algorithms.html#sec:alg-msckf",
+    "complexity": "algorithms.html#sec:alg-cost",
     "Kalibr": "your_own_data.html#the-camera",
 };
