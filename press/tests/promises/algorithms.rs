@@ -156,7 +156,7 @@ fn a_name_that_means_two_things_is_named_with_both() {
     let report = book.with("src/one.md", "of=\"hidden::twice\"", "of=\"twice\"").faults();
     says(
         &report,
-        &["the library has 2 of the name twice", "one::hidden::twice, one::hidden::other::twice"],
+        &["the library has 2 of the name twice", "one::hidden::other::twice, one::hidden::twice"],
     );
 }
 
