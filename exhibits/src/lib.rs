@@ -1,10 +1,12 @@
 //! What the book shows and a program computes: checks of its equations, its numbers, figures and
 //! records.
 
+pub mod algorithms;
 pub mod bearing;
 pub mod bundle_adjustment;
 pub mod chapter;
 pub mod comparison;
+pub mod counter;
 pub mod data;
 pub mod diagram;
 pub mod figure;
@@ -49,6 +51,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("algorithms", algorithms::exhibits, no_records),
     ("systems", systems::exhibits, no_records),
 ];
 

@@ -72,14 +72,30 @@ pub struct Found<'a> {
     pub terms: Terms,
     /// What its letters mean.
     pub symbols: Symbols,
-    /// The items of the library that listings print: page, anchor and number of the listing.
+    /// The items of the library that listings and algorithms show: page, anchor and name of each.
     pub printed: BTreeMap<String, Vec<(PathBuf, String, String)>>,
+    /// The algorithms whose lines lead to the library.
+    pub algorithms: Vec<Told>,
     /// The source files that pages link to.
     pub sources: BTreeSet<String>,
     /// Files for mdBook to copy, by path below `src/generated`.
     pub generated: BTreeMap<PathBuf, Vec<u8>>,
     /// Typed numbers and the permissions for them.
     pub lint: Lint<'a>,
+}
+
+/// An algorithm that a page tells.
+pub struct Told {
+    /// The page.
+    pub page: PathBuf,
+    /// Its label.
+    pub id: String,
+    /// Its number.
+    pub number: String,
+    /// The item of the library that does it.
+    pub item: String,
+    /// How many lines it has.
+    pub lines: usize,
 }
 
 /// A stretch of prose on a page.
@@ -469,6 +485,7 @@ pub fn name_of(label: &str, target: &Target, bare: bool) -> String {
     };
     let word = match LABEL_KINDS.iter().find(|kind| label.starts_with(**kind)) {
         _ if target.number.is_empty() => return target.title.clone(),
+        Some(&"alg:") => "Algorithm",
         Some(&"eq:") => "Equation",
         Some(&"fig:") => "Figure",
         Some(&"lst:") => "Listing",

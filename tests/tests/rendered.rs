@@ -224,6 +224,26 @@ fn a_listing_of_the_library_leads_to_its_items_and_an_item_to_its_equation() {
 }
 
 #[test]
+fn every_line_of_an_algorithm_leads_to_a_line_of_code() {
+    let mut lines = 0;
+    for (name, page) in pages() {
+        for line in all(&page, ".algorithm .steps > li") {
+            let link = Selector::parse("a.step-number").expect("a selector");
+            let href = line.select(&link).next().and_then(|link| link.attr("href"));
+            let (file, number) = href
+                .and_then(|href| href.split_once("generated/source/")?.1.split_once(".html#L"))
+                .unwrap_or_else(|| panic!("{name}: line {:?} leads nowhere", line.attr("value")));
+            let number: usize = number.parse().expect("a number");
+            let source = files::read(&root().join(file)).expect("a source");
+            let code = source.lines().nth(number - 1).unwrap_or_default().trim();
+            assert!(!code.is_empty() && !code.starts_with("//"), "{name}: {file}, line {number}");
+            lines += 1;
+        }
+    }
+    assert!(lines > 50, "the book has lost its algorithms");
+}
+
+#[test]
 fn citations_lead_to_the_bibliography_and_back() {
     let pages = pages();
     let references =

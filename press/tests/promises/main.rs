@@ -1,5 +1,6 @@
 //! The press at work on a small book: every promise broken once, and the book served.
 
+mod algorithms;
 mod diagrams;
 mod faults;
 mod library;
