@@ -19,7 +19,7 @@ fn a_block_is_a_link_that_says_where_it_leads() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = book.read("book/one.html");
     for part in [
-        "<a href=\"#sec:more\" aria-label=\"A block: left out: Section 1.1, More\">",
+        "<a href=\"#sec:more\" aria-label=\"A block: left out: Section\u{a0}1.1, More\">",
         "<rect x=\"4\" y=\"5\" width=\"60\" height=\"70\">",
         "left out: <tspan>Section\u{a0}1.1</tspan>",
         "<td><a href=\"#sec:more\">Section\u{a0}1.1, More</a></td>",
