@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::html;
 
 use super::Emitter;
-use crate::api::items::{Code, SOURCES};
+use crate::api::items::{Code, Library, SOURCES};
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::prose::Told;
@@ -192,49 +192,23 @@ impl Emitter<'_, '_> {
         text: &str,
     ) -> Option<(String, usize)> {
         let library = self.known.library;
-        let found = library.code(of);
-        let [code] = &found[..] else {
-            let problem = match found.len() {
-                0 => format!("the library has nothing that is called {of}"),
-                _ => format!("the library has {} of the name {of}", found.len()),
-            };
-            let mend = match found.len() {
-                0 => "write of=\"Type::function\", or item=\"…\" at the algorithm".to_owned(),
-                _ => format!("write more of its path: {}", paths(&found)),
-            };
-            self.fault(line, label, problem, mend);
-            return None;
+        let found = named(library, of)
+            .and_then(|code| line_with(library, &code, text).map(|at| (code, at)));
+        let (Code { path, file, .. }, at) = match found {
+            Ok(found) => found,
+            Err(Wrong { problem, mend }) => {
+                self.fault(line, label, problem, mend);
+                return None;
+            }
         };
-        let Code { path, file, first, last, .. } = code;
-        let lines = if text.is_empty() { Vec::new() } else { code.lines_with(text) };
-        let [at] = lines[..] else {
-            let place = format!("{of} ({file}, lines {first} to {last})");
-            let (problem, mend) = match &lines[..] {
-                [] => {
-                    let others = library.functions_with(text);
-                    let mend = match text.is_empty() || others.is_empty() {
-                        true => "write code=\"…\" as the line is now".to_owned(),
-                        false => format!("it stands in {}: say so by of=\"…\"", paths(&others)),
-                    };
-                    (format!("`{text}` stands nowhere in {place}"), mend)
-                }
-                many => {
-                    let many = many.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-                    let problem = format!("`{text}` stands more than once in {place}: {many}");
-                    (problem, "write more of the line that is meant".to_owned())
-                }
-            };
-            self.fault(line, label, problem, mend);
-            return None;
-        };
-        let before = self.in_algorithm().and_then(|known| known.last.insert(path.clone(), at));
+        let before = self.in_algorithm().and_then(|known| known.last.insert(path, at));
         if let Some(before) = before.filter(|before| *before > at) {
             let problem = format!(
                 "the library does this before what stands above: {file}, line {at} and not after {before}"
             );
             self.fault(line, label, problem, "bring the lines into the order of the code");
         }
-        Some(((*file).to_owned(), at))
+        Some((file.to_owned(), at))
     }
 
     /// Ends an algorithm that is complete.
@@ -258,6 +232,51 @@ impl Emitter<'_, '_> {
             lines: *lines,
         });
         format!("{}</div>", algorithm.end())
+    }
+}
+
+/// Why a line leads nowhere, and what to do about it.
+struct Wrong {
+    problem: String,
+    mend: String,
+}
+
+/// The one piece of code that a path means.
+fn named<'a>(library: &'a Library, path: &str) -> Result<Code<'a>, Wrong> {
+    let mut found = library.code(path);
+    match found.len() {
+        1 => Ok(found.remove(0)),
+        0 => Err(Wrong {
+            problem: format!("the library has nothing that is called {path}"),
+            mend: "write of=\"Type::function\", or item=\"…\" at the algorithm".to_owned(),
+        }),
+        count => Err(Wrong {
+            problem: format!("the library has {count} of the name {path}"),
+            mend: format!("write more of its path: {}", paths(&found)),
+        }),
+    }
+}
+
+/// The one line of some code that has a text.
+fn line_with(library: &Library, code: &Code<'_>, text: &str) -> Result<usize, Wrong> {
+    let Code { path, file, first, last, .. } = code;
+    let place = format!("{path} ({file}, lines {first} to {last})");
+    let lines = if text.is_empty() { Vec::new() } else { code.lines_with(text) };
+    match &lines[..] {
+        [line] => Ok(*line),
+        [] => {
+            let others = library.functions_with(text);
+            let mend = match text.is_empty() || others.is_empty() {
+                true => "write code=\"…\" as the line is now".to_owned(),
+                false => format!("it stands in {}: say so by of=\"…\"", paths(&others)),
+            };
+            Err(Wrong { problem: format!("`{text}` stands nowhere in {place}"), mend })
+        }
+        many => {
+            let many = many.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+            let problem = format!("`{text}` stands more than once in {place}: {many}");
+            Err(Wrong { problem, mend: "write more of the line that is meant".to_owned() })
+        }
     }
 }
 

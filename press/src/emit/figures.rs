@@ -13,7 +13,7 @@ use crate::prose::{Lead, table};
 use crate::recordings;
 
 /// The rows of a figure's data that the page shows; the CSV file has all.
-const ROWS_SHOWN: usize = 40;
+const ROWS_SHOWN: usize = 30;
 
 impl Emitter<'_, '_> {
     pub(super) fn figure(

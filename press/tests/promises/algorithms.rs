@@ -97,7 +97,7 @@ fn a_text_that_is_gone_is_named_with_the_place_where_it_should_be() {
     says(
         &faults("code=\"a + b\"", "code=\"a - b\""),
         &[
-            "`a - b` stands nowhere in Sum::add (code/src/one.rs, lines 19 to 21)",
+            "`a - b` stands nowhere in one::Sum::add (code/src/one.rs, lines 19 to 21)",
             "as the line is now",
         ],
     );
@@ -107,7 +107,7 @@ fn a_text_that_is_gone_is_named_with_the_place_where_it_should_be() {
 fn a_text_of_another_function_is_named_with_that_function() {
     says(
         &faults("code=\"a + b\"", "code=\"first(a);\""),
-        &["`first(a);` stands nowhere in Sum::add", "one::hidden::twice: say so by of="],
+        &["`first(a);` stands nowhere in one::Sum::add (", "one::hidden::twice: say so by of="],
     );
 }
 
@@ -115,7 +115,7 @@ fn a_text_of_another_function_is_named_with_that_function() {
 fn a_comment_is_not_what_a_line_does() {
     says(
         &faults("code=\"first(b)\"", "code=\"is not called\""),
-        &["`is not called` stands nowhere in hidden::twice", "as the line is now"],
+        &["`is not called` stands nowhere in one::hidden::twice (", "as the line is now"],
     );
 }
 
@@ -123,7 +123,7 @@ fn a_comment_is_not_what_a_line_does() {
 fn a_text_that_stands_more_than_once_is_named_with_its_lines() {
     says(
         &faults("code=\"first(b)\"", "code=\"first(\""),
-        &["`first(` stands more than once in hidden::twice", ": 13, 14", "more of the line"],
+        &["`first(` stands more than once in one::hidden::twice (", ": 13, 14", "more of the line"],
     );
 }
 
