@@ -37,7 +37,7 @@ pub const BIAS: [f64; 6] = [5e-4, 5e-4, 5e-4, 0.05, 0.05, 0.05];
 pub const HUBER: f64 = 1.345;
 // ANCHOR_END: sizes
 
-/// How far off the search begins: what is said of the first keyframe, and a landmark, in metres.
+/// How far off the search begins along each axis of a landmark, in metres.
 const LANDMARK_OFF: f64 = 0.3;
 
 /// The second on the figure-eight at which the first keyframe is taken.
@@ -261,12 +261,31 @@ impl Graph {
     // ANCHOR: priors
     /// What was measured and what is known beforehand.
     pub fn new(scene: &Scene, kernel: Kernel) -> Result<Self, Box<dyn Error>> {
+        Self::known_to(scene, kernel, STATE, BIAS)
+    }
+
+    /// The same with other standard deviations of what is known. An infinite one says nothing.
+    pub fn known_to(
+        scene: &Scene,
+        kernel: Kernel,
+        state: [f64; 9],
+        bias: [f64; 6],
+    ) -> Result<Self, Box<dyn Error>> {
         let mut graph = Self::measured(scene, kernel)?;
-        near(&mut graph.problem, graph.states[0], scene.known_state, STATE)?;
-        near(&mut graph.problem, graph.biases[0], scene.known_bias, BIAS)?;
+        near(&mut graph.problem, graph.states[0], scene.known_state, state)?;
+        near(&mut graph.problem, graph.biases[0], scene.known_bias, bias)?;
         Ok(graph)
     }
     // ANCHOR_END: priors
+
+    // ANCHOR: free
+    /// How many directions are free when so much is known, where every measurement is exact.
+    pub fn free(state: [f64; 9], bias: [f64; 6]) -> Result<usize, Box<dyn Error>> {
+        let scene = Scene::exact();
+        let graph = Self::known_to(&scene, Kernel::Squared, state, bias)?;
+        Ok(graph.problem.null_space(&graph.values(&scene.truth))?.nullity())
+    }
+    // ANCHOR_END: free
 
     // ANCHOR: solved
     /// The minimum, from the guess.
@@ -306,15 +325,11 @@ impl Graph {
     pub fn bound(scene: &Scene) -> Result<Vec<f64>, Box<dyn Error>> {
         let graph = Self::new(scene, Kernel::Squared)?;
         let covariance = graph.problem.covariance(&graph.values(&scene.truth))?;
-        let mut numbers = Vec::new();
-        for k in 0..2 {
-            numbers.extend([graph.states[k].index(), graph.biases[k].index()]);
-        }
-        numbers.extend(graph.landmarks.iter().map(|key| key.index()));
-        let of_each = numbers.into_iter().filter_map(|number| covariance.of_number(number));
-        Ok(of_each
-            .flat_map(|matrix| matrix.diagonal().iter().copied().collect::<Vec<_>>())
-            .collect())
+        let keyframes = graph.states.iter().zip(&graph.biases);
+        let keyframes = keyframes.flat_map(|(state, bias)| [state.index(), bias.index()]);
+        let variables = keyframes.chain(graph.landmarks.iter().map(Key::index));
+        let matrices = variables.filter_map(|variable| covariance.of_number(variable));
+        Ok(matrices.flat_map(|matrix| matrix.diagonal().as_slice().to_vec()).collect())
     }
     // ANCHOR_END: bound
 }
@@ -350,9 +365,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::drawn(seed);
     let measured = Graph::measured(&scene, Kernel::Squared)?;
     let (rows, columns) = (measured.problem.rows(), measured.problem.columns().count);
-    let exact = Scene::exact();
-    let free = Graph::measured(&exact, Kernel::Squared)?;
-    let nullity = free.problem.null_space(&free.values(&exact.truth))?.nullity();
+    let nullity = Graph::free([f64::INFINITY; 9], [f64::INFINITY; 6])?;
     println!("{columns} unknowns, {rows} equations, {nullity} directions free without priors");
     let off = scene.truth.step_to(&Graph::new(&scene, Kernel::Huber(HUBER))?.solved()?);
     let bound = Graph::bound(&scene)?;

@@ -6,8 +6,10 @@ pub mod bundle_adjustment;
 pub mod chapter;
 pub mod comparison;
 pub mod data;
+pub mod factrs;
 pub mod figure;
 pub mod filtering;
+pub mod gtsam;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
@@ -47,6 +49,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("factrs", factrs::exhibits, factrs::records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}

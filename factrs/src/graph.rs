@@ -65,6 +65,11 @@ pub fn covariance(noise: &ImuNoise, gyro: GyroNoise) -> ImuCovariance {
 }
 // ANCHOR_END: covariance
 
+/// A reading, its parts apart as factrs has them.
+pub fn reading(sample: &ImuSample) -> (Gyro, Accel) {
+    (Gyro(convert::vector(&sample.gyro)), Accel(convert::vector(&sample.accelerometer)))
+}
+
 // ANCHOR: preintegrator
 /// Readings, summed up by factrs.
 pub fn preintegrator(
@@ -73,8 +78,8 @@ pub fn preintegrator(
     covariance: ImuCovariance,
 ) -> ImuPreintegrator {
     let mut sums = ImuPreintegrator::new(covariance, convert::bias(bias), Gravity::down());
-    for ImuSample { gyro, accelerometer } in readings {
-        let (gyro, accel) = (Gyro(convert::vector(gyro)), Accel(convert::vector(accelerometer)));
+    for sample in readings {
+        let (gyro, accel) = reading(sample);
         sums.integrate(&gyro, &accel, STEP);
     }
     sums

@@ -1,4 +1,4 @@
-//! What the record `factrs` asks.
+//! What the record `factrs_seeds` asks.
 //!
 //! ```text
 //! cargo run --release -p factrs-graph -- errors SEEDS

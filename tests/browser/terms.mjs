@@ -105,5 +105,9 @@ export const terms = {
     "fill-in": "marginalization.html#fill-in-and-the-markov-blanket",
     "sparsification": "marginalization.html#sec:marginalization",
     "Chow-Liu": "marginalization.html#sec:factor-recovery",
+    "factrs": "factrs.html#sec:factrs",
+    "GTSAM": "factrs.html#sec:factrs",
+    "dual number": "factrs.html#the-graph-in-factrs",
+    "tangent space": "factrs.html#eulers-rule-in-the-tangent-space",
     "Kalibr": "your_own_data.html#the-camera",
 };
