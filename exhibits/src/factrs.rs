@@ -6,7 +6,10 @@ mod figures;
 mod free;
 mod gtsam;
 mod lines;
-pub mod tangent;
+mod tangent;
+
+#[path = "../../factrs/src/predicted.rs"]
+mod predicted;
 
 #[allow(dead_code)]
 #[path = "../../code/examples/two_keyframes.rs"]

@@ -1,4 +1,22 @@
 //! The graph as one would write it with factrs, of its own parts where it has them.
+//!
+//! What does not go together does not compile:
+//!
+//! ```compile_fail,E0277
+//! use factrs::core::{Values, VectorVar3};
+//! use factrs_graph::graph::X;
+//!
+//! Values::new().insert(X(0), VectorVar3::new(1.0, 0.0, 0.0));
+//! ```
+//!
+//! while a velocity goes where velocities belong:
+//!
+//! ```
+//! use factrs::core::{Values, VectorVar3};
+//! use factrs_graph::graph::V;
+//!
+//! Values::new().insert(V(0), VectorVar3::new(1.0, 0.0, 0.0));
+//! ```
 
 use factrs::assign_symbols;
 use factrs::core::{GaussNewton, GaussianNoise, Graph, Huber, PriorResidual, Values};

@@ -4,6 +4,7 @@
 pub mod convert;
 pub mod graph;
 pub mod identical;
+pub mod predicted;
 pub mod reprojection;
 pub mod said;
 

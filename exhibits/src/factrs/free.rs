@@ -28,6 +28,11 @@ pub fn numbers(chapter: &mut Chapter) {
         chapter.number(name, value, unit, decimals);
     }
 
+    // Without its own noise a turn has that of its bias alone, which walks for as long.
+    let seconds = READINGS as f64 * STEP;
+    let walked = scene.noise.gyro_walk * seconds / 3.0_f64.sqrt();
+    chapter.number("surer", scene.noise.gyro / walked, "", 0);
+
     let free = |state, bias| Graph::free(state, bias).expect("there is a gap") as f64;
     let (no_state, no_bias) = ([f64::INFINITY; 9], [f64::INFINITY; 6]);
     chapter.number("free", free(no_state, no_bias), "", 0);

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use vislam::manifold::so3;
 
+use super::predicted::{overshoot, summed, tangent_covariance};
 use super::two_keyframes::HUBER;
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, differences};
@@ -55,33 +56,6 @@ type Overshoot = fn(&[Vector3<f64>], f64) -> Vector3<f64>;
 /// The covariance of a rotation vector from that of a small turn after it.
 type Spread = fn(&Vector3<f64>, &Matrix3<f64>) -> Matrix3<f64>;
 
-/// By how much the rotation vector of Euler's rule in the tangent space exceeds that of the readings, to leading order
-/// in the turn. Implements {eq:tangent-overshoot}.
-pub fn overshoot(rates: &[Vector3<f64>], dt: f64) -> Vector3<f64> {
-    summed(rates, dt, |turn, rate| rate.cross(&turn.cross(rate)))
-}
-
-/// A term of turn and rate, summed over the readings, times Δt²/12.
-fn summed(
-    rates: &[Vector3<f64>],
-    dt: f64,
-    term: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>,
-) -> Vector3<f64> {
-    let (mut turn, mut sum) = (Vector3::zeros(), Vector3::zeros());
-    for rate in rates {
-        sum += term(&turn, rate);
-        turn += dt * rate;
-    }
-    dt * dt / 12.0 * sum
-}
-
-/// The covariance of θ when exp(θ) is followed by a small turn of this covariance. Implements
-/// {eq:tangent-covariance}.
-pub fn tangent_covariance(turn: &Vector3<f64>, covariance: &Matrix3<f64>) -> Matrix3<f64> {
-    let jacobian = so3::right_jacobian_inverse(turn);
-    jacobian * covariance * jacobian.transpose()
-}
-
 /// The share of good pixels whose whitened residual is longer than a threshold. Implements {eq:pixel-beyond}.
 fn share_beyond(threshold: f64) -> f64 {
     (-0.5 * threshold * threshold).exp()
@@ -113,7 +87,7 @@ fn overshoots(formula: Overshoot) -> Comparison {
 
 /// Angular velocities that change as those of a flight do, and turn by less than half a radian.
 fn rates(random: &mut Random) -> Vec<Vector3<f64>> {
-    let (from, to) = (random.direction(0.5), random.direction(0.5));
+    let (from, to) = (random.direction(0.4), random.direction(0.4));
     let share = |k: usize| k as f64 / READINGS as f64;
     (0..READINGS).map(|k| (1.0 - share(k)) * from + share(k) * to).collect()
 }
