@@ -210,6 +210,7 @@ pub struct Graph {
 }
 
 impl Graph {
+    // ANCHOR: measured
     /// What was measured, without what is known beforehand.
     pub fn measured(scene: &Scene, kernel: Kernel) -> Result<Self, Box<dyn Error>> {
         let (mut problem, guess) = (Problem::new(), &scene.guess);
@@ -229,6 +230,7 @@ impl Graph {
         graph.add_pixels(scene, (extrinsics, time_offset), kernel)?;
         Ok(graph)
     }
+    // ANCHOR_END: measured
     // ANCHOR_END: graph
 
     // ANCHOR: pixels

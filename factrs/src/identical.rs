@@ -48,6 +48,7 @@ impl Residual6 for Inertial {
         second_velocity: VectorVar3<T>,
         later: ImuBias<T>,
     ) -> VectorX<T> {
+        // ANCHOR: compared
         let (t, g) = (T::from(self.duration), self.gravity.cast::<T>());
         let shift = self.bias_jacobian.cast::<T>() * bias.ominus(&self.bias.cast::<T>());
         let shift = VectorX::from_column_slice(shift.as_slice());
@@ -65,6 +66,7 @@ impl Residual6 for Inertial {
         let parts = [phi.as_slice(), velocity.as_slice(), position.as_slice()].concat();
         let walk = later.ominus(&bias);
         VectorX::from_iterator(15, parts.into_iter().chain(walk.iter().copied()))
+        // ANCHOR_END: compared
     }
 }
 // ANCHOR_END: inertial

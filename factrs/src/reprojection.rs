@@ -15,6 +15,7 @@ pub struct Reprojection {
     pub pixel: [f64; 2],
 }
 
+// ANCHOR: seen
 #[factrs::mark]
 impl Residual2 for Reprojection {
     type V1 = SE3;
@@ -33,4 +34,5 @@ impl Residual2 for Reprojection {
         ])
     }
 }
+// ANCHOR_END: seen
 // ANCHOR_END: reprojection

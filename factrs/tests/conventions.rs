@@ -129,6 +129,14 @@ fn the_turn_is_summed_up_in_the_tangent_space_and_too_long_by_what_is_predicted(
 }
 
 #[test]
+fn about_a_fixed_axis_both_sums_are_the_same() {
+    let (scene, gyro) = (Scene::exact(), Vector3::new(0.3, -0.5, 0.4));
+    let readings = vec![ImuSample { gyro, accelerometer: Vector3::zeros() }; READINGS];
+    let theirs = Said::by(preintegrator(&readings, &scene.known_bias, usual(&scene)));
+    assert!((theirs.turn() - SECONDS * gyro).norm() < 1e-9);
+}
+
+#[test]
 fn steps_half_as_long_halve_the_difference() {
     let scene = Scene::drawn(0);
     let ours = scene.preintegrated().unwrap().sums.deltas.rotation;
