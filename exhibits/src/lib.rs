@@ -9,8 +9,10 @@ pub mod comparison;
 pub mod counter;
 pub mod data;
 pub mod diagram;
+pub mod factrs;
 pub mod figure;
 pub mod filtering;
+pub mod gtsam;
 pub mod inertial;
 pub mod least_squares;
 pub mod manifold;
@@ -52,6 +54,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
     ("algorithms", algorithms::exhibits, no_records),
+    ("factrs", factrs::exhibits, factrs::records),
     ("systems", systems::exhibits, no_records),
 ];
 
