@@ -5,6 +5,7 @@
 
 pub mod bal;
 pub mod euroc;
+pub mod pose_graph;
 pub mod recording;
 mod table;
 pub mod tracks;

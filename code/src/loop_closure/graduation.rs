@@ -1,0 +1,125 @@
+//! Graduated non-convexity: which loops are right is decided slowly.
+
+use super::switches::positive;
+use super::{LoopClosureError, PoseGraph, SolvedGraph};
+use crate::factors::GraphPose;
+use crate::least_squares::{Fronts, Kernel, Options, Report};
+
+/// How slowly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Graduation {
+    /// The error, in standard deviations, up to which a measurement may be right: the root of a
+    /// quantile of χ² with as many degrees of freedom as the measurement has.
+    pub threshold: f64,
+    /// By what the control parameter grows from round to round.
+    pub growth: f64,
+    /// How many rounds there may be.
+    pub max_rounds: usize,
+}
+
+impl Graduation {
+    /// The usual pace: 1.4 a round, at most a hundred rounds.
+    pub fn with_threshold(threshold: f64) -> Self {
+        Self { threshold, growth: 1.4, max_rounds: 100 }
+    }
+}
+
+/// Poses that have been estimated, and which loops were believed.
+#[derive(Debug, Clone)]
+pub struct GraduatedGraph<P> {
+    /// The poses.
+    pub poses: Vec<P>,
+    /// The weight of each loop in the order given: one or zero, once everything is decided.
+    pub weights: Vec<f64>,
+    /// How many problems were solved.
+    pub rounds: usize,
+    /// How the last of them was.
+    pub report: Report,
+}
+
+impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
+    // ANCHOR: solve_graduated
+    /// The poses when each of these measurements either counts as its square or, beyond a threshold,
+    /// as a constant: truncated least squares, by the graduated non-convexity of [@yang2020]. The
+    /// others always count.
+    ///
+    /// The surrogate cost of a control parameter μ is convex for μ near zero and the truncated square
+    /// for μ without end. Its minimum is that of a weighted problem whose weights follow from the
+    /// errors before it.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`PoseGraph::solve`], [`LoopClosureError::NoSuchMeasurement`] and
+    /// [`LoopClosureError::Option`].
+    pub fn solve_graduated(
+        &self,
+        loops: &[usize],
+        graduation: &Graduation,
+        options: &Options,
+    ) -> Result<GraduatedGraph<P>, LoopClosureError> {
+        positive("threshold", graduation.threshold, 0.0)?;
+        positive("growth", graduation.growth, 1.0)?;
+        self.check_numbers(loops)?;
+        let limit = graduation.threshold.powi(2);
+        let mut graph = self.clone();
+        let mut weights = vec![1.0; loops.len()];
+        let SolvedGraph { poses, mut report } = graph.solve_weighted(loops, &weights, options)?;
+        graph.poses = poses;
+        let worst = graph.squared_errors(loops).fold(0.0, f64::max);
+        let (mut control, mut rounds) = (limit / (2.0 * worst - limit), 1);
+        while rounds < graduation.max_rounds && worst > limit {
+            let errors = graph.squared_errors(loops);
+            weights = errors.map(|error| truncated_weight(error, limit, control)).collect();
+            let solved = graph.solve_weighted(loops, &weights, options)?;
+            (graph.poses, report, rounds) = (solved.poses, solved.report, rounds + 1);
+            if weights.iter().all(|weight| *weight == 0.0 || *weight == 1.0) {
+                break;
+            }
+            control *= graduation.growth;
+        }
+        Ok(GraduatedGraph { poses: graph.poses, weights, rounds, report })
+    }
+    // ANCHOR_END: solve_graduated
+
+    /// The squared errors of some measurements; infinite where there is none.
+    fn squared_errors(&self, numbers: &[usize]) -> impl Iterator<Item = f64> {
+        numbers.iter().map(|number| self.squared_error(*number).unwrap_or(f64::INFINITY))
+    }
+
+    /// The minimum with weights for some measurements; those that weigh nothing are left out.
+    fn solve_weighted(
+        &self,
+        loops: &[usize],
+        weights: &[f64],
+        options: &Options,
+    ) -> Result<SolvedGraph<P>, LoopClosureError> {
+        let mut weight_of = vec![1.0; self.measurements.len()];
+        loops.iter().zip(weights).for_each(|(number, weight)| weight_of[*number] = *weight);
+        let (mut problem, keys) = self.variables()?;
+        for (number, weight) in weight_of.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
+            let mut factor = self.factor(number, &keys)?;
+            factor.sqrt_information *= weight.sqrt();
+            problem.add_factor(factor, Kernel::Squared)?;
+        }
+        let solution = problem.solve_with(Fronts::new(&problem)?, options)?;
+        let poses = keys.iter().map(|key| solution.values[*key].clone()).collect();
+        Ok(SolvedGraph { poses, report: solution.report })
+    }
+}
+
+// ANCHOR: truncated_weight
+/// The weight of a measurement, from its squared error, the squared threshold and the control
+/// parameter: one where the surrogate is a square, zero where it is constant, and in between what
+/// joins them without a kink.
+fn truncated_weight(error: f64, limit: f64, control: f64) -> f64 {
+    let outer = limit * (control + 1.0) / control;
+    let inner = limit * control / (control + 1.0);
+    if error >= outer {
+        0.0
+    } else if error <= inner {
+        1.0
+    } else {
+        (limit * control * (control + 1.0) / error).sqrt() - control
+    }
+}
+// ANCHOR_END: truncated_weight
