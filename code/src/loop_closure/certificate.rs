@@ -78,7 +78,7 @@ pub enum Inapplicable {
 
 // ANCHOR: certify
 /// Whether no poses have a lower chordal cost than these ([@rosen2019]; for the condition without
-/// translations eliminated [@carlone2015duality]).
+/// translations eliminated [@carlonerosen2015]).
 ///
 /// With the rows of all rotations and positions side by side in a matrix X of three rows, the chordal
 /// cost is ½ tr(X M Xᵀ). Let Λ have the symmetric part of Rᵢᵀ (X M)ᵢ in the block of each rotation and

@@ -10,7 +10,7 @@ type Measurement = RelativeMeasurement<Isometry3<f64>, 6>;
 
 // ANCHOR: chordal_initialization
 /// Poses to begin with, whatever the poses of the graph are but the first, which stays
-/// ([@carlone2015initialization]).
+/// ([@carlone2015]).
 ///
 /// The rotations are first taken for any matrices: the sum of κ ‖Rⱼ − Rᵢ R̃‖² is then a linear problem
 /// with three right-hand sides, one for each row, and each matrix is replaced by the rotation that
