@@ -6,7 +6,9 @@ use nalgebra::{Isometry2, Isometry3, SMatrix};
 
 use super::{LoopClosureError, UprightPose};
 use crate::factors::{BetweenPoses, GraphPose};
-use crate::least_squares::{Fronts, Kernel, Key, Options, Problem, Report, Values};
+use crate::least_squares::{
+    Fronts, Kernel, Key, Manifold, Method, Options, Problem, Report, Values,
+};
 
 // ANCHOR: pose_graph
 /// Poses `world_from_body`, and measurements of one from another.
@@ -40,6 +42,16 @@ pub type PlanarGraph = PoseGraph<Isometry2<f64>, 3>;
 pub type UprightGraph = PoseGraph<UprightPose, 4>;
 // ANCHOR_END: pose_graph
 
+// ANCHOR: pose_graph_options
+/// Levenberg-Marquardt as pose graphs want it: with a first damping of 1e-8. Almost nothing resists a
+/// slow bend of a long chain, and the damping is measured by what resists a pose that moves alone. With
+/// more of it a step straightens no bend.
+pub fn pose_graph_options() -> Options {
+    let method = Method::LevenbergMarquardt { initial_damping: 1e-8 };
+    Options { method, ..Options::default() }
+}
+// ANCHOR_END: pose_graph_options
+
 /// The least-squares problem of a graph.
 pub struct GraphProblem<P> {
     /// The problem. Its factors have the numbers of the measurements.
@@ -48,7 +60,7 @@ pub struct GraphProblem<P> {
     pub poses: Vec<Key<P>>,
 }
 
-impl<P: crate::least_squares::Manifold> GraphProblem<P> {
+impl<P: Manifold> GraphProblem<P> {
     /// The poses among values of the problem.
     pub fn poses_of(&self, values: &Values) -> Vec<P> {
         self.poses.iter().map(|key| values[*key].clone()).collect()

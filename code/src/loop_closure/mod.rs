@@ -5,7 +5,7 @@
 //! yaw, which are the four degrees of freedom that cameras and an inertial sensor cannot know, roll and
 //! pitch kept as gravity gives them.
 //!
-//! - [`PoseGraph::solve`] goes downhill from where the poses are, [`PoseGraph::chained`] and
+//! - [`PoseGraph::solve`] goes downhill from where the poses are, with [`pose_graph_options`]; [`PoseGraph::chained`] and
 //!   [`chordal_initialization`] say where to begin.
 //! - [`certify`] says whether a minimum is the lowest one there is, for noise that is alike in all
 //!   directions and errors of rotation measured by the chord.
@@ -27,7 +27,7 @@ pub use error::LoopClosureError;
 pub use graduation::{GraduatedGraph, Graduation};
 pub use graph::{
     GraphProblem, PlanarGraph, PoseGraph, RelativeMeasurement, SolvedGraph, SpatialGraph,
-    UprightGraph,
+    UprightGraph, pose_graph_options,
 };
 pub use isotropic::{Isotropy, isotropic};
 pub use switches::SwitchedGraph;

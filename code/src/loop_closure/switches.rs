@@ -21,8 +21,9 @@ pub struct SwitchedGraph<P> {
 impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
     // ANCHOR: solve_switched
     /// The poses when each of these measurements has a switch, which begins at one and is held there
-    /// with an information of `information` ([@sunderhauf2012]): a loop whose error grows beyond the
-    /// root of it, in standard deviations, counts less and less.
+    /// with an information of `information` ([@sunderhauf2012]): a loop whose squared error
+    /// grows beyond it has its switch below one half and counts less and less. A quantile of χ² with as
+    /// many degrees of freedom as a measurement has is a good choice.
     ///
     /// # Errors
     ///

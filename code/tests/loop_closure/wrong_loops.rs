@@ -2,8 +2,8 @@
 
 use nalgebra::Isometry3;
 use vislam::filtering::chi_square_quantile;
-use vislam::least_squares::{Kernel, Options};
-use vislam::loop_closure::{Graduation, LoopClosureError, SpatialGraph};
+use vislam::least_squares::Kernel;
+use vislam::loop_closure::{Graduation, LoopClosureError, SpatialGraph, pose_graph_options};
 use vislam::manifold::se3;
 
 use crate::simulated::{Draws, largest_error, noisy_laps};
@@ -31,7 +31,7 @@ fn error_with(kernel: Kernel, wrong: usize, seed: u64) -> f64 {
     let (truth, graph, _) = with_wrong_loops(wrong, seed);
     let loops = graph.loops();
     let of = |number: usize| if loops.contains(&number) { kernel } else { Kernel::Squared };
-    let solved = graph.solve(of, &Options::default()).unwrap();
+    let solved = graph.solve(of, &pose_graph_options()).unwrap();
     largest_error(&solved.poses, &truth)
 }
 
@@ -46,33 +46,27 @@ fn one_wrong_loop_bends_the_whole_trajectory() {
 }
 
 #[test]
-fn robust_kernels_survive_one_wrong_loop_and_only_one_of_them_four() {
+fn one_wrong_loop_is_survived_with_either_kernel_and_ten_with_the_one_that_lets_go() {
     for seed in 0..3 {
-        for wrong in [0, 1, 4, 10] {
-            let kernels = [Kernel::Squared, Kernel::Huber(1.0), Kernel::Cauchy(1.0)];
-            println!("{seed} {wrong} {:?}", kernels.map(|kernel| error_with(kernel, wrong, seed)));
+        for kernel in [Kernel::Huber(1.0), Kernel::Cauchy(1.0)] {
+            assert!(error_with(kernel, 1, seed) < GOOD);
         }
+        assert!(error_with(Kernel::Huber(1.0), 10, seed) > 3.0);
+        assert!(error_with(Kernel::Cauchy(1.0), 10, seed) < GOOD);
     }
-    assert!(error_with(Kernel::Cauchy(1.0), 1, 1) < GOOD);
-    assert!(error_with(Kernel::Cauchy(1.0), 4, 1) < GOOD);
-    assert!(error_with(Kernel::Huber(1.0), 1, 1) < 1.0);
 }
 
 #[test]
 fn switches_turn_the_wrong_loops_off_and_leave_the_right_ones_on() {
     for seed in 0..3 {
-        let (truth, graph, wrong) = with_wrong_loops(4, seed);
-        let loops = graph.loops();
-        let solved = graph.solve_switched(&loops, 10.0, &Options::default()).unwrap();
+        let (truth, graph, wrong) = with_wrong_loops(10, seed);
+        let (loops, information) = (graph.loops(), threshold().powi(2));
+        let solved = graph.solve_switched(&loops, information, &pose_graph_options()).unwrap();
         assert!(solved.report.stop.is_convergence());
-        assert!(
-            largest_error(&solved.poses, &truth) < GOOD,
-            "{}",
-            largest_error(&solved.poses, &truth)
-        );
+        assert!(largest_error(&solved.poses, &truth) < GOOD);
         for (number, switch) in loops.iter().zip(&solved.switches) {
-            assert_eq!(*switch < 0.5, wrong.contains(number), "loop {number}: {switch}");
             assert!((0.0..=1.0).contains(switch));
+            assert_eq!(*switch < 0.5, wrong.contains(number), "loop {number}: {switch}");
         }
     }
 }
@@ -83,7 +77,7 @@ fn graduated_non_convexity_keeps_the_right_loops_and_drops_the_wrong_ones() {
         let (truth, graph, wrong) = with_wrong_loops(10, seed);
         let loops = graph.loops();
         let graduation = Graduation::with_threshold(threshold());
-        let solved = graph.solve_graduated(&loops, &graduation, &Options::default()).unwrap();
+        let solved = graph.solve_graduated(&loops, &graduation, &pose_graph_options()).unwrap();
         assert!(
             largest_error(&solved.poses, &truth) < GOOD,
             "{}",
@@ -99,9 +93,9 @@ fn graduated_non_convexity_keeps_the_right_loops_and_drops_the_wrong_ones() {
 #[test]
 fn without_wrong_loops_nothing_is_dropped_and_the_estimate_is_the_plain_one() {
     let (_, graph, _) = with_wrong_loops(0, 5);
-    let plain = graph.solve(|_| Kernel::Squared, &Options::default()).unwrap();
+    let plain = graph.solve(|_| Kernel::Squared, &pose_graph_options()).unwrap();
     let graduation = Graduation::with_threshold(10.0);
-    let solved = graph.solve_graduated(&graph.loops(), &graduation, &Options::default()).unwrap();
+    let solved = graph.solve_graduated(&graph.loops(), &graduation, &pose_graph_options()).unwrap();
     assert!(solved.weights.iter().all(|weight| *weight == 1.0) && solved.rounds == 1);
     assert!(largest_error(&solved.poses, &plain.poses) < 1e-9);
 }
@@ -110,7 +104,7 @@ fn without_wrong_loops_nothing_is_dropped_and_the_estimate_is_the_plain_one() {
 fn a_switch_is_where_its_loop_and_its_prior_agree() {
     let (_, graph, _) = with_wrong_loops(2, 1);
     let (loops, information) = (graph.loops(), 4.0);
-    let solved = graph.solve_switched(&loops, information, &Options::default()).unwrap();
+    let solved = graph.solve_switched(&loops, information, &pose_graph_options()).unwrap();
     let graph = graph.with_poses(solved.poses);
     for (number, switch) in loops.iter().zip(&solved.switches) {
         let square = graph.squared_error(*number).unwrap();
@@ -121,7 +115,7 @@ fn a_switch_is_where_its_loop_and_its_prior_agree() {
 #[test]
 fn impossible_options_are_named() {
     let (_, graph, _) = with_wrong_loops(1, 1);
-    let options = Options::default();
+    let options = pose_graph_options();
     let graduated = |threshold, growth| {
         let graduation = Graduation { growth, ..Graduation::with_threshold(threshold) };
         graph.solve_graduated(&[], &graduation, &options).map(|_| ())
