@@ -245,6 +245,8 @@ impl Fields<'_> {
         Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
+    // ANCHOR_END: graph_fields
+
     /// Turned by the roll about x, then the pitch about y, then the yaw about z, all axes fixed.
     fn euler_pose(&mut self) -> Result<Isometry3<f64>, PoseGraphFault> {
         let [x, y, z, roll, pitch, yaw] = self.numbers("a finite number of a position or angle")?;
@@ -272,7 +274,6 @@ impl Fields<'_> {
         let [xx, xy, yy, tt, xt, yt] = self.numbers("a finite number of the information")?;
         Ok(SMatrix::<f64, 3, 3>::new(xx, xy, xt, xy, yy, yt, xt, yt, tt))
     }
-    // ANCHOR_END: graph_fields
 
     fn end(&mut self) -> Result<(), PoseGraphFault> {
         match self.fields.next() {

@@ -58,6 +58,7 @@ pub struct BetweenPoses<P: GraphPose<D>, const D: usize> {
     /// A matrix W with Wᵀ W the information of the measurement.
     pub sqrt_information: SMatrix<f64, D, D>,
 }
+// ANCHOR_END: between_poses
 
 impl<P: GraphPose<D>, const D: usize> Factor<D> for BetweenPoses<P, D> {
     type Variables = (P, P);
@@ -67,6 +68,7 @@ impl<P: GraphPose<D>, const D: usize> Factor<D> for BetweenPoses<P, D> {
         (self.first, self.second)
     }
 
+    // ANCHOR: between_residual
     fn residual(&self, (first, second): (&P, &P)) -> Option<SVector<f64, D>> {
         Some(self.sqrt_information * first.error(second, &self.measured)?)
     }
@@ -76,10 +78,9 @@ impl<P: GraphPose<D>, const D: usize> Factor<D> for BetweenPoses<P, D> {
         let (error, by_first, by_second) = first.linearized_error(second, &self.measured)?;
         Some((w * error, (w * by_first, w * by_second)))
     }
+    // ANCHOR_END: between_residual
 }
-// ANCHOR_END: between_poses
 
-// ANCHOR: between_spatial
 /// In space the error is the twist log(Z⁻¹ T₁⁻¹ T₂), with Z what was measured: translation first, in
 /// the frame of the second pose.
 impl GraphPose<6> for Isometry3<f64> {
@@ -97,6 +98,7 @@ impl GraphPose<6> for Isometry3<f64> {
         measured.to_homogeneous().iter().all(|number| number.is_finite())
     }
 
+    // ANCHOR: between_spatial
     fn error(&self, second: &Self, measured: &Self) -> Option<SVector<f64, 6>> {
         Some(se3::local(measured, &self.inv_mul(second)))
     }
@@ -109,8 +111,8 @@ impl GraphPose<6> for Isometry3<f64> {
         let by_first = -by_second * se3::adjoint(&first_from_second.inverse());
         Some((error, by_first, by_second))
     }
+    // ANCHOR_END: between_spatial
 }
-// ANCHOR_END: between_spatial
 
 /// In the plane the error is the twist log(Z⁻¹ T₁⁻¹ T₂), translation first.
 impl GraphPose<3> for Isometry2<f64> {

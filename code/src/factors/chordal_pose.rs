@@ -26,6 +26,7 @@ pub struct ChordalPose {
     /// √τ: one over the standard deviation along each axis, in metres.
     pub translation_weight: f64,
 }
+// ANCHOR_END: chordal_pose
 
 impl Factor<12> for ChordalPose {
     type Variables = (Isometry3<f64>, Isometry3<f64>);
@@ -35,6 +36,7 @@ impl Factor<12> for ChordalPose {
         (self.first, self.second)
     }
 
+    // ANCHOR: chordal_residual
     fn residual(
         &self,
         (first, second): (&Isometry3<f64>, &Isometry3<f64>),
@@ -49,7 +51,9 @@ impl Factor<12> for ChordalPose {
         residual.fixed_rows_mut::<3>(9).copy_from(&(self.translation_weight * shift));
         Some(residual)
     }
+    // ANCHOR_END: chordal_residual
 
+    // ANCHOR: chordal_slopes
     fn linearize(
         &self,
         values: (&Isometry3<f64>, &Isometry3<f64>),
@@ -75,8 +79,8 @@ impl Factor<12> for ChordalPose {
         by_second.fixed_view_mut::<3, 3>(9, 0).copy_from(&(along * second));
         Some((self.residual(values)?, (by_first, by_second)))
     }
+    // ANCHOR_END: chordal_slopes
 }
-// ANCHOR_END: chordal_pose
 
 impl ChordalPose {
     fn chord_weight(&self) -> f64 {

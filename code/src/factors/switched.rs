@@ -19,6 +19,7 @@ pub struct Switched<P: GraphPose<D>, const D: usize> {
     /// The switch.
     pub switch: Key<Vector1<f64>>,
 }
+// ANCHOR_END: switched
 
 impl<P: GraphPose<D>, const D: usize> Factor<D> for Switched<P, D> {
     type Variables = (P, P, Vector1<f64>);
@@ -28,6 +29,7 @@ impl<P: GraphPose<D>, const D: usize> Factor<D> for Switched<P, D> {
         (self.measurement.first, self.measurement.second, self.switch)
     }
 
+    // ANCHOR: switched_residual
     fn residual(
         &self,
         (first, second, switch): (&P, &P, &Vector1<f64>),
@@ -43,5 +45,5 @@ impl<P: GraphPose<D>, const D: usize> Factor<D> for Switched<P, D> {
         let jacobians = (switch.x * by_first, switch.x * by_second, residual);
         Some((switch.x * residual, jacobians))
     }
+    // ANCHOR_END: switched_residual
 }
-// ANCHOR_END: switched

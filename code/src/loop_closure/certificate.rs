@@ -1,6 +1,6 @@
 //! Whether a minimum is the lowest one there is.
 
-use nalgebra::{Isometry3, Matrix3, Matrix3x4, Matrix4, Matrix4x3};
+use nalgebra::{Isometry3, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector4};
 use thiserror::Error;
 
 use super::switches::positive;
@@ -77,8 +77,7 @@ pub enum Inapplicable {
 }
 
 // ANCHOR: certify
-/// Whether no poses have a lower chordal cost than these ([@rosen2019]; for the condition without
-/// translations eliminated [@carlonerosen2015]).
+/// Whether no poses have a lower chordal cost than these ([@carlonerosen2015; @rosen2019]).
 ///
 /// With the rows of all rotations and positions side by side in a matrix X of three rows, the chordal
 /// cost is ½ tr(X M Xᵀ). Let Λ have the symmetric part of Rᵢᵀ (X M)ᵢ in the block of each rotation and
@@ -88,7 +87,8 @@ pub enum Inapplicable {
 /// A computer cannot tell zero, which is an eigenvalue of S, from a little less. `tolerance` times the
 /// mean diagonal of M, the shift ε, is added to the diagonal of all rotations, and what is then positive
 /// definite, by a Cholesky factorization, proves the bound ½ tr Λ − 3/2 n ε for n poses. It is sound
-/// for any tolerance; what it is worth is the distance between bound and cost. Usual is 1e-10.
+/// for any tolerance above 1e-12, where rounding begins; what it is worth is the distance between bound
+/// and cost. Usual is 1e-10.
 ///
 /// # Errors
 ///
@@ -152,7 +152,7 @@ impl Edge {
         by_first.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-chord * turn.matrix()));
         by_first.fixed_view_mut::<1, 3>(3, 0).copy_from(&(-along * shift.vector.transpose()));
         by_first[(3, 3)] = -along;
-        by_second.set_diagonal(&nalgebra::Vector4::new(chord, chord, chord, along));
+        by_second.set_diagonal(&Vector4::new(chord, chord, chord, along));
         Self { poses: [measurement.first, measurement.second], by: [by_first, by_second] }
     }
     // ANCHOR_END: certificate_edge
@@ -245,32 +245,23 @@ fn is_definite(matrix: &mut SparseCholesky, shift: f64) -> bool {
 }
 
 // ANCHOR: smallest_eigenvalue
-/// The smallest eigenvalue of S with the positions eliminated, from above: by inverse iteration with a
-/// shift that makes it positive definite, found by multiplying one that does not.
+/// The smallest eigenvalue of S with the positions eliminated, from above, by inverse iteration: the
+/// inverse of S + ε I has its largest where S has its smallest. The shift, which is not enough to make S
+/// positive definite, is doubled until it is.
 fn smallest_eigenvalue(matrix: &mut SparseCholesky, mut shift: f64, poses: usize) -> f64 {
-    loop {
+    while !is_definite(matrix, shift) {
         shift *= 2.0;
-        if is_definite(matrix, shift) {
-            break;
-        }
         if !shift.is_finite() {
             return f64::NAN;
         }
     }
-    // The first pose has the numbers of its rotation alone.
-    let is_rotation = |number: usize| number < 3 || (number - 3) % 4 < 3;
-    let mut vector: Vec<f64> =
-        (0..4 * poses - 1).map(|number| (number as f64 + 1.0).sin()).collect();
+    let mut vector: Vec<f64> = (1..4 * poses).map(|number| (number as f64).sin()).collect();
     let mut largest = 0.0;
     for _ in 0..MOST_ITERATIONS {
-        let kept =
-            |(number, entry): (usize, &mut f64)| *entry *= f64::from(u8::from(is_rotation(number)));
-        vector.iter_mut().enumerate().for_each(kept);
-        let norm = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        vector.iter_mut().for_each(|entry| *entry /= norm);
-        let before = vector.clone();
+        make_unit_of_rotations(&mut vector);
+        let unit = vector.clone();
         matrix.solve(&mut vector);
-        let found: f64 = before.iter().zip(&vector).map(|(old, new)| old * new).sum();
+        let found: f64 = unit.iter().zip(&vector).map(|(before, after)| before * after).sum();
         let change = found - largest;
         largest = found;
         if change.abs() <= CONVERGED * found {
@@ -280,6 +271,14 @@ fn smallest_eigenvalue(matrix: &mut SparseCholesky, mut shift: f64, poses: usize
     1.0 / largest - shift
 }
 // ANCHOR_END: smallest_eigenvalue
+
+/// Leaves positions out and makes the length one. The first pose has the numbers of its rotation alone.
+fn make_unit_of_rotations(vector: &mut [f64]) {
+    let positions = vector.iter_mut().skip(6).step_by(4);
+    positions.for_each(|number| *number = 0.0);
+    let length = vector.iter().map(|number| number * number).sum::<f64>().sqrt();
+    vector.iter_mut().for_each(|number| *number /= length);
+}
 
 /// Iterations for the smallest eigenvalue end here, or when it changes by less than this part of its
 /// distance from the shift.

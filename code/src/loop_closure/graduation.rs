@@ -1,9 +1,9 @@
 //! Graduated non-convexity: which loops are right is decided slowly.
 
 use super::switches::positive;
-use super::{LoopClosureError, PoseGraph, SolvedGraph};
+use super::{GraphProblem, LoopClosureError, PoseGraph};
 use crate::factors::GraphPose;
-use crate::least_squares::{Fronts, Kernel, Options, Report};
+use crate::least_squares::{Kernel, Options, Report};
 
 /// How slowly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,11 @@ impl Graduation {
     /// The usual pace: 1.4 a round, at most a hundred rounds.
     pub fn with_threshold(threshold: f64) -> Self {
         Self { threshold, growth: 1.4, max_rounds: 100 }
+    }
+
+    fn check(&self) -> Result<(), LoopClosureError> {
+        positive("threshold", self.threshold, 0.0)?;
+        positive("growth", self.growth, 1.0)
     }
 }
 
@@ -41,7 +46,7 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
     // ANCHOR: solve_graduated
     /// The poses when each of these measurements either counts as its square or, beyond a threshold,
     /// as a constant: truncated least squares, by the graduated non-convexity of [@yang2020]. The
-    /// others always count.
+    /// others always count, and must hold all poses together.
     ///
     /// The surrogate cost of a control parameter μ is convex for μ near zero and the truncated square
     /// for μ without end. Its minimum is that of a weighted problem whose weights follow from the
@@ -57,25 +62,22 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
         graduation: &Graduation,
         options: &Options,
     ) -> Result<GraduatedGraph<P>, LoopClosureError> {
-        positive("threshold", graduation.threshold, 0.0)?;
-        positive("growth", graduation.growth, 1.0)?;
+        graduation.check()?;
         self.check_numbers(loops)?;
         let limit = graduation.threshold.powi(2);
         let mut graph = self.clone();
-        let mut weights = vec![1.0; loops.len()];
-        let SolvedGraph { poses, mut report } = graph.solve_weighted(loops, &weights, options)?;
-        graph.poses = poses;
+        let (mut weights, mut rounds) = (vec![1.0; loops.len()], 1);
+        let mut report = graph.improve(loops, &weights, options)?;
         let worst = graph.squared_errors(loops).fold(0.0, f64::max);
-        let (mut control, mut rounds) = (limit / (2.0 * worst - limit), 1);
-        while rounds < graduation.max_rounds && worst > limit {
+        let mut control = limit / (2.0 * worst - limit);
+        while worst > limit && rounds < graduation.max_rounds {
             let errors = graph.squared_errors(loops);
             weights = errors.map(|error| truncated_weight(error, limit, control)).collect();
-            let solved = graph.solve_weighted(loops, &weights, options)?;
-            (graph.poses, report, rounds) = (solved.poses, solved.report, rounds + 1);
-            if weights.iter().all(|weight| *weight == 0.0 || *weight == 1.0) {
+            report = graph.improve(loops, &weights, options)?;
+            (control, rounds) = (control * graduation.growth, rounds + 1);
+            if weights.iter().all(|weight| [0.0, 1.0].contains(weight)) {
                 break;
             }
-            control *= graduation.growth;
         }
         Ok(GraduatedGraph { poses: graph.poses, weights, rounds, report })
     }
@@ -86,24 +88,25 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
         numbers.iter().map(|number| self.squared_error(*number).unwrap_or(f64::INFINITY))
     }
 
-    /// The minimum with weights for some measurements; those that weigh nothing are left out.
-    fn solve_weighted(
-        &self,
+    /// Moves the poses to the minimum with weights for some measurements. Those that weigh nothing are
+    /// left out.
+    fn improve(
+        &mut self,
         loops: &[usize],
         weights: &[f64],
         options: &Options,
-    ) -> Result<SolvedGraph<P>, LoopClosureError> {
+    ) -> Result<Report, LoopClosureError> {
         let mut weight_of = vec![1.0; self.measurements.len()];
         loops.iter().zip(weights).for_each(|(number, weight)| weight_of[*number] = *weight);
-        let (mut problem, keys) = self.variables()?;
+        let (mut problem, poses) = self.variables()?;
         for (number, weight) in weight_of.into_iter().enumerate().filter(|(_, w)| *w > 0.0) {
-            let mut factor = self.factor(number, &keys)?;
+            let mut factor = self.factor(number, &poses)?;
             factor.sqrt_information *= weight.sqrt();
             problem.add_factor(factor, Kernel::Squared)?;
         }
-        let solution = problem.solve_with(Fronts::new(&problem)?, options)?;
-        let poses = keys.iter().map(|key| solution.values[*key].clone()).collect();
-        Ok(SolvedGraph { poses, report: solution.report })
+        let solved = GraphProblem { problem, poses }.solve(options)?;
+        self.poses = solved.poses;
+        Ok(solved.report)
     }
 }
 

@@ -16,7 +16,9 @@ pub struct Isotropy {
     /// τ, the information along each axis, in one over square metres.
     pub translation: f64,
 }
+// ANCHOR_END: isotropy
 
+// ANCHOR: isotropic
 /// The two numbers of an information matrix, if it has no others. Translation stands first.
 ///
 /// # Errors
@@ -40,7 +42,7 @@ pub fn isotropic(information: &Matrix6<f64>, measurement: usize) -> Result<Isotr
     }
     Ok(Isotropy { rotation, translation })
 }
-// ANCHOR_END: isotropy
+// ANCHOR_END: isotropic
 
 /// What text with a few digits makes of equal numbers.
 const ROUNDING: f64 = 1e-6;

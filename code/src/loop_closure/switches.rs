@@ -1,10 +1,10 @@
 //! A switch for every loop.
 
-use nalgebra::{SMatrix, Vector1};
+use nalgebra::{Matrix1, Vector1};
 
 use super::{LoopClosureError, PoseGraph};
 use crate::factors::{GraphPose, Prior, Switched};
-use crate::least_squares::{Fronts, Kernel, Options, Report};
+use crate::least_squares::{Fronts, Kernel, Key, Options, Problem, Report};
 
 /// Poses that have been estimated, and which loops were believed.
 #[derive(Debug, Clone)]
@@ -37,22 +37,8 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
     ) -> Result<SwitchedGraph<P>, LoopClosureError> {
         positive("information", information, 0.0)?;
         self.check_numbers(loops)?;
-        let (mut problem, poses) = self.variables()?;
-        let mut switches = vec![None; self.measurements.len()];
-        for number in loops {
-            switches[*number].get_or_insert_with(|| problem.add_variable(Vector1::new(1.0)));
-        }
-        for (number, switch) in switches.iter().enumerate() {
-            let measurement = self.factor(number, &poses)?;
-            let Some(switch) = *switch else {
-                problem.add_factor(measurement, Kernel::Squared)?;
-                continue;
-            };
-            problem.add_factor(Switched { measurement, switch }, Kernel::Squared)?;
-            let sqrt_information = SMatrix::<f64, 1, 1>::new(information.sqrt());
-            let prior = Prior { variable: switch, anchor: Vector1::new(1.0), sqrt_information };
-            problem.add_factor(prior, Kernel::Squared)?;
-        }
+        let SwitchedProblem { problem, poses, switches } =
+            self.switched_problem(loops, information.sqrt())?;
         let solution = problem.solve_with(Fronts::new(&problem)?, options)?;
         let switch = |number: &usize| switches[*number].map(|key| solution.values[key].x);
         Ok(SwitchedGraph {
@@ -62,6 +48,40 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
         })
     }
     // ANCHOR_END: solve_switched
+
+    // ANCHOR: switched_problem
+    /// The problem, with the root of the information of a switch.
+    fn switched_problem(
+        &self,
+        loops: &[usize],
+        root: f64,
+    ) -> Result<SwitchedProblem<P>, LoopClosureError> {
+        let (mut problem, poses) = self.variables()?;
+        let (anchor, sqrt_information) = (Vector1::new(1.0), Matrix1::new(root));
+        let mut switches = vec![None; self.measurements.len()];
+        for number in loops {
+            switches[*number].get_or_insert_with(|| problem.add_variable(anchor));
+        }
+        for (number, switch) in switches.iter().enumerate() {
+            let measurement = self.factor(number, &poses)?;
+            if let Some(switch) = *switch {
+                problem.add_factor(Switched { measurement, switch }, Kernel::Squared)?;
+                let prior = Prior { variable: switch, anchor, sqrt_information };
+                problem.add_factor(prior, Kernel::Squared)?;
+            } else {
+                problem.add_factor(measurement, Kernel::Squared)?;
+            }
+        }
+        Ok(SwitchedProblem { problem, poses, switches })
+    }
+    // ANCHOR_END: switched_problem
+}
+
+/// A problem, and its variables: poses, and by measurement its switch.
+struct SwitchedProblem<P> {
+    problem: Problem,
+    poses: Vec<Key<P>>,
+    switches: Vec<Option<Key<Vector1<f64>>>>,
 }
 
 /// That an option is finite and above what it must be above.

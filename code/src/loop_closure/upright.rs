@@ -1,6 +1,6 @@
 //! Poses of which roll and pitch are known.
 
-use nalgebra::{Isometry3, Matrix4, SMatrix, Vector3, Vector4};
+use nalgebra::{Isometry3, Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 use crate::factors::{GraphPose, LinearizedError};
 use crate::filtering::metrics::yaw_towards;
@@ -17,7 +17,9 @@ pub struct UprightPose {
     /// The whole pose.
     pub world_from_body: Isometry3<f64>,
 }
+// ANCHOR_END: upright_pose
 
+// ANCHOR: upright_step
 impl Manifold for UprightPose {
     fn dimension(&self) -> usize {
         4
@@ -41,7 +43,7 @@ impl Manifold for UprightPose {
         into.copy_from_slice(Matrix4::identity().as_slice());
     }
 }
-// ANCHOR_END: upright_pose
+// ANCHOR_END: upright_step
 
 impl UprightPose {
     /// A pose whose roll and pitch will stay.
@@ -61,14 +63,13 @@ impl UprightPose {
 }
 
 /// The angle of the turn about the vertical that comes nearest to a rotation, if one does.
-fn yaw_of(turn: &nalgebra::Matrix3<f64>) -> Option<f64> {
+fn yaw_of(turn: &Matrix3<f64>) -> Option<f64> {
     yaw_towards(turn, UNDECIDED).map(|yaw| so3::log(&yaw).z)
 }
 
 /// Below this the two horizontal axes of a rotation say nothing of a turn about the vertical.
 const UNDECIDED: f64 = 1e-9;
 
-// ANCHOR: between_upright
 /// The error is what the position of the second body differs by from what was measured, in the frame of
 /// the first, and the yaw that is left between the rotation of the second and the one that was measured
 /// from the first. What a measurement says of roll and pitch does not count.
@@ -87,6 +88,7 @@ impl GraphPose<4> for UprightPose {
         <Isometry3<f64> as GraphPose<6>>::is_finite(measured)
     }
 
+    // ANCHOR: upright_error
     fn error(&self, second: &Self, measured: &Isometry3<f64>) -> Option<Vector4<f64>> {
         let (first, second) = (&self.world_from_body, &second.world_from_body);
         let seen =
@@ -96,7 +98,9 @@ impl GraphPose<4> for UprightPose {
         let shift = seen - measured.translation.vector;
         Some(Vector4::new(shift.x, shift.y, shift.z, yaw))
     }
+    // ANCHOR_END: upright_error
 
+    // ANCHOR: upright_slopes
     fn linearized_error(
         &self,
         second: &Self,
@@ -114,5 +118,5 @@ impl GraphPose<4> for UprightPose {
         by_first.fixed_view_mut::<3, 1>(0, 3).copy_from(&swept);
         Some((self.error(second, measured)?, by_first, by_second))
     }
+    // ANCHOR_END: upright_slopes
 }
-// ANCHOR_END: between_upright

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use vislam::least_squares::Kernel;
 use vislam::loop_closure::{
     Certificate, Inapplicable, LoopClosureError, PoseGraph, RelativeMeasurement, SpatialGraph,
     certify, chordal_initialization, pose_graph_options,
@@ -175,4 +176,31 @@ fn a_certificate_wants_a_pose_for_each_and_a_tolerance() {
         let error = certify(&ring, &ring.poses, tolerance).unwrap_err();
         assert!(matches!(error, LoopClosureError::Option { name: "tolerance", .. }));
     }
+}
+
+#[test]
+fn a_tolerance_that_hides_the_eigenvalue_proves_only_a_bound_that_is_true() {
+    let wound = wound(12, 1.0);
+    let Certificate::Certified { cost, lower_bound, .. } =
+        certify(&wound, &wound.poses, 1.0).unwrap()
+    else {
+        panic!("so large a shift makes everything definite")
+    };
+    // The ring that is not wound costs nothing.
+    assert!(cost > 1.0 && lower_bound < 0.0);
+}
+
+#[test]
+fn the_lowest_minimum_of_the_isotropic_graph_is_not_that_of_the_graph() {
+    let (_, mut graph) = noisy_laps(30, 0.05, 0.03, 9);
+    for measurement in &mut graph.measurements {
+        measurement.information[(5, 5)] *= 0.04;
+    }
+    let isotropic = graph.isotropic();
+    let solved = isotropic.solve_chordal(&pose_graph_options()).unwrap();
+    let isotropic = isotropic.with_poses(solved.poses);
+    assert!(matches!(certificate(&isotropic), Certificate::Certified { .. }));
+    let cost = graph.with_poses(isotropic.poses).cost().unwrap();
+    let best = graph.solve(|_| Kernel::Squared, &pose_graph_options()).unwrap().report.cost;
+    assert!(cost > 1.1 * best, "{cost} {best}");
 }

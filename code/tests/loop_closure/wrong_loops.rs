@@ -2,8 +2,10 @@
 
 use nalgebra::Isometry3;
 use vislam::filtering::chi_square_quantile;
-use vislam::least_squares::Kernel;
-use vislam::loop_closure::{Graduation, LoopClosureError, SpatialGraph, pose_graph_options};
+use vislam::least_squares::{Kernel, Manifold};
+use vislam::loop_closure::{
+    Graduation, LoopClosureError, SpatialGraph, UprightPose, pose_graph_options,
+};
 use vislam::manifold::se3;
 
 use crate::simulated::{Draws, largest_error, noisy_laps};
@@ -133,4 +135,32 @@ fn impossible_options_are_named() {
         graph.solve_switched(&[measurements], 1.0, &options).unwrap_err(),
         LoopClosureError::NoSuchMeasurement { measurement: measurements, measurements }
     );
+}
+
+#[test]
+fn wrong_loops_are_dropped_in_four_degrees_of_freedom_too() {
+    let (truth, graph, wrong) = with_wrong_loops(10, 1);
+    // Roll and pitch are those of the truth, as gravity gives them.
+    let tilted = |(pose, truth): (&Isometry3<f64>, &Isometry3<f64>)| {
+        let near = UprightPose::new(*truth);
+        let mut step = [0.0; 4];
+        near.local(&UprightPose::new(*pose), &mut step);
+        near.retract(&step).world_from_body
+    };
+    let poses = graph.poses.iter().zip(&truth).map(tilted).collect();
+    let graph = graph.with_poses(poses).upright();
+    let (loops, limit) = (graph.loops(), chi_square_quantile(0.999, 4).unwrap());
+    let plain = graph.solve(|_| Kernel::Squared, &pose_graph_options()).unwrap();
+    let graduation = Graduation::with_threshold(limit.sqrt());
+    let graduated = graph.solve_graduated(&loops, &graduation, &pose_graph_options()).unwrap();
+    let switched = graph.solve_switched(&loops, limit, &pose_graph_options()).unwrap();
+    let error = |poses: &[UprightPose]| {
+        let poses: Vec<_> = poses.iter().map(|pose| pose.world_from_body).collect();
+        largest_error(&poses, &truth)
+    };
+    assert!(error(&plain.poses) > 3.0);
+    assert!(error(&graduated.poses) < GOOD && error(&switched.poses) < GOOD);
+    for (number, weight) in loops.iter().zip(&graduated.weights) {
+        assert_eq!(*weight == 0.0, wrong.contains(number), "loop {number}");
+    }
 }
