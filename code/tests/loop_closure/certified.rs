@@ -9,8 +9,9 @@ use vislam::loop_closure::{
     Certificate, Inapplicable, LoopClosureError, PoseGraph, RelativeMeasurement, SpatialGraph,
     certify, chordal_initialization, pose_graph_options,
 };
+use vislam::manifold::se3;
 
-use crate::simulated::noisy_laps;
+use crate::simulated::{Draws, measure, noisy_laps};
 
 const TOLERANCE: f64 = 1e-10;
 
@@ -203,4 +204,47 @@ fn the_lowest_minimum_of_the_isotropic_graph_is_not_that_of_the_graph() {
     let cost = graph.with_poses(isotropic.poses).cost().unwrap();
     let best = graph.solve(|_| Kernel::Squared, &pose_graph_options()).unwrap().report.cost;
     assert!(cost > 1.1 * best, "{cost} {best}");
+}
+
+/// Five poses, most of them measured from most others, with large errors.
+fn tangled(seed: u64) -> (SpatialGraph, Draws) {
+    let mut draws = Draws::new(seed);
+    let poses: Vec<_> = (0..5).map(|_| se3::exp(&draws.twist(3.0, 1.0))).collect();
+    let pairs = (0..5).flat_map(|first| (first + 1..5).map(move |second| [first, second]));
+    let is_measured =
+        |[first, second]: &[usize; 2]| second - first == 1 || (first + second) % 3 == 0;
+    let measurements = pairs
+        .filter(is_measured)
+        .map(|pair| measure(&poses, pair, [0.1, 0.6], &mut draws))
+        .collect();
+    (PoseGraph { poses, measurements }, draws)
+}
+
+#[test]
+fn no_minimum_above_another_is_certified_and_not_every_lowest_one_is() {
+    let (mut certified, mut refused) = (0, 0);
+    for seed in 0..20 {
+        let (graph, mut draws) = tangled(seed);
+        let mut minima = Vec::new();
+        for _ in 0..20 {
+            let begin = (0..5).map(|_| se3::exp(&draws.twist(3.0, 2.0))).collect();
+            let solved = graph.with_poses(begin).solve_chordal(&pose_graph_options()).unwrap();
+            if solved.report.stop.is_convergence() {
+                minima.push((solved.report.cost, certify(&graph, &solved.poses, 1e-9).unwrap()));
+            }
+        }
+        let lowest = minima.iter().map(|(cost, _)| *cost).fold(f64::INFINITY, f64::min);
+        for (cost, certificate) in minima {
+            let is_lowest = cost < lowest * (1.0 + 1e-6);
+            match certificate {
+                Certificate::Certified { .. } => {
+                    assert!(is_lowest, "seed {seed}: {cost} was certified, and {lowest} is lower");
+                    certified += 1;
+                }
+                // With noise this large the relaxation is not always tight.
+                _ => refused += usize::from(is_lowest),
+            }
+        }
+    }
+    assert!(certified > 100 && refused > 20, "{certified} {refused}");
 }
