@@ -1,4 +1,5 @@
-//! Where recorded data come from: readings, feature tracks and ground truth in text files.
+//! Where recorded data come from: readings, feature tracks, ground truth and pose
+//! graphs in text files.
 //!
 //! Text goes in and values come out. Nothing here opens a file, so whoever does adds its name to
 //! the error, which says line, column and what to do. Times are integers of nanoseconds.

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector4};
 use thiserror::Error;
 
 use super::switches::positive;
-use super::{Isotropy, LoopClosureError, RelativeMeasurement, SpatialGraph, isotropic};
+use super::{Isotropy, LoopClosureError, RelativeMeasurement, SpatialGraph};
 use crate::least_squares::SparseCholesky;
 use crate::manifold::so3;
 
@@ -161,7 +161,7 @@ impl Edge {
 impl QuadraticForm {
     fn of(graph: &SpatialGraph, poses: &[Isometry3<f64>]) -> Result<Self, Inapplicable> {
         let edge = |(number, measurement): (usize, &RelativeMeasurement<_, 6>)| {
-            Ok(Edge::new(measurement, isotropic(&measurement.information, number)?))
+            Ok(Edge::new(measurement, Isotropy::of(&measurement.information, number)?))
         };
         let edges: Vec<Edge> =
             graph.measurements.iter().enumerate().map(edge).collect::<Result<_, Inapplicable>>()?;

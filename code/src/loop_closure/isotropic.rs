@@ -18,31 +18,34 @@ pub struct Isotropy {
 }
 // ANCHOR_END: isotropy
 
-// ANCHOR: isotropic
-/// The two numbers of an information matrix, if it has no others. Translation stands first.
-///
-/// # Errors
-///
-/// [`Inapplicable::Rotation`], [`Inapplicable::Translation`] and [`Inapplicable::Coupled`] name the
-/// measurement.
-pub fn isotropic(information: &Matrix6<f64>, measurement: usize) -> Result<Isotropy, Inapplicable> {
-    let (along, about) = (block(information, 0), block(information, 3));
-    let [translation, rotation] = [along, about].map(|block| block.trace() / 3.0);
-    let spread =
-        |block: Matrix3<f64>, mean| (block - Matrix3::from_diagonal_element(mean)).amax() / mean;
-    if spread(about, rotation) > ROUNDING {
-        return Err(Inapplicable::Rotation { measurement });
+impl Isotropy {
+    // ANCHOR: isotropic
+    /// The two numbers of an information matrix, if it has no others. Translation stands first.
+    ///
+    /// # Errors
+    ///
+    /// [`Inapplicable::Rotation`], [`Inapplicable::Translation`] and [`Inapplicable::Coupled`] name the
+    /// measurement by this number.
+    pub fn of(information: &Matrix6<f64>, measurement: usize) -> Result<Self, Inapplicable> {
+        let (along, about) = (block(information, 0), block(information, 3));
+        let [translation, rotation] = [along, about].map(|block| block.trace() / 3.0);
+        let spread = |block: Matrix3<f64>, mean| {
+            (block - Matrix3::from_diagonal_element(mean)).amax() / mean
+        };
+        if spread(about, rotation) > ROUNDING {
+            return Err(Inapplicable::Rotation { measurement });
+        }
+        if spread(along, translation) > ROUNDING {
+            return Err(Inapplicable::Translation { measurement });
+        }
+        let coupling = information.fixed_view::<3, 3>(0, 3).amax();
+        if coupling > ROUNDING * (rotation * translation).sqrt() {
+            return Err(Inapplicable::Coupled { measurement });
+        }
+        Ok(Self { rotation, translation })
     }
-    if spread(along, translation) > ROUNDING {
-        return Err(Inapplicable::Translation { measurement });
-    }
-    let coupling = information.fixed_view::<3, 3>(0, 3).amax();
-    if coupling > ROUNDING * (rotation * translation).sqrt() {
-        return Err(Inapplicable::Coupled { measurement });
-    }
-    Ok(Isotropy { rotation, translation })
+    // ANCHOR_END: isotropic
 }
-// ANCHOR_END: isotropic
 
 /// What text with a few digits makes of equal numbers.
 const ROUNDING: f64 = 1e-6;
@@ -77,11 +80,12 @@ impl SpatialGraph {
     ///
     /// # Errors
     ///
-    /// As those of [`PoseGraph::problem`](super::PoseGraph::problem), and those of [`isotropic`].
+    /// As those of [`PoseGraph::problem`](super::PoseGraph::problem), and those of [`Isotropy::of`].
     pub fn chordal_problem(&self) -> Result<GraphProblem<Isometry3<f64>>, LoopClosureError> {
         let (mut problem, poses) = self.variables()?;
         for (number, measurement) in self.measurements.iter().enumerate() {
-            let Isotropy { rotation, translation } = isotropic(&measurement.information, number)?;
+            let Isotropy { rotation, translation } =
+                Isotropy::of(&measurement.information, number)?;
             let factor = ChordalPose {
                 first: poses[measurement.first],
                 second: poses[measurement.second],

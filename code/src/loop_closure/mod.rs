@@ -29,6 +29,6 @@ pub use graph::{
     GraphProblem, PlanarGraph, PoseGraph, RelativeMeasurement, SolvedGraph, SpatialGraph,
     UprightGraph, pose_graph_options,
 };
-pub use isotropic::{Isotropy, isotropic};
+pub use isotropic::Isotropy;
 pub use switches::SwitchedGraph;
 pub use upright::UprightPose;
