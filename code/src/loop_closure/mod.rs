@@ -1,12 +1,12 @@
 //! Loop closure: pose graphs, their minimum, whether it is the lowest one, and wrong loops.
 //!
 //! A [`PoseGraph`] has poses and measurements of one pose from another, by odometry or by a place that
-//! was seen again. Its poses are points in space, points in the plane, or [`UprightPose`]s: position and
-//! yaw, which are the four degrees of freedom that cameras and an inertial sensor cannot know, roll and
-//! pitch kept as gravity gives them.
+//! was seen again. Its poses are those of a body in space, in the plane, or [`UprightPose`]s: position and
+//! yaw, which are the four degrees of freedom that cameras and an inertial sensor cannot know, with roll
+//! and pitch kept as gravity gives them.
 //!
-//! - [`PoseGraph::solve`] goes downhill from where the poses are, with [`pose_graph_options`]; [`PoseGraph::chained`] and
-//!   [`chordal_initialization`] say where to begin.
+//! - [`PoseGraph::solve`] goes downhill from where the poses are, best with [`pose_graph_options`];
+//!   [`PoseGraph::chained`] and [`chordal_initialization`] say where to begin.
 //! - [`certify`] says whether a minimum is the lowest one there is, for noise that is alike in all
 //!   directions and errors of rotation measured by the chord.
 //! - Of wrong loops a [`Kernel`](crate::least_squares::Kernel) makes less, [`PoseGraph::solve_switched`]
