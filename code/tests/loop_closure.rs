@@ -85,6 +85,25 @@ fn a_chord_has_the_slopes_of_its_residual() {
 }
 
 #[test]
+fn a_chord_costs_half_the_square_of_nine_entries_at_any_angle() {
+    let mut draws = Draws::new(10);
+    for _ in 0..50 {
+        let [first, second, measured] = [(); 3].map(|()| se3::exp(&draws.twist(3.0, 1.5)));
+        let matrix = |pose: &Isometry3<f64>| pose.rotation.to_rotation_matrix().into_inner();
+        let chord = matrix(&second) - matrix(&first) * matrix(&measured);
+        let shift = second.translation.vector - (first * measured).translation.vector;
+        let expected = 0.5 * (49.0 / 2.0 * chord.norm_squared() + 9.0 * shift.norm_squared());
+        let mut problem = Problem::new();
+        let (first, second) = (problem.add_variable(first), problem.add_variable(second));
+        let [rotation_weight, translation_weight] = [7.0, 3.0];
+        let factor = ChordalPose { first, second, measured, rotation_weight, translation_weight };
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let cost = problem.cost(problem.values());
+        assert_abs_diff_eq!(cost, expected, epsilon = 1e-12 * expected);
+    }
+}
+
+#[test]
 fn a_small_chord_costs_what_the_arc_costs() {
     let mut draws = Draws::new(3);
     let small = draws.twist(1e-4, 1e-4);

@@ -1,18 +1,21 @@
 //! The relative pose once more, with rotations compared by the chord.
 
-use nalgebra::{Isometry3, Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix6, Vector3, Vector6};
 
 use crate::least_squares::{Factor, Key};
 use crate::manifold::so3;
 
 // ANCHOR: chordal_pose
 /// How the second of two poses stands to the first one, with errors of rotation measured by the
-/// chord, R₂ − R₁ R̃, and not by the arc. Twelve numbers: √(κ/2) times the nine entries of that matrix,
-/// and √τ times t₂ − t₁ − R₁ t̃. Both are linear in the entries of the poses, which is what a
-/// certificate of global optimality needs ([@rosen2019]).
+/// chord, R₂ − R₁ R̃, and not by the arc. Twice the cost is κ/2 times the square of the nine entries of
+/// that matrix and τ times that of t₂ − t₁ − R₁ t̃. Both are linear in the entries of the poses, which is
+/// what a certificate of global optimality needs ([@rosen2019]). Errors that are small cost what they
+/// cost by the arc.
 ///
-/// For errors that are small, half the square of the chord is that of the arc: the nine entries have
-/// the norm 2√2 sin(θ/2) at an angle θ.
+/// The nine entries have the norm 2√2 sin(θ/2) at an angle θ, and so has √2 times the three numbers
+/// 2 sin(θ/2) a, with a the axis of what is left: twice the vector part of its quaternion. The residual
+/// has these. Gauss-Newton leaves out how the residual bends, which is a matter of the residual and not
+/// of the cost, and the three bend less: where they need a few steps, the nine may need dozens.
 #[derive(Debug, Clone)]
 pub struct ChordalPose {
     /// `world_from_body` of the first pose.
@@ -28,9 +31,9 @@ pub struct ChordalPose {
 }
 // ANCHOR_END: chordal_pose
 
-impl Factor<12> for ChordalPose {
+impl Factor<6> for ChordalPose {
     type Variables = (Isometry3<f64>, Isometry3<f64>);
-    type Jacobians = (SMatrix<f64, 12, 6>, SMatrix<f64, 12, 6>);
+    type Jacobians = (Matrix6<f64>, Matrix6<f64>);
 
     fn variables(&self) -> (Key<Isometry3<f64>>, Key<Isometry3<f64>>) {
         (self.first, self.second)
@@ -40,16 +43,13 @@ impl Factor<12> for ChordalPose {
     fn residual(
         &self,
         (first, second): (&Isometry3<f64>, &Isometry3<f64>),
-    ) -> Option<SVector<f64, 12>> {
-        let [predicted, found] = self.rotations(first, second);
-        let chord = self.chord_weight() * (found - predicted);
+    ) -> Option<Vector6<f64>> {
+        let (_, chord) = self.half_turn(first, second);
         let shift = second.translation.vector
             - first.translation.vector
             - first.rotation * self.measured.translation.vector;
-        let mut residual = SVector::<f64, 12>::zeros();
-        residual.fixed_rows_mut::<9>(0).copy_from_slice(chord.as_slice());
-        residual.fixed_rows_mut::<3>(9).copy_from(&(self.translation_weight * shift));
-        Some(residual)
+        let (along, about) = (self.translation_weight * shift, 2.0 * self.rotation_weight * chord);
+        Some(Vector6::new(along.x, along.y, along.z, about.x, about.y, about.z))
     }
     // ANCHOR_END: chordal_residual
 
@@ -57,43 +57,32 @@ impl Factor<12> for ChordalPose {
     fn linearize(
         &self,
         values: (&Isometry3<f64>, &Isometry3<f64>),
-    ) -> Option<(SVector<f64, 12>, Self::Jacobians)> {
+    ) -> Option<(Vector6<f64>, Self::Jacobians)> {
         let (first, second) = values;
-        let [predicted, found] = self.rotations(first, second);
+        let (cosine, sine) = self.half_turn(first, second);
+        let [cosine, sine] = [Matrix3::from_diagonal_element(cosine), so3::hat(&sine)];
         let measured = self.measured.rotation.to_rotation_matrix();
-        let (chord, along) = (self.chord_weight(), self.translation_weight);
-        let (mut by_first, mut by_second) =
-            (SMatrix::<f64, 12, 6>::zeros(), SMatrix::<f64, 12, 6>::zeros());
-        for axis in 0..3 {
-            let turn = so3::hat(&Vector3::ith(axis, 1.0));
-            // R₁ a^ R̃ = R₁ R̃ (R̃ᵀ a)^
-            let turned = so3::hat(&(measured.transpose() * Vector3::ith(axis, 1.0)));
-            set_column(&mut by_first, 3 + axis, -chord * predicted * turned);
-            set_column(&mut by_second, 3 + axis, chord * found * turn);
-        }
-        let [first, second] =
-            [first, second].map(|pose| pose.rotation.to_rotation_matrix().into_inner());
-        let lever = so3::hat(&self.measured.translation.vector);
-        by_first.fixed_view_mut::<3, 3>(9, 0).copy_from(&(-along * first));
-        by_first.fixed_view_mut::<3, 3>(9, 3).copy_from(&(along * first * lever));
-        by_second.fixed_view_mut::<3, 3>(9, 0).copy_from(&(along * second));
+        let [first, second] = [first, second].map(|pose| pose.rotation.to_rotation_matrix());
+        let (along, about) = (self.translation_weight, self.rotation_weight);
+        let lever = first.matrix() * so3::hat(&self.measured.translation.vector);
+        let (mut by_first, mut by_second) = (Matrix6::zeros(), Matrix6::zeros());
+        by_first.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-along * first.matrix()));
+        by_first.fixed_view_mut::<3, 3>(0, 3).copy_from(&(along * lever));
+        let by_turn = (sine - cosine) * measured.matrix().transpose();
+        by_first.fixed_view_mut::<3, 3>(3, 3).copy_from(&(about * by_turn));
+        by_second.fixed_view_mut::<3, 3>(0, 0).copy_from(&(along * second.matrix()));
+        by_second.fixed_view_mut::<3, 3>(3, 3).copy_from(&(about * (cosine + sine)));
         Some((self.residual(values)?, (by_first, by_second)))
     }
     // ANCHOR_END: chordal_slopes
 }
 
 impl ChordalPose {
-    fn chord_weight(&self) -> f64 {
-        self.rotation_weight * std::f64::consts::FRAC_1_SQRT_2
+    /// The quaternion of what is left between the rotation of the second pose and the one predicted from
+    /// the first: the cosine of half the angle, which is not negative, and the sine times the axis.
+    fn half_turn(&self, first: &Isometry3<f64>, second: &Isometry3<f64>) -> (f64, Vector3<f64>) {
+        let turn = (first.rotation * self.measured.rotation).inverse() * second.rotation;
+        let side = 1.0_f64.copysign(turn.w);
+        (side * turn.w, side * turn.imag())
     }
-
-    /// The rotation of the second pose, as predicted from the first and as it is.
-    fn rotations(&self, first: &Isometry3<f64>, second: &Isometry3<f64>) -> [Matrix3<f64>; 2] {
-        let predicted = first.rotation * self.measured.rotation;
-        [predicted, second.rotation].map(|rotation| rotation.to_rotation_matrix().into_inner())
-    }
-}
-
-fn set_column(jacobian: &mut SMatrix<f64, 12, 6>, column: usize, slope: Matrix3<f64>) {
-    jacobian.fixed_view_mut::<9, 1>(0, column).copy_from_slice(slope.as_slice());
 }
