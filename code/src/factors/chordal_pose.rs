@@ -12,10 +12,10 @@ use crate::manifold::so3;
 /// what a certificate of global optimality needs ([@rosen2019]). Errors that are small cost what they
 /// cost by the arc.
 ///
-/// The nine entries have the norm 2√2 sin(θ/2) at an angle θ, and so has √2 times the three numbers
-/// 2 sin(θ/2) a, with a the axis of what is left: twice the vector part of its quaternion. The residual
-/// has these. Gauss-Newton leaves out how the residual bends, which is a matter of the residual and not
-/// of the cost, and the three bend less: where they need a few steps, the nine may need dozens.
+/// The residual is another vector of the same length: R₁ᵀ (t₂ − t₁) − t̃, and 2 sin(θ/2) a with the angle
+/// θ and the axis a of what is left of the rotation, since the nine entries have the norm 2√2 sin(θ/2).
+/// The cost is the same, and Gauss-Newton is not: it leaves out how a residual bends, and these six
+/// numbers bend less along the soft directions of a graph than those that are linear in the entries.
 #[derive(Debug, Clone)]
 pub struct ChordalPose {
     /// `world_from_body` of the first pose.
@@ -45,9 +45,8 @@ impl Factor<6> for ChordalPose {
         (first, second): (&Isometry3<f64>, &Isometry3<f64>),
     ) -> Option<Vector6<f64>> {
         let (_, chord) = self.half_turn(first, second);
-        let shift = second.translation.vector
-            - first.translation.vector
-            - first.rotation * self.measured.translation.vector;
+        let apart = second.translation.vector - first.translation.vector;
+        let shift = first.rotation.inverse() * apart - self.measured.translation.vector;
         let (along, about) = (self.translation_weight * shift, 2.0 * self.rotation_weight * chord);
         Some(Vector6::new(along.x, along.y, along.z, about.x, about.y, about.z))
     }
@@ -64,13 +63,16 @@ impl Factor<6> for ChordalPose {
         let measured = self.measured.rotation.to_rotation_matrix();
         let [first, second] = [first, second].map(|pose| pose.rotation.to_rotation_matrix());
         let (along, about) = (self.translation_weight, self.rotation_weight);
-        let lever = first.matrix() * so3::hat(&self.measured.translation.vector);
+        let apart = values.1.translation.vector - values.0.translation.vector;
+        let seen = first.transpose() * apart;
         let (mut by_first, mut by_second) = (Matrix6::zeros(), Matrix6::zeros());
-        by_first.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-along * first.matrix()));
-        by_first.fixed_view_mut::<3, 3>(0, 3).copy_from(&(along * lever));
+        by_first.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(-along);
+        by_first.fixed_view_mut::<3, 3>(0, 3).copy_from(&(along * so3::hat(&seen)));
         let by_turn = (sine - cosine) * measured.matrix().transpose();
         by_first.fixed_view_mut::<3, 3>(3, 3).copy_from(&(about * by_turn));
-        by_second.fixed_view_mut::<3, 3>(0, 0).copy_from(&(along * second.matrix()));
+        by_second
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(along * (first.transpose() * second).matrix()));
         by_second.fixed_view_mut::<3, 3>(3, 3).copy_from(&(about * (cosine + sine)));
         Some((self.residual(values)?, (by_first, by_second)))
     }

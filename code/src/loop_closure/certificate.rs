@@ -22,7 +22,8 @@ pub enum Certificate {
         shift: f64,
     },
     /// The certificate matrix has a negative eigenvalue. At a minimum that is not the lowest one it
-    /// always has; at one that is, it has when the noise is so large that the relaxation is not tight.
+    /// always has; at one that is, it has when the noise is so large that the relaxation is not tight, and
+    /// also when the search for the minimum ended too early.
     Refused {
         /// What the poses cost.
         cost: f64,

@@ -45,10 +45,11 @@ pub type UprightGraph = PoseGraph<UprightPose, 4>;
 // ANCHOR: pose_graph_options
 /// Levenberg-Marquardt as pose graphs want it: with a first damping of 1e-8. Almost nothing resists a
 /// slow bend of a long chain, and the damping is measured by what resists a pose that moves alone. With
-/// more of it a step straightens no bend.
+/// more of it a step straightens no bend. It goes on until the cost falls by less than 1e-14 of itself:
+/// [`certify`](super::certify) wants a minimum to more digits than its cost shows.
 pub fn pose_graph_options() -> Options {
     let method = Method::LevenbergMarquardt { initial_damping: 1e-8 };
-    Options { method, ..Options::default() }
+    Options { method, decrease_tolerance: 1e-14, ..Options::default() }
 }
 // ANCHOR_END: pose_graph_options
 
