@@ -16,13 +16,8 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use vislam::filtering::BlockNees;
-use vislam::least_squares::Manifold;
 use vislam::msckf::{Linearization, Msckf, MsckfError, MsckfOptions, PictureReport, Start};
-use vislam::preintegration::Matrix15;
 use vislam::simulation::{Flight, FlightError, FlightRecording, Trajectory};
 
 const USAGE: &str =
@@ -54,16 +49,7 @@ pub fn flight(seconds: f64) -> Flight {
 // ANCHOR: start
 /// What is believed at the beginning: the truth, off by an error that is drawn.
 pub fn start(recording: &FlightRecording, seed: u64) -> Start {
-    let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
-    let off = SIGMAS.map(|sigma| sigma * random.sample::<f64, _>(StandardNormal));
-    let (truth, rig) = (&recording.truth, recording.flight.rig);
-    Start {
-        nanoseconds: rig.imu_nanoseconds(recording.pictures[0].nanoseconds),
-        state: truth.states[0].retract(&off[..9]),
-        bias: truth.biases[0].retract(&off[9..]),
-        covariance: Matrix15::from_diagonal(&SIGMAS.map(|sigma| sigma * sigma).into()),
-        rig,
-    }
+    Start::drawn(recording, &SIGMAS, 1000 + seed).expect("a recording has a picture")
 }
 // ANCHOR_END: start
 
@@ -76,16 +62,10 @@ pub fn fly(
     mut visit: impl FnMut(usize, &Msckf, &PictureReport),
 ) -> Result<Msckf, MsckfError> {
     let mut filter = Msckf::new(options, start)?;
-    let mut readings = recording.readings.iter().peekable();
-    let mut last = i64::MIN;
-    for (number, picture) in recording.pictures.iter().enumerate() {
-        let time = filter.rig().imu_nanoseconds(picture.nanoseconds);
-        while let Some(reading) = readings.next_if(|_| last < time) {
-            last = reading.nanoseconds;
-            filter.reading(*reading)?;
-        }
-        let report = filter.picture(picture)?;
+    let mut number = 0;
+    while let Some(report) = filter.follow(recording, number)? {
         visit(number, &filter, &report);
+        number += 1;
     }
     Ok(filter)
 }

@@ -6,7 +6,7 @@ use vislam::inertial::{ImuBias, ImuNoise, ImuSample, between};
 use vislam::manifold::se3;
 use vislam::preintegration::{LONGEST_STEP, Rule, imu_residual, preintegrate_stamped};
 use vislam::simulation::{
-    EulerAngles, Flight, FlightError, FlightRecording, ScalarTrajectory, Trajectory,
+    EulerAngles, Flight, FlightError, FlightRecording, Recorder, ScalarTrajectory, Trajectory,
 };
 
 const QUIET: ImuNoise =
@@ -62,6 +62,30 @@ fn a_seed_makes_one_recording_and_another_seed_another() {
     assert_ne!(one.readings, other.readings);
     assert_ne!(one.truth.biases, other.truth.biases);
     assert_ne!(one.truth.landmarks, other.truth.landmarks);
+}
+
+#[test]
+fn a_flight_under_way_has_what_the_whole_one_begins_with_and_readings_that_reach_its_picture() {
+    let rates = [(200.0, 20.0), (333.0, 30.0), (30.0, 70.0)];
+    for (imu_rate, picture_rate) in rates {
+        let flight = Flight { imu_rate, picture_rate, outliers: 0.1, ..flight() };
+        let landmarks = flight.room(3.0, 100, 3).unwrap();
+        let whole = flight.record(&landmarks, 3).unwrap();
+        let mut recorder = Recorder::new(&flight, &landmarks, 3).unwrap();
+        let mut pictures = 0;
+        while recorder.picture().unwrap() {
+            pictures += 1;
+            let until = recorder.recording();
+            assert_eq!(until.pictures, whole.pictures[..pictures]);
+            assert_eq!(until.truth.states, whole.truth.states[..pictures]);
+            assert_eq!(until.truth.biases, whole.truth.biases[..pictures]);
+            assert_eq!(until.readings, whole.readings[..until.readings.len()]);
+            let time = until.pictures[pictures - 1].nanoseconds;
+            assert!(until.readings.last().unwrap().nanoseconds >= time);
+        }
+        assert_eq!(recorder.recording(), &whole);
+        assert!(!recorder.picture().unwrap());
+    }
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn a_new_exercise_lacks_what_is_to_be_written_and_nothing_else() {
     let copy = copy();
     let before = read(copy.path());
     let made = new_in(copy.path(), "epipolar_line", "Where to look", "two_views").expect("made");
-    assert_eq!(made.len(), 21, "{made:?}");
+    assert_eq!(made.len(), 23, "{made:?}");
     let lacks = lacks(copy.path(), "epipolar_line");
     let written = |lack: &&String| {
         !lack.contains("is to be written")
@@ -101,6 +101,7 @@ fn a_new_exercise_stands_in_the_order_of_the_book_in_every_list() {
     for (path, form) in [
         ("exercises/spec/src/lib.rs", "&NAME::EXERCISE,"),
         ("exercises/Cargo.toml", "name = \"NAME\""),
+        ("exercises/pictures/Cargo.toml", "name = \"NAME\""),
         ("exercises/answers.md", "## NAME\n"),
         ("solutions/src/lib.rs", "        NAME,\n"),
         ("tests/src/lib.rs", "\"NAME\" => Some(NAME::checks(seed)),"),
@@ -274,7 +275,7 @@ fn a_list_without_the_neighbour_is_mended_first() {
 
 /// Changes to a complete exercise: the file, what stands there, what comes in its place, and a
 /// part of the sentence that tells.
-const DAMAGE: [(&str, &str, &str, &str); 27] = [
+const DAMAGE: [(&str, &str, &str, &str); 30] = [
     ("exercises/spec/src/lib.rs", "pub mod fill_in;\n", "", "`pub mod fill_in;` is missing"),
     (
         "exercises/spec/src/lib.rs",
@@ -313,6 +314,13 @@ const DAMAGE: [(&str, &str, &str, &str); 27] = [
         "name = \"fill_in\"\n",
         "[[test]]",
     ),
+    (
+        "exercises/pictures/modules/fill_in.rs",
+        "new_couplings",
+        "couplings",
+        "so the picture cannot ask it",
+    ),
+    ("exercises/pictures/Cargo.toml", "name = \"fill_in\"", "name = \"other\"", "is missing"),
     ("exercises/answers.md", "## fill_in\n", "## other\n", "no section `## fill_in`"),
     ("solutions/src/lib.rs", "        fill_in,\n", "", "`fill_in,` is missing"),
     (
@@ -335,6 +343,7 @@ const DAMAGE: [(&str, &str, &str, &str); 27] = [
     ("src/exercises.md", "(exercises/fill_in.md)", "()", "the row of the list"),
     ("src/instructors/misconceptions.md", "The exercise is `fill_in`.", "", "ACCEPT=1"),
     ("src/exercises/fill_in.md", "{#sec:fill_in ", "{", "the label of its heading"),
+    ("src/exercises/fill_in.md", "{{mine}}\n", "", "serve --mine"),
     ("src/exercises/fill_in.md", "hints.md:2\"", "hints.md:1\"", "so that hint is not shown"),
     (
         "src/exercises/fill_in.md",
@@ -361,6 +370,7 @@ fn whatever_is_taken_from_a_complete_exercise_is_missed() {
         "exercises/src/fill_in.rs",
         "exercises/skeletons/1/fill_in.rs",
         "exercises/tests/fill_in.rs",
+        "exercises/pictures/modules/fill_in.rs",
         "solutions/src/fill_in.rs",
         "solutions/src/misconceptions/fill_in.rs",
         "tests/src/fill_in.rs",
@@ -395,6 +405,7 @@ fn with_a_new_exercise() -> PathBuf {
         "exhibits",
         "grader",
         "press",
+        "recordings",
         "solutions",
         "src",
         "tests/mutants",
@@ -435,6 +446,9 @@ fn a_new_exercise_compiles_at_once_and_fails_only_where_something_is_to_be_writt
     let (_, said) = cargo(&["test", "--offline", "-p", "exercises", "epipolar_line"]);
     assert!(said.contains("not written yet: TODO") && said.contains("1 failed"), "{said}");
     assert!(!said.contains("warning:"), "{said}");
+    let picture = ["check", "--offline", "-p", "exercise-pictures", "--example", "epipolar_line"];
+    let (compiled, said) = cargo(&picture);
+    assert!(compiled && !said.contains("warning:"), "{said}");
     let (_, said) = cargo(&["test", "--offline", "-p", "book-tests", "--test", "exercises"]);
     let failed = "there_are_at_least_four ... FAILED";
     assert!(said.contains(failed) && said.contains("; 1 failed;"), "{said}");

@@ -43,7 +43,16 @@ pub fn compile(root: &Path, options: [&str; 2], what: &str) -> Result<Vec<Artifa
 /// What cargo prints when it is called in a folder; `to` is what an error says that it was to do.
 pub fn call(root: &Path, arguments: &[&str], to: &str) -> Result<String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo).args(arguments).current_dir(root).output();
+    let mut command = Command::new(cargo);
+    command.args(arguments).current_dir(root);
+    // What `cargo run` says of the press; build scripts that listen to it would compile their crates again.
+    for (name, _) in std::env::vars_os() {
+        let text = name.to_string_lossy();
+        if text.starts_with("CARGO_MANIFEST_") || text.starts_with("CARGO_PKG_") {
+            command.env_remove(name);
+        }
+    }
+    let output = command.output();
     let output = output.with_context(|| format!("cannot start cargo to {to}"))?;
     if !output.status.success() {
         bail!("cargo cannot {to}:\n{}", String::from_utf8_lossy(&output.stderr));

@@ -11,6 +11,7 @@ use crate::blocks::Kind;
 use crate::exhibits::Exhibits;
 use crate::pages::Page;
 use crate::prose::{Found, Known, REFERENCES, link, listed, source, table};
+use crate::recordings;
 
 /// A table of the ledger.
 struct Table {
@@ -204,6 +205,17 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
     let mut rows = Vec::new();
     for (page, number, attributes, kind) in labelled(pages, "fig:") {
         let Kind::Figure { path, .. } = kind else { continue };
+        let place = link(here, &page.path, &attributes.id, format!("Figure {number}"));
+        if let Some(scene) = recordings::scene(path).filter(|name| found.recordings.contains(*name))
+        {
+            let href = source(here, &recordings::program(scene), 1, found);
+            rows.push(html! {
+                td { (place) }
+                td { (code_link(&href, &attributes.id)) }
+                td colspan="2" { "a scene in three dimensions" }
+            });
+            continue;
+        }
         let name = path.trim_end_matches(".svg");
         let Some((drawing, _)) =
             name.split_once('/').and_then(|(slug, name)| exhibits.drawing(slug, name))
@@ -213,7 +225,7 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
         let href = source(here, &drawing.file, drawing.line, found);
         let data = here.way_to(format!("generated/{name}.csv").as_ref());
         rows.push(html! {
-            td { (link(here, &page.path, &attributes.id, format!("Figure {number}"))) }
+            td { (place) }
             td { (code_link(&href, &attributes.id)) }
             td { (drawing.rows.len()) }
             td { a href=(data) download { "CSV" } }

@@ -4,11 +4,14 @@
 
 pub mod accept;
 pub mod accepted;
+pub mod answers;
 pub mod api;
 pub mod attributes;
 pub mod bibliography;
 pub mod blocks;
+
 mod cargo;
+mod compiler;
 pub mod emit;
 pub mod engine;
 pub mod exhibits;
@@ -24,10 +27,12 @@ pub mod lint;
 pub mod listing;
 pub mod make;
 pub mod new;
+mod packing;
 pub mod pages;
 pub mod preprocess;
 pub mod program;
 pub mod prose;
+pub mod recordings;
 pub mod records;
 pub mod serve;
 pub mod settings;

@@ -42,6 +42,9 @@ enum Command {
         /// Open the book in a browser.
         #[arg(long)]
         open: bool,
+        /// Show your answers to exercises on their pages, beside what is expected.
+        #[arg(long)]
+        mine: bool,
     },
     /// Build the book into book/.
     Build,
@@ -64,6 +67,8 @@ enum Command {
         #[arg(long)]
         compare: bool,
     },
+    /// Record the scenes in three dimensions, and put them and their viewer beside the book.
+    Viewer,
     /// Make the files of a new chapter, all of them registered.
     New {
         /// The word that leads to everything of the chapter, as a Rust module: `loop_closure`.
@@ -101,11 +106,12 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
     let maker = |steps| -> Result<Maker> {
         let root = root(arguments.root.as_deref())?;
-        Ok(Maker { layout: Layout { root }, steps, warnings: warnings.clone() })
+        Ok(Maker { layout: Layout { root }, steps, warnings: warnings.clone(), mine: false })
     };
     match arguments.command {
-        Command::Serve { port, open } => {
-            serve::serve(&maker(Steps::new())?, port, open).map(|()| Faults::default())
+        Command::Serve { port, open, mine } => {
+            let maker = Maker { mine, ..maker(Steps::new())? };
+            serve::serve(&maker, port, open).map(|()| Faults::default())
         }
         Command::Build => maker(Steps::new())?.build_book(),
         Command::Check => {
@@ -115,6 +121,7 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
         Command::Accept { show, moved } => {
             accept::accept(&maker(Steps::new())?, show, moved).map(|()| Faults::default())
         }
+        Command::Viewer => maker(Steps::new())?.make_viewer().map(|()| Faults::default()),
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
         Command::New { name, title } => {
             let layout = maker(Steps::new())?.layout;

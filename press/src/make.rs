@@ -1,5 +1,6 @@
 //! Makes the book: exhibits, pages, links.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,6 +9,7 @@ use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use rayon::prelude::*;
 
+use crate::answers::{self, Answers};
 use crate::api::publish;
 use crate::fault::Faults;
 use crate::files;
@@ -16,10 +18,11 @@ use crate::guard::Guard;
 use crate::links;
 use crate::preprocess::{Later, Press};
 use crate::program::Program;
+use crate::recordings::Recordings;
 use crate::settings::{Layout, Settings};
 use crate::steps::Steps;
 use crate::warnings::Warnings;
-use crate::widgets::Widgets;
+use crate::widgets::{Refreshed, Widgets};
 
 /// What every build of the book needs.
 #[derive(Clone)]
@@ -30,6 +33,8 @@ pub struct Maker {
     pub steps: Steps,
     /// What mdBook and its helpers warn of.
     pub warnings: Warnings,
+    /// Whether pages of exercises show the reader's own answers.
+    pub mine: bool,
 }
 
 impl Maker {
@@ -40,10 +45,10 @@ impl Maker {
     /// that cannot be written.
     pub fn build(&self, site: &Path) -> Result<Faults> {
         self.refresh_exhibits()?;
-        let still = self.refresh_widgets()?;
+        let refreshed = self.refresh_widgets()?;
         let mut faults = self.pages(site, None, None, true)?;
         faults.extend(self.links(site)?);
-        self.say_still(still);
+        self.say_still(&refreshed);
         Ok(faults)
     }
 
@@ -56,17 +61,22 @@ impl Maker {
         self.refresh_exhibits()?;
         let widgets = Widgets::new(&self.layout);
         // The first pages wait for them; those after an edit do not.
-        let still = if widgets.scripts()?.is_empty() { self.refresh_widgets()? } else { None };
+        let before =
+            if widgets.scripts()?.is_empty() { Some(self.refresh_widgets()?) } else { None };
         let later = Later::default();
         let mut faults = self.pages(site, Some(&later), Some(news), true)?;
         shown();
-        if !widgets.are_fresh()? && still.is_none() {
-            self.refresh_widgets()?;
-            for (path, script) in widgets.scripts()? {
-                files::write(&site.join("generated").join(path), &script)?;
+        let refreshed = match before {
+            Some(refreshed) => refreshed,
+            None => {
+                let refreshed = self.refresh_widgets()?;
+                if refreshed == Refreshed::Compiled {
+                    write_generated(site, &widgets.scripts()?)?;
+                }
+                refreshed
             }
-        }
-        self.say_still(still);
+        };
+        self.say_still(&refreshed);
         let plan = later.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(plan) = plan {
             faults.extend(self.steps.step("pages of the library", || plan.make())?);
@@ -97,6 +107,7 @@ impl Maker {
     ) -> Result<Faults> {
         let faults = Arc::new(Mutex::new(Faults::default()));
         let press = Press::new(self.layout.clone(), faults.clone(), later.cloned());
+        let press = if self.mine { press.with_answers() } else { press };
         self.steps.step("pages", || self.render(site, press, live_reload, search))?;
         let mut faults =
             std::mem::take(&mut *faults.lock().unwrap_or_else(PoisonError::into_inner));
@@ -108,15 +119,42 @@ impl Maker {
         self.steps.step("links", || links::faults(site, &self.layout.src()))
     }
 
-    /// Compiles the pictures to take hold of, or gives why they stand still.
-    pub fn refresh_widgets(&self) -> Result<Option<String>> {
+    /// Compiles the pictures to take hold of, unless that is done.
+    pub fn refresh_widgets(&self) -> Result<Refreshed> {
         Widgets::new(&self.layout).refresh(&self.steps)
     }
 
-    fn say_still(&self, still: Option<String>) {
-        if let Some(why) = still {
+    /// Compiles the reader's answers that changed, for the pages of a site. Gives whether one did.
+    pub fn refresh_answers(&self, site: &Path) -> Result<bool> {
+        let changed = Answers::new(&self.layout).refresh(&self.steps)?;
+        write_generated(site, &changed)?;
+        Ok(!changed.is_empty())
+    }
+
+    fn say_still(&self, refreshed: &Refreshed) {
+        if let Refreshed::Impossible(why) = refreshed {
             self.steps.say(&format!("The pictures to take hold of stand still: {why}."));
         }
+        if Recordings::new(&self.layout).are_stale().unwrap_or_default() {
+            self.steps.say(
+                "The scenes cannot be opened in three dimensions: the library is another one since they were recorded. \
+                 `cargo book viewer` records them again.",
+            );
+        }
+    }
+
+    /// Makes what a page needs to open scenes in three dimensions.
+    ///
+    /// # Errors
+    /// What keeps rerun from being compiled, or the scenes from being recorded.
+    pub fn make_viewer(&self) -> Result<()> {
+        let bytes = Recordings::new(&self.layout).make(&self.steps)?;
+        self.steps.say(&format!(
+            "The viewer has {:.1} MB. `cargo book build` and `cargo book serve` put it beside the book from now on; \
+             deleting target/press/recordings leaves it out again.",
+            bytes as f64 / 1e6
+        ));
+        Ok(())
     }
 
     /// Computes the exhibits of the chapters whose inputs changed.
@@ -180,6 +218,12 @@ impl Maker {
         if !search {
             book.config.set("output.html.search.enable", false)?;
         }
+        if self.mine {
+            let key = "output.html.additional-js";
+            let mut scripts: Vec<String> = book.config.get(key)?.unwrap_or_default();
+            scripts.push(answers::SCRIPT.to_owned());
+            book.config.set(key, scripts)?;
+        }
         book.with_preprocessor(press);
         book.with_preprocessor(RememberingKatex::new(&self.layout.work()));
         book.with_preprocessor(Guard);
@@ -195,6 +239,13 @@ impl Maker {
         }
         Ok(faults)
     }
+}
+
+/// Puts scripts where the pages of a site load them.
+fn write_generated(site: &Path, scripts: &BTreeMap<PathBuf, Vec<u8>>) -> Result<()> {
+    scripts
+        .iter()
+        .try_for_each(|(path, script)| files::write(&site.join("generated").join(path), script))
 }
 
 fn absolute(path: &Path) -> Result<PathBuf> {

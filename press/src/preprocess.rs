@@ -10,6 +10,7 @@ use mdbook_preprocessor::config::Config;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 
 use crate::accepted::Accepted;
+use crate::answers::Answers;
 use crate::api::Plan;
 use crate::api::items::Library;
 use crate::bibliography::{self, Bibliography};
@@ -24,6 +25,7 @@ use crate::ledger;
 use crate::lint::Lint;
 use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
+use crate::recordings::{Recording, Recordings};
 use crate::settings::{Layout, Settings};
 use crate::sources;
 use crate::symbols::Symbols;
@@ -38,6 +40,7 @@ pub struct Press {
     layout: Layout,
     faults: Arc<Mutex<Faults>>,
     later: Option<Later>,
+    mine: bool,
 }
 
 /// The pages of the library, when they are to be made after those of the chapters.
@@ -47,7 +50,12 @@ impl Press {
     /// A press for the book in `layout`, which adds what it finds to `faults`. It makes the pages of the library, or
     /// leaves them in `later` for somebody else to make.
     pub fn new(layout: Layout, faults: Arc<Mutex<Faults>>, later: Option<Later>) -> Press {
-        Press { layout, faults, later }
+        Press { layout, faults, later, mine: false }
+    }
+
+    /// The same, whose pages of exercises show the reader's own answers.
+    pub fn with_answers(self) -> Press {
+        Press { mine: true, ..self }
     }
 
     fn make_or_leave(&self, plan: Plan) -> Result<Faults> {
@@ -68,7 +76,7 @@ impl Preprocessor for Press {
     }
 
     fn run(&self, context: &PreprocessorContext, mut book: Book) -> Result<Book> {
-        let (mut faults, plan) = press(&self.layout, &context.config, &mut book)?;
+        let (mut faults, plan) = press(&self.layout, &context.config, &mut book, self.mine)?;
         if let Some(plan) = plan {
             faults.extend(self.make_or_leave(plan)?);
         }
@@ -78,7 +86,12 @@ impl Preprocessor for Press {
 }
 
 /// Presses all chapters of a book, and plans the pages of the library.
-fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, Option<Plan>)> {
+fn press(
+    layout: &Layout,
+    config: &Config,
+    book: &mut Book,
+    mine: bool,
+) -> Result<(Faults, Option<Plan>)> {
     let settings = Settings::read(&layout.root)?;
     let pages = Page::all(book);
     let mut faults = Faults::default();
@@ -95,12 +108,18 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
     let theorems = Theorems::collect(&pages, &mut faults);
     theorems.check(&pages, &exhibits, &mut faults);
     let widgets = Widgets::new(layout);
-    let scripts = widgets.scripts()?;
+    let mut scripts = widgets.scripts()?;
     let made = |name: &String| scripts.contains_key(Path::new(&format!("widgets/{name}.js")));
     let names = widgets.names()?.into_iter().map(|name| (name.clone(), made(&name)));
     let names: BTreeMap<String, bool> = names.collect();
+    let answers = Answers::new(layout);
+    if mine {
+        scripts.extend(answers.scripts()?);
+    }
+    let recordings = Recordings::new(layout).shown()?;
     let known = Known {
         widgets: &names,
+        recordings: &recordings.scenes,
         labels: &labels,
         theorems: &theorems,
         ways: &ways,
@@ -114,12 +133,13 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         formulas: Vec::new(),
         values: BTreeMap::new(),
         figures: BTreeSet::new(),
+        recordings: BTreeSet::new(),
         citations: BTreeMap::new(),
         terms: Terms::default(),
         symbols: Symbols::default(),
         printed: BTreeMap::new(),
         sources: BTreeSet::new(),
-        generated: scripts.clone(),
+        generated: scripts.into_iter().chain(recordings.files.clone()).collect(),
         lint: Lint::new(&settings.allow),
     };
     let mut contents = BTreeMap::new();
@@ -134,6 +154,10 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
             if content.contains("{{ledger}}") {
                 *content = content
                     .replace("{{ledger}}", &ledger::ledger(page, &pages, &known, &mut found));
+            }
+            if content.contains("{{mine}}") {
+                let part = if mine { answers.part(page) } else { String::new() };
+                *content = content.replace("{{mine}}", &part);
             }
             if content.contains("{{index}}") {
                 *content =
@@ -153,6 +177,7 @@ fn press(layout: &Layout, config: &Config, book: &mut Book) -> Result<(Faults, O
         }
     });
     unused(&pages, &exhibits, &mut found);
+    unshown(&recordings.scenes, &mut found);
     found.terms.check(&pages, &mut found.faults);
     found.symbols.check(&pages, &mut found.faults);
     found.lint.finish(&mut found.faults);
@@ -207,6 +232,18 @@ fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
                 "label the equation, or remove the check",
             );
         }
+    }
+}
+
+/// Scenes that no chapter shows.
+fn unshown(scenes: &BTreeMap<String, Recording>, found: &mut Found<'_>) {
+    for name in scenes.keys().filter(|name| !found.recordings.contains(*name)) {
+        found.faults.add(
+            (&format!("recordings/pictures/{name}.png"), 0),
+            name,
+            "no chapter shows this picture of a scene",
+            format!("show it as a figure recordings/{name}.png, or remove the scene"),
+        );
     }
 }
 

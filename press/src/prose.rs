@@ -18,6 +18,7 @@ use crate::index::{Definition, Terms};
 use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
+use crate::recordings::Recording;
 use crate::symbols::{Symbol, Symbols};
 use crate::theorems::Theorems;
 use crate::ways::{Ways, planned};
@@ -49,6 +50,8 @@ pub struct Known<'a> {
     pub accepted: &'a BTreeMap<String, Accepted>,
     /// The names of the pictures to take hold of, and whether each was compiled.
     pub widgets: &'a BTreeMap<String, bool>,
+    /// The scenes that have a picture.
+    pub recordings: &'a BTreeMap<String, Recording>,
 }
 
 /// What the press learns while it writes the pages.
@@ -61,6 +64,8 @@ pub struct Found<'a> {
     pub values: BTreeMap<String, BTreeSet<PathBuf>>,
     /// The figures in use, as `chapter/name`.
     pub figures: BTreeSet<String>,
+    /// The scenes that are shown.
+    pub recordings: BTreeSet<String>,
     /// The citations of each work: page, title of the page, anchor.
     pub citations: BTreeMap<String, Vec<(PathBuf, String)>>,
     /// The terms that the book defines.
@@ -146,7 +151,7 @@ impl One<'_> {
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
-            Mark::Directive(word @ ("ledger" | "bibliography" | "index")) => {
+            Mark::Directive(word @ ("ledger" | "bibliography" | "index" | "mine")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
             }
             Mark::Directive(words) => match words.split_once(char::is_whitespace) {
@@ -166,7 +171,7 @@ impl One<'_> {
             Mark::Directive(word) => (
                 *word,
                 "the press knows no such directive",
-                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{ledger}}, {{index}} and {{bibliography}}; code is included by a listing",
+                "it knows {{value chapter.name}}, {{again eq:label}}, {{way chapter#section}}, {{time chapter chapter#section}}, {{mine}}, {{ledger}}, {{index}} and {{bibliography}}; code is included by a listing",
             ),
             Mark::UnclosedMath => (
                 "$",

@@ -13,6 +13,7 @@ use anyhow::{Context, Result, bail};
 use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::StatusCode;
+use axum::http::header::CACHE_CONTROL;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
@@ -24,6 +25,7 @@ use tokio_stream::StreamExt;
 use tokio_stream::wrappers::BroadcastStream;
 use tower_http::services::ServeDir;
 
+use crate::answers::Answers;
 use crate::fault::Faults;
 use crate::make::Maker;
 use crate::settings::Layout;
@@ -35,12 +37,13 @@ const NEWS: &str = "__book-news";
 const PAUSE: Duration = Duration::from_millis(80);
 
 /// What the book is made from: its pages and what they include, the program and the library, the theme.
-const WATCHED: [&str; 10] = [
+const WATCHED: [&str; 11] = [
     "src",
     "code",
     "exhibits",
     "exercises",
     "widgets",
+    "recordings",
     "grader/recipes",
     "press/theme",
     "book.toml",
@@ -125,23 +128,30 @@ pub fn serve(maker: &Maker, port: u16, open: bool) -> Result<()> {
         .fallback(get(page))
         .with_state(served.clone());
     runtime.spawn(async move { axum::serve(listener, router).await });
+    follow_answers(maker, &served);
     watch(maker, &served, &changes)
 }
 
 /// Builds after every change, for ever.
 fn watch(maker: &Maker, served: &Served, changes: &Receiver<PathBuf>) -> Result<()> {
     loop {
-        let mut changed = changes.recv().context("the files are watched no more")?;
+        let mut changed = vec![changes.recv().context("the files are watched no more")?];
         loop {
             match changes.recv_timeout(PAUSE) {
-                Ok(path) => changed = path,
+                Ok(path) => changed.push(path),
                 Err(RecvTimeoutError::Timeout) => break,
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
         }
         served.changed.store(false, Ordering::SeqCst);
-        maker.steps.say(&format!("\n{} changed", changed.display()));
-        build(maker, served);
+        let last = changed.last().map(|path| path.display().to_string()).unwrap_or_default();
+        maker.steps.say(&format!("\n{last} changed"));
+        let answers = Answers::new(&maker.layout);
+        // No page says what an answer says.
+        if !maker.mine || !changed.iter().all(|path| answers.is_answer(path)) {
+            build(maker, served);
+        }
+        follow_answers(maker, served);
     }
 }
 
@@ -152,14 +162,18 @@ fn changed_file(layout: &Layout, event: notify::Result<notify::Event>) -> Option
     })?;
     let written = [layout.generated(), layout.api()];
     let foreign = |path: &PathBuf| !written.iter().any(|folder| path.starts_with(folder));
-    let path = event.paths.into_iter().find(|path| foreign(path) && !is_scratch(path))?;
-    Some(path.strip_prefix(&layout.root).map(Path::to_path_buf).unwrap_or(path))
+    let seen = |path: PathBuf| match path.strip_prefix(&layout.root) {
+        Ok(path) => path.to_path_buf(),
+        Err(_) => path,
+    };
+    event.paths.into_iter().filter(foreign).map(seen).find(|path| !is_scratch(path))
 }
 
-/// Whether an editor keeps the file for itself.
+/// Whether an editor keeps the file for itself, or a program in a hidden folder.
 fn is_scratch(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    name.starts_with('.') || name.ends_with('~') || name.ends_with(".swp") || name == "4913"
+    let hidden = path.iter().any(|part| part.to_string_lossy().starts_with('.'));
+    hidden || name.ends_with('~') || name.ends_with(".swp") || name == "4913"
 }
 
 /// Builds beside the pages that are being served, and puts the new ones in their place.
@@ -175,6 +189,16 @@ fn build(maker: &Maker, served: &Served) {
     eprint!("{trouble}");
     maker.steps.say(&format!("built in {:.1} s", start.elapsed().as_secs_f64()));
     served.tell(trouble);
+}
+
+/// Compiles answers that changed and shows them, where they are to be shown.
+fn follow_answers(maker: &Maker, served: &Served) {
+    let Some(site) = served.current().filter(|_| maker.mine) else { return };
+    match maker.refresh_answers(&site) {
+        Ok(true) => served.show(site, true),
+        Ok(false) => {}
+        Err(error) => served.tell(format!("{error:#}\n")),
+    }
 }
 
 /// Builds what somebody looks at, and then the rest, unless something changes before that.
@@ -263,7 +287,10 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
         return (StatusCode::INTERNAL_SERVER_ERROR, Html(page.into_string())).into_response();
     };
     match ServeDir::new(&site).try_call(request).await {
-        Ok(found) if found.status() != StatusCode::NOT_FOUND => found.into_response(),
+        Ok(found) if found.status() != StatusCode::NOT_FOUND => {
+            // What a page loads may be another one by now.
+            ([(CACHE_CONTROL, "no-store")], found).into_response()
+        }
         Err(error) if error.kind() != ErrorKind::NotFound => {
             (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response()
         }
@@ -272,5 +299,20 @@ async fn page(State(served): State<Served>, request: Request) -> Response {
             let page = page.unwrap_or_else(|_| "There is no such page.".to_owned());
             (StatusCode::NOT_FOUND, Html(page)).into_response()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_tests_and_editors_keep_is_no_change_of_the_book() {
+        for path in
+            ["exercises/.progress/ring.verdicts", "src/.ring.md.swp", "src/ring.md~", "src/4913"]
+        {
+            assert!(is_scratch(Path::new(path)), "{path}");
+        }
+        assert!(!is_scratch(Path::new("exercises/src/ring.rs")));
     }
 }

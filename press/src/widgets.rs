@@ -3,20 +3,15 @@
 //! A module is packed into a script, so that it also loads where a page is opened from a disk and may not fetch.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
-use flate2::write::GzEncoder;
-use sha2::{Digest, Sha256};
 use toolchain::{TARGET, Toolchain};
 
+use crate::compiler;
 use crate::files;
-use crate::pages::slashed;
-use crate::records::hex;
+use crate::packing::{digest, packed};
 use crate::settings::Layout;
 use crate::steps::Steps;
 
@@ -53,19 +48,19 @@ impl<'a> Widgets<'a> {
         Ok(made.is_some_and(|made| Some(made) == self.inputs().ok()))
     }
 
-    /// Compiles them if that is not done; gives why there are none where there is no compiler.
+    /// Compiles them if that is not done.
     ///
     /// # Errors
     /// What the compiler says.
-    pub fn refresh(&self, steps: &Steps) -> Result<Option<String>> {
+    pub fn refresh(&self, steps: &Steps) -> Result<Refreshed> {
         if self.names()?.is_empty() || self.are_fresh()? {
-            return Ok(None);
+            return Ok(Refreshed::Fresh);
         }
-        let toolchain = match Toolchain::find_or_add(|what| steps.say(what)) {
+        let toolchain = match compiler::find(self.layout, steps)? {
             Ok(toolchain) => toolchain,
             Err(why) => {
                 files::remove(&self.folder())?;
-                return Ok(Some(why));
+                return Ok(Refreshed::Impossible(why));
             }
         };
         let inputs = self.inputs()?;
@@ -74,27 +69,33 @@ impl<'a> Widgets<'a> {
             let module = self.target().join(format!("{name}.wasm"));
             let module = std::fs::read(&module)
                 .with_context(|| format!("there is no module {}", module.display()))?;
-            files::write(&self.packed(&name), &pack(&name, &module)?)?;
+            files::write(&self.script(&name), &pack(&name, &module)?)?;
         }
         files::write(&self.folder().join("inputs"), inputs.as_bytes())?;
-        Ok(None)
+        Ok(Refreshed::Compiled)
     }
 
     /// What a page loads: the script that draws, and the modules, by their names.
     pub fn scripts(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
         let mut scripts = BTreeMap::new();
         for name in self.names()? {
-            if let Some(packed) = files::read_if_there(&self.packed(&name))? {
+            if let Some(packed) = files::read_if_there(&self.script(&name))? {
                 scripts.insert(format!("widgets/{name}.js").into(), packed.into_bytes());
             }
         }
         if !scripts.is_empty() {
-            for name in ["widgets.js", "widgets.css"] {
-                let script = files::read(&self.layout.root.join(SCRIPT).join(name))?;
-                scripts.insert(Path::new("widgets").join(name), script.into_bytes());
-            }
+            scripts.extend(self.drawing()?);
         }
         Ok(scripts)
+    }
+
+    /// What draws, without any module.
+    pub fn drawing(&self) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
+        let read = |name: &str| {
+            let script = files::read(&self.layout.root.join(SCRIPT).join(name))?;
+            Ok((Path::new("widgets").join(name), script.into_bytes()))
+        };
+        ["widgets.js", "widgets.css"].into_iter().map(read).collect()
     }
 
     fn compile(&self, toolchain: &Toolchain) -> Result<()> {
@@ -115,7 +116,7 @@ impl<'a> Widgets<'a> {
         self.layout.work().join("widgets")
     }
 
-    fn packed(&self, name: &str) -> PathBuf {
+    fn script(&self, name: &str) -> PathBuf {
         self.folder().join(format!("{name}.js"))
     }
 
@@ -125,28 +126,24 @@ impl<'a> Widgets<'a> {
 
     /// A digest of what they are made from.
     fn inputs(&self) -> Result<String> {
-        let mut hasher = Sha256::new();
-        let mut add = |path: &Path| -> Result<()> {
-            let bytes = std::fs::read(self.layout.root.join(path)).unwrap_or_default();
-            hasher.update(format!("\n{} {}\n", slashed(path), bytes.len()));
-            hasher.update(bytes);
-            Ok(())
-        };
-        for folder in SOURCES {
-            for file in files::below(&self.layout.root.join(folder))? {
-                add(&Path::new(folder).join(file))?;
-            }
-        }
-        FILES.iter().try_for_each(|file| add(Path::new(file)))?;
-        Ok(hex(&hasher.finalize()))
+        digest(&self.layout.root, &SOURCES, &FILES)
     }
 }
 
-/// A module as a script that hands it over, compressed.
+/// What became of modules that were to be fresh.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Refreshed {
+    /// They were.
+    Fresh,
+    /// They were compiled.
+    Compiled,
+    /// There is no compiler, and why.
+    Impossible(String),
+}
+
+/// A module as a script that hands it over.
 fn pack(name: &str, module: &[u8]) -> Result<Vec<u8>> {
-    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
-    gzip.write_all(module)?;
-    let text = STANDARD.encode(gzip.finish()?);
+    let text = packed(module, Compression::best())?;
     Ok(format!("vislamWidgets.module({name:?}, \"{text}\");\n").into_bytes())
 }
 
@@ -159,7 +156,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let layout = Layout { root: root.path().to_path_buf() };
         let widgets = Widgets::new(&layout);
-        assert_eq!(widgets.refresh(&Steps::quiet()).unwrap(), None);
+        assert_eq!(widgets.refresh(&Steps::quiet()).unwrap(), Refreshed::Fresh);
         assert!(widgets.scripts().unwrap().is_empty());
     }
 
@@ -178,16 +175,5 @@ mod tests {
         assert!(widgets.are_fresh().unwrap());
         write("code/src/lib.rs", "two");
         assert!(!widgets.are_fresh().unwrap());
-    }
-
-    #[test]
-    fn a_packed_module_can_be_unpacked() {
-        let packed = String::from_utf8(pack("ring", b"\0asm").unwrap()).unwrap();
-        let text = packed.split('"').nth(3).unwrap();
-        let bytes = STANDARD.decode(text).unwrap();
-        let mut module = Vec::new();
-        std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&bytes[..]), &mut module)
-            .unwrap();
-        assert_eq!(module, b"\0asm");
     }
 }

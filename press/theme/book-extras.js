@@ -328,21 +328,28 @@
         arrive();
     })();
 
+    // ---- The script that a figure needs, and its style beside it, once for all figures that need them.
+    const scripts = new Map();
+    function loaded(figure) {
+        const address = figure.dataset.script;
+        if (!scripts.has(address)) {
+            scripts.set(address, new Promise((resolve, reject) => {
+                const sheet = element("link", { rel: "stylesheet", href: address.replace(/js$/, "css") });
+                const made = element("script", { src: address });
+                made.addEventListener("load", resolve);
+                made.addEventListener("error", reject);
+                document.head.append(sheet, made);
+            }));
+        }
+        return scripts.get(address);
+    }
+
     // ---- Pictures to take hold of: their script and their module are loaded when they come near.
     (function widgets() {
         const figures = all("figure[data-widget]", text);
         if (printed || figures.length === 0 || typeof WebAssembly === "undefined") {
             return;
         }
-        let script = null;
-        const loaded = figure => script ??= new Promise((resolve, reject) => {
-            const address = figure.dataset.script;
-            const sheet = element("link", { rel: "stylesheet", href: address.replace(/js$/, "css") });
-            const made = element("script", { src: address });
-            made.addEventListener("load", resolve);
-            made.addEventListener("error", reject);
-            document.head.append(sheet, made);
-        });
         const near = new IntersectionObserver(entries => entries.filter(entry => entry.isIntersecting).forEach(({ target }) => {
             near.unobserve(target);
             loaded(target).then(() => window.vislamWidgets.start(target)).catch(() => {
@@ -350,6 +357,22 @@
             });
         }), { rootMargin: "400px" });
         figures.forEach(figure => near.observe(figure));
+    })();
+
+    // ---- Scenes in three dimensions: the viewer is large, and loaded when it is asked for.
+    (function recordings() {
+        if (printed || typeof WebAssembly === "undefined") {
+            return;
+        }
+        all("figure[data-recording] .recording-open", text).forEach(offer => {
+            const figure = offer.closest("figure");
+            offer.hidden = false;
+            offer.querySelector("button").addEventListener("click", () => {
+                loaded(figure).then(() => window.vislamRecordings.open(figure)).catch(() => {
+                    offer.textContent = "The viewer could not be loaded; the command below opens the scene.";
+                });
+            });
+        });
     })();
 
     // ---- Paper has every answer.

@@ -71,11 +71,13 @@ export async function serve(mount) {
     return { url: `http://127.0.0.1:${server.address().port}${mount}`, close: () => server.close() };
 }
 
-export async function launch() {
+/** A browser; one that draws in three dimensions, slowly and in software, when it is asked to. */
+export async function launch({ graphics = false } = {}) {
+    const drawing = graphics ? ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] : ["--disable-gpu"];
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), "book-browser-"));
     const context = await chromium.launchPersistentContext(profile, {
         executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-        args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+        args: [...drawing, "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
             "--disable-component-update", "--disable-sync"],
     });
     const browser = context.browser();

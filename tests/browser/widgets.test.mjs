@@ -15,6 +15,8 @@ const every = Boolean(process.env.EVERY);
 /** The filter of a whole flight has more to load than a picture. */
 const LARGEST = { msckf: 250 };
 const SLOWEST = 8;
+/** A flight of half a minute at ten times real time, drawn all the while. */
+const LONGEST = { msckf: 3000 };
 
 /** Every widget and the page that shows it. */
 const widgets = pages().flatMap(file =>
@@ -48,17 +50,22 @@ async function alive({ name, file }, options, body, { search = "", quiet = true 
     }
 }
 
-/** What the page shows, and with which controls. */
-const shown = figure => figure.evaluate(({ widget }) => ({
-    controls: Object.fromEntries(widget.session.face.controls.map((control, k) => [control.name, widget.session.controls[k]])),
-    readings: Object.fromEntries(widget.readings.map(({ face, value }) => [face.label, Number(value.dataset.value)])),
-}));
+/** What the page shows when all is computed, with which controls, and what it tells of the steps on the way. */
+const shown = figure => figure.evaluate(async ({ widget }) => {
+    while (widget.more) await new Promise(requestAnimationFrame);
+    const { controls } = widget.session.face;
+    return {
+        controls: Object.fromEntries(controls.map((control, k) => [control.name, widget.session.controls[k]])),
+        readings: Object.fromEntries(widget.readings.map(({ face, value }) => [face.label, Number(value.dataset.value)])),
+        steps: [...widget.session.steps],
+    };
+});
 
 /** What the native library shows with these controls. */
 function native(name, { controls }) {
     const said = execFileSync("cargo", ["run", "--quiet", "--bin", "widgets", "--", name,
         ...Object.entries(controls).map(([control, value]) => `${control}=${value}`)], { cwd: root });
-    return JSON.parse(said).readings;
+    return JSON.parse(said);
 }
 
 function same(page, library, told) {
@@ -70,10 +77,35 @@ function same(page, library, told) {
     }
 }
 
+/**
+ * The same in each step and at the end; or until the first step in which rounding has changed a decision, or from which
+ * on it grows without bound. Says which, and gives whether there was none.
+ */
+function sameUntilDecided(page, { readings, told: { decisions, numbers, lost }, steps }, told) {
+    const width = decisions.length + numbers.length;
+    const step = k => page.steps.slice(k * width, (k + 1) * width);
+    const decided = row => row.slice(0, decisions.length).join();
+    const isLost = row => lost !== null && row[decisions.indexOf(lost)] === 1;
+    const named = row => Object.fromEntries(numbers.map((label, k) => [label, row[decisions.length + k]]));
+    for (const [k, row] of steps.entries()) {
+        const why = decided(step(k)) !== decided(row) ? `decided otherwise: ${step(k)} and ${row}` : isLost(row) && lost;
+        if (why) {
+            assert.ok(k > 0, `${told}: the first step is ${why}`);
+            console.log(`${told}: the same until step ${k} of ${steps.length}, which is ${why}`);
+            return false;
+        }
+        same(named(step(k)), named(row), `${told}, step ${k}`);
+    }
+    assert.equal(page.steps.length, steps.length * width, told);
+    same(page.readings, readings, told);
+    return true;
+}
+
 for (const widget of widgets) {
     test(`${widget.name} shows the numbers that the native library shows`, async () => {
         await alive(widget, {}, async (page, figure) => {
             const states = every ? 12 : 3;
+            let whole = 0;
             for (let state = 0; state < states; state += 1) {
                 await figure.evaluate(({ widget }, state) => {
                     widget.session.face.controls.forEach((control, number) => {
@@ -88,8 +120,9 @@ for (const widget of widgets) {
                     widget.render();
                 }, state);
                 const told = await shown(figure);
-                same(told.readings, native(widget.name, told), `${widget.name} ${JSON.stringify(told.controls)}`);
+                whole += sameUntilDecided(told, native(widget.name, told), `${widget.name} ${JSON.stringify(told.controls)}`);
             }
+            assert.ok(whole > 0, "one of the pictures is the same in all of its steps");
         });
     });
 
@@ -202,34 +235,56 @@ for (const widget of widgets) {
 
     test(`${widget.name} is drawn within ${SLOWEST} ms, and its memory does not grow`, { skip: !every }, async () => {
         await alive(widget, {}, async (page, figure) => {
-            const { median, grown } = await figure.evaluate(({ widget }) => {
-                const controls = widget.session.face.controls;
-                const slider = controls.findIndex(control => control.kind === "sweep" || control.kind === "slider");
-                const moved = slider >= 0 ? slider : controls.findIndex(control => control.kind === "count");
-                const { least, most } = controls[moved];
-                const times = [];
-                const step = k => {
-                    widget.session.controls[moved] = Math.round(least + (most - least) * Math.abs(((k / 100) % 2) - 1) * 100) / 100;
-                    const begin = performance.now();
-                    widget.render();
-                    times.push(performance.now() - begin);
+            const { medians, grown } = await figure.evaluate(({ widget }) => {
+                const { session } = widget;
+                const controls = session.face.controls.map((control, number) => ({ ...control, number }));
+                const sliders = controls.filter(({ kind }) => ["sweep", "slider", "logarithmic"].includes(kind));
+                const moved = sliders.length > 0 ? sliders : controls.filter(({ kind }) => kind === "count").slice(0, 1);
+                const put = ({ number, least, most }, part) => { session.controls[number] = least + (most - least) * part; };
+                const start = () => controls.forEach(({ number, start }) => { session.controls[number] = start; });
+                const drag = control => {
+                    const times = [];
+                    for (let k = 0; k < 200; k += 1) {
+                        put(control, Math.abs(((k / 100) % 2) - 1));
+                        const begin = performance.now();
+                        widget.render();
+                        times.push(performance.now() - begin);
+                    }
+                    start();
+                    return [control.name, times.sort((a, b) => a - b)[100]];
                 };
-                for (let k = 0; k < 200; k += 1) step(k);
-                const median = times.slice().sort((a, b) => a - b)[100];
-                for (let k = 0; k < 200; k += 1) step(k);
-                const size = () => widget.session.exports.memory.buffer.byteLength;
+                const medians = moved.map(drag);
+                // A drag of one control, and now and then another setting.
                 const update = k => {
-                    widget.session.controls[moved] = least + (most - least) * ((k * 0.618) % 1);
-                    widget.session.show();
+                    put(moved[k % 50 === 0 ? (k / 50) % moved.length : 0], (k * 0.618) % 1);
+                    session.advance(1);
+                    session.show();
                 };
+                const size = () => session.exports.memory.buffer.byteLength;
                 for (let k = 0; k < 1000; k += 1) update(k);
                 const before = size();
                 for (let k = 0; k < 10000; k += 1) update(k);
-                return { median, grown: size() - before };
+                return { medians, grown: size() - before };
             });
-            console.log(`${widget.name}: ${median.toFixed(1)} ms`);
-            assert.ok(median <= SLOWEST, `${median} ms`);
+            console.log(`${widget.name}: ${medians.map(([name, median]) => `${name} ${median.toFixed(1)} ms`).join(", ")}`);
+            for (const [name, median] of medians) assert.ok(median <= SLOWEST, `${name}: ${median} ms`);
             assert.equal(grown, 0, "bytes");
+        });
+    });
+
+    test(`${widget.name} is whole in time`, { skip: !every || !LONGEST[widget.name] }, async () => {
+        await alive(widget, {}, async (page, figure) => {
+            const took = await figure.evaluate(async ({ widget }) => {
+                widget.session.face.controls.forEach(({ kind, most }, number) => {
+                    if (["sweep", "slider"].includes(kind)) widget.session.controls[number] = most;
+                });
+                const begin = performance.now();
+                widget.render();
+                while (widget.more) await new Promise(requestAnimationFrame);
+                return performance.now() - begin;
+            });
+            console.log(`${widget.name}: whole after ${took.toFixed(0)} ms`);
+            assert.ok(took <= LONGEST[widget.name], `${took} ms`);
         });
     });
 }

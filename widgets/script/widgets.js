@@ -7,6 +7,7 @@
     const SHAPES = ["line", "dashed", "area", "discs", "rings", "crosses", "cells", "pale-cells"];
     const [VIEW, HANDLE, WORD] = [100, 101, 102];
     const QUIET = 700; // ms without a change before numbers are announced
+    const TURN = 2; // ms that are computed before a picture of the screen, what is begun being ended
     const SVG = "http://www.w3.org/2000/svg";
     const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -25,10 +26,14 @@
     // ---- Modules come as scripts that call this with their name and their bytes, compressed.
     const asked = new Map();
 
-    function module(name, packed) {
+    function compiled(packed) {
         const bytes = Uint8Array.from(atob(packed), letter => letter.charCodeAt(0));
         const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-        asked.get(name).resolve(new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code)));
+        return new Response(unpacked).arrayBuffer().then(code => WebAssembly.compile(code));
+    }
+
+    function module(name, packed) {
+        asked.get(name).resolve(compiled(packed));
     }
 
     function load(name, address) {
@@ -47,7 +52,7 @@
     class Session {
         constructor(instance) {
             this.exports = instance.exports;
-            this.face = JSON.parse(new TextDecoder().decode(this.bytes(this.exports.face())));
+            this.face = JSON.parse(this.text(this.exports.face()));
         }
 
         place(packed) {
@@ -59,6 +64,10 @@
             return new Uint8Array(this.exports.memory.buffer, address, length);
         }
 
+        text(packed) {
+            return new TextDecoder().decode(this.bytes(packed));
+        }
+
         numbers(packed) {
             const [address, length] = this.place(packed);
             return new Float64Array(this.exports.memory.buffer, address, length);
@@ -68,8 +77,26 @@
             return this.numbers(this.exports.controls());
         }
 
+        // Computes for so many milliseconds; whether more is left.
+        advance(milliseconds) {
+            const until = performance.now() + milliseconds;
+            let more = this.exports.advance();
+            while (more && performance.now() < until) {
+                more = this.exports.advance();
+            }
+            return Boolean(more);
+        }
+
         show() {
             return this.numbers(this.exports.show());
+        }
+
+        get steps() {
+            return this.numbers(this.exports.steps());
+        }
+
+        get said() {
+            return this.text(this.exports.said());
         }
 
         drag(handle, [x, y]) {
@@ -100,10 +127,14 @@
             this.grips = [];
         }
 
+        // Asked of all panels before one of them changes, since the browser would lay out the page anew for each.
+        fit() {
+            this.width = Math.max(160, this.box.clientWidth);
+        }
+
         // Margins, and how the coordinates lie between them.
         measure() {
-            const { face, view: [x0, x1, y0, y1] } = this;
-            const width = Math.max(160, this.box.clientWidth);
+            const { face, width, view: [x0, x1, y0, y1] } = this;
             const height = Math.round(width * face.aspect) + (face.x.label ? 34 : 0);
             const left = face.y.label ? 46 : 6;
             const bottom = face.x.label ? 38 : 6;
@@ -368,6 +399,7 @@
                 new Control(control, number, (...change) => this.change(...change)));
             this.panels = face.panels.map(panel => new Panel(panel, (handle, place) => this.drag(handle, place)));
             this.readings = face.readings.map(reading => this.reading(reading));
+            this.said = element("p", { className: "said" });
             this.spoken = element("p", { className: "spoken" });
             this.spoken.setAttribute("role", "status");
             const reset = element("button", { type: "button", className: "reset", textContent: "Reset" });
@@ -377,6 +409,7 @@
                 element("div", { className: "panels" }, ...this.panels.map(panel => panel.box)),
                 ...(face.question ? [this.question(face.question)] : []),
                 element("dl", { className: "readings" }, ...this.readings.map(reading => reading.box)),
+                this.said,
                 element("div", { className: "controls" }, ...this.controls.map(control => control.box), reset),
                 this.spoken);
             this.box.setAttribute("role", "group");
@@ -394,7 +427,7 @@
             return { face, value, box: element("div", {}, element("dt", { textContent: face.label }), value) };
         }
 
-        question({ ask, choices, right }) {
+        question({ ask, choices, right, why }) {
             this.veiled = true;
             const verdict = element("p", { className: "verdict" });
             verdict.setAttribute("role", "status");
@@ -402,7 +435,7 @@
                 const button = element("button", { type: "button", textContent: text });
                 button.addEventListener("click", () => {
                     this.veiled = false;
-                    verdict.textContent = number === right ? "That is right." : `No: ${choices[right]}.`;
+                    verdict.textContent = `${number === right ? "That is right" : `No: ${choices[right]}`}. ${why}`;
                     verdict.classList.add(number === right ? "right" : "wrong");
                     answers.forEach(other => { other.disabled = true; });
                     this.render();
@@ -447,20 +480,29 @@
             cancelAnimationFrame(this.wanted);
             this.wanted = null;
             try {
-                this.draw(this.session.show());
+                this.more = this.session.advance(TURN);
+                this.shown(this.session.show(), this.session.said);
             } catch (error) {
                 this.pause();
                 stand(this.figure, `its program has stopped: ${error.message}`);
-                return;
             }
+        }
+
+        shown(numbers, said) {
+            this.draw(numbers);
+            this.said.textContent = said;
             const values = this.session.controls;
             this.controls.forEach((control, number) => control.show(values[number]));
             this.write();
             clearTimeout(this.later);
             this.later = setTimeout(() => this.announce(), QUIET);
+            if (this.more) {
+                this.ask();
+            }
         }
 
         draw(numbers) {
+            this.panels.forEach(panel => panel.fit());
             this.readings.forEach((reading, number) => this.tell(reading, numbers[number]));
             this.panels.forEach(panel => panel.begin());
             for (let k = this.readings.length; k < numbers.length;) {
@@ -483,7 +525,8 @@
 
         announce() {
             const told = this.readings.filter(reading => !reading.box.classList.contains("veiled"));
-            this.spoken.textContent = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            const readings = told.map(({ face, value }) => `${face.label}: ${value.textContent}`).join("; ");
+            this.spoken.textContent = [readings, this.said.textContent].filter(Boolean).join(". ");
         }
 
         // ---- Playing: up and down a slider. Who wants no motion goes on by steps.
@@ -586,5 +629,5 @@
         }
     }
 
-    window.vislamWidgets = { module, start };
+    window.vislamWidgets = { module, start, compiled, element, stand, Session, Widget };
 })();

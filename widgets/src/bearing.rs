@@ -17,6 +17,10 @@ const DRAWS: usize = 240;
 const SLOPE: f64 = 0.12;
 /// Of depths, in metres.
 const FARTHEST: f64 = 13.5;
+/// A believed landmark that is dragged as near as this to the ray is on it, in metres.
+const ON_THE_RAY: f64 = 0.06;
+/// What is shown of a depth where there is none.
+const RAYS_PART: &str = "none: the rays part";
 /// How far away other points on the ray of the first camera are, over the landmark's depth.
 const OTHERS: [f64; 4] = [0.625, 0.875, 1.25, 2.0];
 
@@ -54,7 +58,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Bearing {
     const FACE: Face = Face {
-        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it, and watch both pictures. The cross is where it is, the cloud where a noisy detector would find it.",
+        lead: "Drag the ring, which is where the landmark is believed to be, along the ray of the first camera and across it, and watch both pictures. The cross is where it is, the dots are other points on the same ray, and the cloud is where two noisy pixels would put it. The other ring moves the second camera.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -66,10 +70,10 @@ impl Widget for Bearing {
                 )
             },
             Control::slider("across", "Moved across the ray", "m", [0.0, -0.5, 0.5, 0.01]),
-            Control::slider("depth", "True depth", "m", [6.0, 2.0, 10.0, 0.1]),
+            Control::slider("depth", "True depth", "m", [4.0, 2.0, 10.0, 0.1]),
             Control::slider("baseline", "Baseline", "m", [0.3, 0.05, 1.5, 0.01]),
             Control::slider("focal", "Focal length", "px", [400.0, 200.0, 800.0, 10.0]),
-            Control::slider("noise", "Noise of a pixel", "px", [2.0, 0.0, 3.0, 0.1]),
+            Control::slider("noise", "Noise of a pixel", "px", [3.0, 0.0, 4.0, 0.1]),
         ],
         handles: &[
             Handle { panel: ABOVE, label: "believed landmark" },
@@ -77,7 +81,7 @@ impl Widget for Bearing {
         ],
         panels: &[
             Panel {
-                title: "Seen from above",
+                title: "Seen from above, widths drawn larger",
                 x: Axis { label: "depth, m", range: [-0.8, FARTHEST] },
                 y: Axis { label: "to the right, m", range: [-0.6, 2.2] },
                 aspect: 0.4,
@@ -88,18 +92,12 @@ impl Widget for Bearing {
             picture("First picture"),
             picture("Second picture"),
         ],
-        readings: &[
-            Reading { veiled: true, ..reading("Residual of the first camera", "px", 1) },
-            Reading { veiled: true, ..reading("Residual of the second camera", "px", 1) },
-            reading("Parallax of the believed landmark", "°", 2),
-            reading("σ of the depth", "cm", 1),
-            Reading { none: "beyond infinity", ..reading("One in twenty depths is below", "m", 2) },
-            Reading { none: "beyond infinity", ..reading("One in twenty depths is above", "m", 2) },
-        ],
+        readings: &Self::READINGS,
         question: Some(Question {
             ask: "Which picture contradicts when the landmark is believed farther away than it is, on the ray of the first camera?",
             choices: &["the first", "the second", "both, by the same number of pixels"],
             right: 1,
+            why: "It stays on the ray of the first camera, so the first picture cannot tell; the second looks from the side.",
         }),
         words: &["first camera", "second camera"],
     };
@@ -128,15 +126,19 @@ impl Widget for Bearing {
         scene.handle(ABOVE, 0, Style::Estimated, above(&believed));
         let residuals = [0, 1].map(|number| stage.residuals(number, &believed, &others));
         let seen = residuals.iter().flatten().flatten();
-        let reach = seen.fold(REACH, |reach, residual| reach.max(1.2 * residual.amax()));
+        let largest = seen.fold(0.0, |most: f64, residual| most.max(1.1 * residual.amax()));
+        // Twice as much at a time, so that a residual that grows is seen to grow.
+        let reach = REACH * 2.0_f64.powi((largest / REACH).log2().ceil().max(0.0) as i32);
         for (panel, residuals) in PICTURES.into_iter().zip(&residuals) {
             draw_picture(scene, panel, residuals, noise, reach);
             scene.read(residuals[0].map(|residual| residual.x));
         }
         let centres = [stage.centre(0), stage.centre(1)];
-        scene.read(parallax(&believed, &centres[0], &centres[1]).to_degrees());
+        scene.read(parallax(&stage.truth, &centres[0], &centres[1]).to_degrees());
         let sigma = disparity_sigma(noise, noise);
-        scene.read(100.0 * depth_sigma(&camera, baseline, depth, sigma));
+        let sigma = depth_sigma(&camera, baseline, depth, sigma);
+        scene.read(100.0 * sigma);
+        scene.read(100.0 * sigma / depth);
         self.depths.sort_by(f64::total_cmp);
         for part in [DRAWS / 20, DRAWS - DRAWS / 20] {
             scene.read(self.depths.get(part).copied().filter(|depth| depth.is_finite()));
@@ -149,7 +151,9 @@ impl Widget for Bearing {
         match handle {
             0 => {
                 let to = Vector3::new(x, 0.0, z);
-                (*along, *across) = (to.dot(&ray) / ray.norm_squared(), to.dot(&side));
+                let moved = to.dot(&side);
+                *along = to.dot(&ray) / ray.norm_squared();
+                *across = if moved.abs() < ON_THE_RAY { 0.0 } else { moved };
             }
             _ => *baseline = x,
         }
@@ -157,6 +161,17 @@ impl Widget for Bearing {
 }
 
 impl Bearing {
+    /// The numbers that are shown.
+    pub(crate) const READINGS: [Reading; 7] = [
+        Reading { veiled: true, ..reading("Residual of the first camera", "px", 1) },
+        Reading { veiled: true, ..reading("Residual of the second camera", "px", 1) },
+        reading("Parallax of the landmark", "°", 2),
+        reading("σ of the depth", "cm", 1),
+        reading("σ over the depth", "%", 1),
+        Reading { none: RAYS_PART, ..reading("5 % of the depths found are nearer than", "m", 2) },
+        Reading { none: RAYS_PART, ..reading("5 % of them are farther than", "m", 2) },
+    ];
+
     /// Where the landmark would be found with each draw of the noise, and how far away.
     fn draw_depths(&mut self, stage: &Stage, noise: f64) {
         self.places.clear();

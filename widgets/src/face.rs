@@ -64,6 +64,11 @@ impl Control {
         Self { kind, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
     }
 
+    /// A switch that is on at the start.
+    pub const fn switch(name: &'static str, label: &'static str) -> Self {
+        Self { kind: Kind::Switch, ..Self::slider(name, label, "", [1.0, 0.0, 1.0, 1.0]) }
+    }
+
     /// A button that counts up to a number.
     pub const fn count(name: &'static str, label: &'static str, most: f64) -> Self {
         Self { kind: Kind::Count, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
@@ -149,4 +154,18 @@ pub struct Question {
     pub choices: &'static [&'static str],
     /// Which of them is right, counted from zero.
     pub right: usize,
+    /// The reason, in a sentence.
+    pub why: &'static str,
+}
+
+/// What is told of each step of what goes on in steps. Two machines compute the same numbers but for their rounding,
+/// until rounding changes a decision.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Steps {
+    /// What was decided.
+    pub decisions: &'static [&'static str],
+    /// What came out.
+    pub numbers: &'static [&'static str],
+    /// The decision that says, by one, that from here on rounding grows from step to step.
+    pub lost: Option<&'static str>,
 }

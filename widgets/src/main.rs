@@ -44,5 +44,7 @@ fn said(arguments: &[String]) -> Result<Value, String> {
         pairs.into_iter().map(|(label, value)| (label.to_owned(), json!(value))).collect()
     };
     let readings = numbers(player.readings());
-    Ok(json!({ "controls": numbers(player.controls()), "readings": readings }))
+    let (told, steps) = player.steps();
+    let controls = numbers(player.controls());
+    Ok(json!({ "controls": controls, "readings": readings, "told": told, "steps": steps }))
 }

@@ -52,6 +52,7 @@ const WORD: f64 = 102.0;
 pub struct Scene {
     readings: Vec<f64>,
     marks: Vec<f64>,
+    said: String,
 }
 
 impl Scene {
@@ -59,6 +60,7 @@ impl Scene {
     pub fn clear(&mut self) {
         self.readings.clear();
         self.marks.clear();
+        self.said.clear();
     }
 
     /// Adds the next number of the face; `None` where there is none.
@@ -69,6 +71,19 @@ impl Scene {
     /// The numbers, in the order of the face.
     pub fn readings(&self) -> &[f64] {
         &self.readings
+    }
+
+    /// Says a sentence beside the picture, after those that were said before.
+    pub fn say(&mut self, sentence: &str) {
+        if !self.said.is_empty() {
+            self.said.push(' ');
+        }
+        self.said.push_str(sentence);
+    }
+
+    /// All that was said.
+    pub fn said(&self) -> &str {
+        &self.said
     }
 
     /// Draws places in a panel. `size` is the width of a line or the radius of a mark, in pixels of the page.

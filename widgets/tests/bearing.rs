@@ -5,14 +5,15 @@ use nalgebra::{Isometry3, Vector3};
 use vislam::bearing::{depth_sigma, disparity_sigma};
 use vislam::reprojection::Pinhole;
 use widgets::bearing::Bearing;
+use widgets::parallax::Parallax;
 use widgets::{Player, Session, Shape, Style, Widget};
 
 const FIRST: &str = "Residual of the first camera";
 const SECOND: &str = "Residual of the second camera";
-const PARALLAX: &str = "Parallax of the believed landmark";
+const PARALLAX: &str = "Parallax of the landmark";
 const SIGMA: &str = "σ of the depth";
-const BELOW: &str = "One in twenty depths is below";
-const ABOVE: &str = "One in twenty depths is above";
+const BELOW: &str = "5 % of the depths found are nearer than";
+const ABOVE: &str = "5 % of them are farther than";
 
 fn shown(settings: &[(&str, f64)]) -> impl Fn(&str) -> f64 + use<> {
     let mut session = Session::<Bearing>::with(settings).expect("controls");
@@ -30,14 +31,14 @@ fn residuals_are_those_of_two_projections() {
     let second = Isometry3::translation(-0.3, 0.0, 0.0);
     let column =
         |pose: &Isometry3<f64>, point: &Vector3<f64>| camera.project(pose, point).unwrap().x;
-    let shown = shown(&[("along", 1.5)]);
+    let shown = shown(&[("along", 1.5), ("depth", 6.0), ("noise", 2.0)]);
     for (label, pose) in [(FIRST, Isometry3::identity()), (SECOND, second)] {
         let wanted = column(&pose, &(1.5 * truth)) - column(&pose, &truth);
         assert!((shown(label) - wanted).abs() < 1e-9);
     }
     let sigma = depth_sigma(&camera, 0.3, 6.0, disparity_sigma(2.0, 2.0));
     assert_relative_eq!(shown(SIGMA), 100.0 * sigma, max_relative = 1e-9);
-    let (to_first, to_second) = (-1.5 * truth, Vector3::new(0.3, 0.0, 0.0) - 1.5 * truth);
+    let (to_first, to_second) = (-truth, Vector3::new(0.3, 0.0, 0.0) - truth);
     let parallax = to_first.angle(&to_second).to_degrees();
     assert_relative_eq!(shown(PARALLAX), parallax, max_relative = 1e-9);
 }
@@ -123,4 +124,22 @@ fn no_number_is_missing_but_where_there_is_none() {
         }
         assert!(Player::numbers(&mut session).len() < 1000);
     }
+}
+
+#[test]
+fn with_the_same_parallax_a_depth_is_as_sure_as_a_part_of_itself() {
+    let shown = |depth: f64, baseline: f64| {
+        let mut session = Session::<Parallax>::with(&[("depth", depth), ("baseline", baseline)])
+            .expect("controls");
+        let readings = session.readings();
+        assert_eq!(readings[4].0, "σ over the depth");
+        [readings[2].1, readings[4].1]
+    };
+    for (near, far) in shown(4.0, 0.3).into_iter().zip(shown(8.0, 0.6)) {
+        assert_relative_eq!(near, far, max_relative = 1e-9);
+    }
+    assert!(shown(8.0, 1.2)[1] < 0.6 * shown(8.0, 0.6)[1]);
+    let veiled: Vec<_> = Parallax::FACE.readings.iter().filter(|reading| reading.veiled).collect();
+    assert_eq!(veiled.len(), 1);
+    assert_eq!(veiled[0].label, "σ over the depth");
 }

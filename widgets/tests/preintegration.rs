@@ -22,6 +22,9 @@ const LEFT: &str = "Left of the position by first order";
 const BOUND: &str = "Bound on what is left";
 const AGAIN: &str = "Sum again beyond a move of";
 
+/// The panel of the second keyframe.
+const END: u8 = 0;
+
 fn shown(settings: &[(&str, f64)]) -> impl Fn(&str) -> f64 + use<> {
     let mut session = Session::<Preintegration>::with(settings).expect("controls");
     let readings = session.readings();
@@ -204,8 +207,8 @@ fn other_flights_end_where_the_ellipse_says() {
         session.set("seconds", seconds);
         session.set("motion", motion);
         let numbers = session.numbers();
-        let ends = drawn(numbers, [Shape::Discs as u8, 1, Style::Faint as u8].map(f64::from));
-        let ellipse = drawn(numbers, [Shape::Line as u8, 1, Style::Ink as u8].map(f64::from));
+        let ends = drawn(numbers, [Shape::Discs as u8, END, Style::Faint as u8].map(f64::from));
+        let ellipse = drawn(numbers, [Shape::Line as u8, END, Style::Ink as u8].map(f64::from));
         let inside = |scale: f64| {
             let inside = ends.iter().filter(|end| is_inside(&ellipse, end.map(|at| at / scale)));
             inside.count() as f64 / ends.len() as f64

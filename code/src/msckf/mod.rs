@@ -8,6 +8,7 @@
 
 mod error;
 mod filter;
+mod flight;
 mod landmark;
 mod options;
 mod rest;

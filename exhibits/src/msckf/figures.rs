@@ -2,6 +2,7 @@
 
 mod blocks;
 mod cost;
+mod flight;
 mod hover;
 mod nees;
 mod rays;
@@ -14,6 +15,7 @@ pub fn figures(chapter: &mut Chapter) {
     chapter.figure("rays", rays::rays);
     chapter.figure("blocks", blocks::blocks);
     chapter.figure("step", step::step);
+    chapter.figure("flight", flight::flight);
     chapter.figure("nees", nees::nees);
     chapter.figure("cost", cost::cost);
     chapter.figure("windows", windows::windows);

@@ -1,6 +1,6 @@
 //! Flights with the filter of `examples/filter.rs`.
 
-use vislam::filtering::{BlockNees, attitude_in_world};
+use vislam::filtering::{BlockNees, StateError, attitude_in_world};
 use vislam::inertial::NavState;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
@@ -33,6 +33,8 @@ pub struct Seen {
     pub sigma: f64,
     /// The standard deviation of yaw, in radians.
     pub yaw: f64,
+    /// The error of yaw, in radians.
+    pub yaw_error: f64,
     pub report: PictureReport,
 }
 
@@ -44,6 +46,7 @@ impl Seen {
             error: (truth.position - filter.state().position).norm(),
             sigma: covariance.fixed_view::<3, 3>(6, 6).trace().sqrt(),
             yaw: turn[(2, 2)].sqrt(),
+            yaw_error: StateError::between(filter.state(), truth).yaw(),
             report: *report,
         }
     }
@@ -89,10 +92,16 @@ pub fn numbers(chapter: &mut Chapter) {
     heading(chapter);
 }
 
-fn size(chapter: &mut Chapter) {
+/// The flight of a minute, and the filter that follows it.
+pub fn minute() -> (FlightRecording, Vec<Seen>) {
     let recording = flown(&example::flight(60.0), 0);
+    let seen = followed(&recording, options(&recording), 0);
+    (recording, seen)
+}
+
+fn size(chapter: &mut Chapter) {
+    let (recording, seen) = minute();
     let options = options(&recording);
-    let seen = followed(&recording, options, 0);
     chapter.number("window", options.clones as f64, "", 0);
     chapter.number("columns", 15.0 + 6.0 * options.clones as f64, "", 0);
     chapter.number("flight_seconds", recording.flight.seconds, "s", 0);

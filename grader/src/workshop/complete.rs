@@ -55,6 +55,7 @@ pub fn lacks(root: &Path, name: &str) -> Vec<String> {
     look.hints();
     look.skeleton();
     look.target();
+    look.picture();
     look.answers();
     look.hidden();
     look.words();
@@ -234,6 +235,18 @@ impl Look<'_> {
         }
     }
 
+    /// The picture that a page shows of an answer.
+    fn picture(&mut self) {
+        let name = self.name;
+        let path = format!("exercises/pictures/modules/{name}.rs");
+        if let Some(module) = self.file(&path, "the module of its picture") {
+            for function in functions(&self.spec()) {
+                self.has(&path, &module, &[(function.to_owned(), "so the picture cannot ask it")]);
+            }
+        }
+        self.entry("exercises/pictures/Cargo.toml", &format!("name = \"{name}\""));
+    }
+
     fn answers(&mut self) {
         let name = self.name;
         self.entry("solutions/src/lib.rs", &format!("pub mod {name};"));
@@ -311,6 +324,7 @@ impl Look<'_> {
             ),
             ("{.predict ".to_owned(), "and every page asks for a prediction"),
             (format!("cargo test -p exercises {name}"), "so nobody knows how to run it"),
+            ("{{mine}}".to_owned(), "where `cargo book serve --mine` shows the answer"),
         ];
         let count = hints(&self.text(&format!("exercises/spec/src/{name}/hints.md")));
         words.extend(

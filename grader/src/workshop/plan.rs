@@ -65,6 +65,10 @@ impl New<'_> {
             (format!("exercises/src/{name}.rs"), skeleton),
             (format!("exercises/skeletons/{edition}/{name}.rs"), skeleton),
             (format!("exercises/tests/{name}.rs"), include_str!("../../exercise/target.rs")),
+            (
+                format!("exercises/pictures/modules/{name}.rs"),
+                include_str!("../../exercise/picture.rs"),
+            ),
             (format!("solutions/src/{name}.rs"), include_str!("../../exercise/reference.rs")),
             (
                 format!("solutions/src/misconceptions/{name}.rs"),
@@ -114,10 +118,11 @@ impl New<'_> {
             let its = format!("{other} = ");
             beside.line(text, &|line| line.starts_with(&its), &format!("{name} = 10"))
         };
-        let test = format!("name = \"{other}\"");
-        let edits: [(&str, &Edit<'_>); 10] = [
+        let target = format!("name = \"{other}\"");
+        let edits: [(&str, &Edit<'_>); 11] = [
             ("exercises/spec/src/lib.rs", &listed(|name| format!("    &{name}::EXERCISE,"))),
-            ("exercises/Cargo.toml", &section("[[test]]", test, TARGET)),
+            ("exercises/Cargo.toml", &section("[[test]]", target.clone(), TARGET)),
+            ("exercises/pictures/Cargo.toml", &section("[[example]]", target, MODULE)),
             ("exercises/answers.md", &section("## ", format!("## {other}"), QUESTION)),
             ("solutions/src/lib.rs", &listed(|name| format!("        {name},"))),
             ("solutions/src/misconceptions/mod.rs", &module),
@@ -152,6 +157,9 @@ fn entry(root: &Path, path: &str, beside: &str, edit: &Edit<'_>) -> Result<Chang
 }
 
 const TARGET: &str = "[[test]]\nname = \"{name}\"\nharness = false\ntest = false";
+
+const MODULE: &str =
+    "[[example]]\nname = \"{name}\"\npath = \"modules/{name}.rs\"\ncrate-type = [\"cdylib\"]";
 
 const QUESTION: &str = "## {name}\n\nTODO: a question that wants words, with its rubric in \
     `tests/rubrics/{name}.md`.";

@@ -9,6 +9,7 @@ use std::process::Command;
 use std::sync::LazyLock;
 
 use anyhow::{Context, Result, bail};
+use semver::{Version, VersionReq};
 use serde::Deserialize;
 
 use super::comments::Line;
@@ -83,7 +84,7 @@ pub fn run(order: &Order<'_>) -> Result<Faults> {
     for feature in artifacts.get(&library.id).into_iter().flat_map(|artifact| &artifact.features) {
         command.arg("--cfg").arg(format!("feature=\"{feature}\""));
     }
-    for (name, artifact) in metadata.dependencies(&library.id, &artifacts) {
+    for (name, artifact) in library.dependencies(&artifacts) {
         let file =
             artifact.library().with_context(|| format!("cargo compiled {name} into no library"))?;
         command.arg("--extern").arg(format!("{name}={}", file.display()));
@@ -119,7 +120,6 @@ fn compiled(order: &Order<'_>) -> Result<BTreeMap<String, Artifact>> {
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
-    resolve: Resolve,
 }
 
 #[derive(Deserialize)]
@@ -128,50 +128,49 @@ struct Package {
     name: String,
     version: String,
     edition: String,
+    dependencies: Vec<Dependency>,
 }
 
-#[derive(Deserialize)]
-struct Resolve {
-    nodes: Vec<Node>,
-}
-
-#[derive(Deserialize)]
-struct Node {
-    id: String,
-    deps: Vec<Dependency>,
-}
-
+/// A dependency as a manifest declares it.
 #[derive(Deserialize)]
 struct Dependency {
     name: String,
-    pkg: String,
-    dep_kinds: Vec<DependencyKind>,
-}
-
-#[derive(Deserialize)]
-struct DependencyKind {
+    rename: Option<String>,
+    req: VersionReq,
     kind: Option<String>,
 }
 
 impl Metadata {
+    /// Asks for the members alone: for what they depend on, cargo would fetch all that any of them could need.
     fn ask(order: &Order<'_>) -> Result<Metadata> {
-        let ask = ["metadata", "--quiet", "--format-version", "1"];
+        let ask = ["metadata", "--quiet", "--no-deps", "--format-version", "1"];
         let text = cargo::call(&order.layout.root, &ask, "tell what the workspace has")?;
         serde_json::from_str(&text).context("cargo metadata says something unexpected")
     }
+}
 
-    /// What a package needs to be compiled, by the names it uses.
+impl Package {
+    /// What it needs to be compiled, by the names it uses.
     fn dependencies<'a>(
         &'a self,
-        id: &str,
         artifacts: &'a BTreeMap<String, Artifact>,
-    ) -> impl Iterator<Item = (&'a str, &'a Artifact)> {
-        let node = self.resolve.nodes.iter().find(|node| node.id == id);
-        let needed =
-            |dependency: &&Dependency| dependency.dep_kinds.iter().any(|kind| kind.kind.is_none());
-        node.into_iter().flat_map(|node| &node.deps).filter(needed).filter_map(|dependency| {
-            Some((dependency.name.as_str(), artifacts.get(&dependency.pkg)?))
+    ) -> impl Iterator<Item = (String, &'a Artifact)> {
+        let needed = self.dependencies.iter().filter(|dependency| dependency.kind.is_none());
+        needed.filter_map(|dependency| {
+            let artifact = artifacts.iter().find(|(id, _)| dependency.is(id));
+            let name = dependency.rename.as_ref().unwrap_or(&dependency.name);
+            Some((name.replace('-', "_"), artifact?.1))
         })
+    }
+}
+
+impl Dependency {
+    /// Whether a package is the one that is meant, by its identifier: `source#name@version`, or `path/name#version`.
+    fn is(&self, id: &str) -> bool {
+        let Some((source, package)) = id.rsplit_once('#') else { return false };
+        let folder = source.rsplit('/').next().unwrap_or(source);
+        let (name, version) = package.rsplit_once('@').unwrap_or((folder, package));
+        name == self.name && Version::parse(version).is_ok_and(|version| self.req.matches(&version))
     }
 }
 

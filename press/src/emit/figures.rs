@@ -10,6 +10,7 @@ use crate::blocks::Block;
 use crate::exhibits::Drawing;
 use crate::files;
 use crate::prose::table;
+use crate::recordings;
 
 /// The rows of a figure's data that the page shows; the CSV file has all.
 const ROWS_SHOWN: usize = 40;
@@ -31,6 +32,9 @@ impl Emitter<'_, '_> {
                 "the figure has no alternative text",
                 "say in alt=\"…\" what a reader who cannot see it should know",
             );
+        }
+        if let Some(scene) = recordings::scene(path) {
+            return self.recording(block, caption, scene, attributes);
         }
         let name = path.trim_end_matches(".svg");
         let drawing =

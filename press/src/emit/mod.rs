@@ -5,6 +5,7 @@ mod divisions;
 mod equations;
 mod figures;
 mod listings;
+mod recordings;
 
 use divisions::Division;
 

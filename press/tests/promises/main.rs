@@ -4,5 +4,6 @@ mod faults;
 mod library;
 mod new;
 mod parts;
+mod recordings;
 mod serve;
 mod small;

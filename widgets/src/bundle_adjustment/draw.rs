@@ -81,7 +81,7 @@ pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
     let tried = run.iterations().iter().take(at).enumerate().filter(|(_, step)| !step.accepted);
     let refused =
         tried.filter_map(|(step, tried)| Some([step as f64 + 1.0, tried.trial_cost?.log10()]));
-    let right = (at as f64 + 4.0).max(12.0);
+    let right = (1.4 * at as f64 + 1.0).max(12.0);
     let all = costs()
         .chain(gradients())
         .chain(refused.clone())
@@ -91,7 +91,7 @@ pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
         all.fold((-4.0, 6.0), |(low, high): (f64, f64), power| (low.min(power), high.max(power)));
     scene.view(PROGRESS, [-0.5, right], [low - 0.4, high + 0.4]);
     scene.draw(PROGRESS, (Shape::Dashed, Style::Faint, 1.0), [[-0.5, truth], [right, truth]]);
-    scene.word(PROGRESS, 2, Style::Faint, [right - 5.0, truth + 0.35]);
+    scene.word(PROGRESS, 2, Style::Faint, [0.58 * right, truth + 0.35]);
     scene.draw(PROGRESS, (Shape::Line, Style::First, 1.5), costs());
     scene.draw(PROGRESS, (Shape::Discs, Style::First, 3.5), costs());
     scene.draw(PROGRESS, (Shape::Dashed, Style::Second, 1.5), gradients());
@@ -107,7 +107,7 @@ pub fn progress(run: &Run, at: usize, scene: &mut Scene) {
     }
     if let Some(stop) = run.ended.filter(|_| at + 1 == run.states.len()) {
         let word = if stop.is_some_and(|stop| stop.is_convergence()) { 4 } else { 5 };
-        scene.word(PROGRESS, word, Style::Ink, [right - 4.6, high - 0.3]);
+        scene.word(PROGRESS, word, Style::Ink, [0.62 * right, high - 0.3]);
     }
 }
 

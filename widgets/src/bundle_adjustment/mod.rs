@@ -19,10 +19,10 @@ pub struct BundleAdjustment {
     run: Option<Run>,
 }
 
-const WHOLE: usize = 0;
-const REDUCED: usize = 1;
-const ABOVE: usize = 2;
-const PROGRESS: usize = 3;
+const ABOVE: usize = 0;
+const PROGRESS: usize = 1;
+const WHOLE: usize = 2;
+const REDUCED: usize = 3;
 
 const fn panel(title: &'static str, [x, y]: [Axis; 2], equal: bool) -> Panel {
     Panel { title, x, y, aspect: 0.92, span: 3, equal, down: false }
@@ -40,25 +40,18 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 impl Widget for BundleAdjustment {
     const FACE: Face = Face {
         lead: "Press Step until the solver has converged, and compare the two curves. \
-               Then hold nothing, press again, and look where camera 0 goes. The ring has another S.",
+               Then hold nothing: the same steps are taken again, and camera 0 has gone. The ring has another S.",
         controls: &[
             Control::count("step", "Step", MOST_STEPS as f64),
             Control::choice("world", "World", &["street", "ring", "ring of stereo pairs"]),
             Control::choice("held", "Gauge", &["camera 0 held", "nothing held"]),
             Control::choice("kernel", "Kernel", &["squared", "Huber", "Cauchy"]),
-            Control::slider("outliers", "Share of outliers", "%", [0.0, 0.0, 40.0, 1.0]),
-            Control::slider(
-                "start",
-                "Noise of the start, times the chapter's",
-                "",
-                [6.0, 0.0, 8.0, 0.5],
-            ),
+            Control::slider("outliers", "Share of outliers", "%", [0.0, 0.0, 20.0, 1.0]),
+            Control::slider("start", "Start off, times 5 cm and 1°", "", [6.0, 0.0, 8.0, 0.5]),
             Control::slider("seed", "Seed", "", [1.0, 1.0, 20.0, 1.0]),
         ],
         handles: &[],
         panels: &[
-            pattern("H: cameras, then points"),
-            pattern("S: points eliminated"),
             panel(
                 "Cameras and points from above",
                 [
@@ -75,10 +68,12 @@ impl Widget for BundleAdjustment {
                 ],
                 false,
             ),
+            pattern("H: cameras, then points"),
+            pattern("S: points eliminated"),
         ],
         readings: &[
             Reading { veiled: true, ..reading("Cost", "", 3) },
-            reading("Length of the scaled gradient", "", 4),
+            reading("Length of the scaled gradient", "", 6),
             Reading { veiled: true, ..reading("Camera 0 has moved by", "mm", 1) },
             reading("Size, over the true one", "", 4),
             reading("RMS error of the cameras, gauge taken out", "cm", 2),
@@ -93,6 +88,7 @@ impl Widget for BundleAdjustment {
                 "there is no minimum, for the system is singular",
             ],
             right: 1,
+            why: "The pixels do not say where the world is: the damped solver moves along with it at no cost.",
         }),
         words: &["cost", "gradient", "cost at the truth", "held", "converged", "not converged"],
     };
@@ -119,5 +115,8 @@ impl Widget for BundleAdjustment {
         scene.read(100.0 * run.camera_error(state));
         scene.read(run.rmse(state, false));
         scene.read(run.rmse(state, true));
+        if run.ended.is_some() && last + 1 == run.states.len() && steps > 0 {
+            scene.say(&format!("After {last} steps the solver has nothing more to do."));
+        }
     }
 }

@@ -93,6 +93,12 @@ impl Run {
         self.search.iterations()
     }
 
+    /// The Schur complement where the solve stands, without damping, if there is one.
+    pub fn schur_complement(&self) -> Option<DMatrix<f64>> {
+        let (matrix, _) = self.search.system().clone().schur_complement(0.0).ok()?;
+        Some(matrix)
+    }
+
     fn keep(&mut self) {
         let values = self.search.values();
         let cameras = values.of_kind::<MovingCamera<PosedPinhole, 6>>();
@@ -119,7 +125,7 @@ impl Run {
             }
         }
         self.whole = places(size).filter(|[row, column]| whole[(*row, *column)]).collect();
-        let Ok((matrix, _)) = self.search.system().clone().schur_complement(0.0) else { return };
+        let Some(matrix) = self.schur_complement() else { return };
         let is_there = |[row, column]: &[usize; 2]| {
             matrix.view((6 * row, 6 * column), (6, 6)).iter().any(|entry| *entry != 0.0)
         };

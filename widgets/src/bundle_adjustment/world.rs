@@ -1,11 +1,9 @@
 //! What the controls ask for.
 
-use nalgebra::Vector3;
-use vislam::bundle_adjustment::PosedPinhole;
-use vislam::factors::{MovingCamera, PixelByCamera};
-use vislam::least_squares::{Kernel, Key, Problem, ProblemError};
-use vislam::reprojection::ReprojFactor;
+use vislam::least_squares::{Kernel, Problem, ProblemError};
 use vislam::simulation::Scene;
+
+use crate::pixels;
 
 /// Keyframes of either ring.
 const RIGS: usize = 8;
@@ -84,27 +82,6 @@ impl Setting {
 
     /// The scene's problem with any kernel.
     pub fn problem(&self, scene: &Scene) -> Result<Problem, ProblemError> {
-        let start = &scene.problem;
-        let mut problem = Problem::new();
-        let cameras: Vec<Key<MovingCamera<PosedPinhole, 6>>> = start
-            .cameras
-            .iter()
-            .map(|camera| problem.add_variable(MovingCamera(*camera)))
-            .collect();
-        let points: Vec<Key<Vector3<f64>>> =
-            start.points.iter().map(|point| problem.add_variable(*point)).collect();
-        for (index, camera) in cameras.iter().enumerate() {
-            if start.fixed[index] {
-                problem.hold(*camera)?;
-            }
-            let first = start.rig.iter().position(|rig| *rig == start.rig[index]);
-            problem.tie(*camera, cameras[first.unwrap_or(index)])?;
-        }
-        for &ReprojFactor { keyframe, point, pixel, inverse_sigma } in &start.factors {
-            let (camera, landmark) = (cameras[keyframe], points[point]);
-            let factor = PixelByCamera { camera, landmark, pixel, inverse_sigma };
-            problem.add_factor(factor, self.kernel)?;
-        }
-        Ok(problem)
+        pixels::problem(&scene.problem, self.kernel, |pixel| pixel)
     }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Matrix2;
 
 use super::link::Ends;
 use super::window::{Pair, Pattern};
+use crate::ellipse::ellipse;
 use crate::{Scene, Shape, Style};
 
 pub const MATRIX: usize = 0;
@@ -161,9 +162,10 @@ pub fn draw_link(scene: &mut Scene, (a, b): Pair, is_dropped: bool) {
 /// The ellipses of an end: the true one, and what is reported.
 pub fn draw_end(scene: &mut Scene, end: usize, truth: Option<&Ends>, reported: Option<&Ends>) {
     let panel = ENDS[end];
-    let ellipse =
-        |ends: Option<&Ends>| ends.map_or(Vec::new(), |ends| ellipse(&ends.seen_from_above(end)));
-    let (truth, reported) = (ellipse(truth), ellipse(reported));
+    let around = |ends: Option<&Ends>| {
+        ends.map_or(Vec::new(), |ends| in_millimetres(&ends.seen_from_above(end)))
+    };
+    let (truth, reported) = (around(truth), around(reported));
     let reach = truth.iter().chain(&reported).flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
     let reach = if reach > 0.0 { 1.25 * reach } else { 1.0 };
     scene.view(panel, [-reach, reach], [-reach, reach]);
@@ -176,13 +178,6 @@ pub fn draw_end(scene: &mut Scene, end: usize, truth: Option<&Ends>, reported: O
 }
 
 /// One standard deviation around zero, in millimetres; nothing if there is none.
-fn ellipse(covariance: &Matrix2<f64>) -> Places {
-    let Some(root) = covariance.cholesky() else { return Vec::new() };
-    let mut places = Vec::with_capacity(61);
-    for part in 0..=60 {
-        let angle = f64::from(part) * std::f64::consts::TAU / 60.0;
-        let at = 1e3 * root.l_dirty().lower_triangle() * Vector2::new(angle.cos(), angle.sin());
-        places.push([at.x, at.y]);
-    }
-    places
+fn in_millimetres(covariance: &Matrix2<f64>) -> Places {
+    ellipse(covariance).into_iter().map(|place| place.map(|metres| 1e3 * metres)).collect()
 }

@@ -7,7 +7,7 @@ mod window;
 
 use vislam::marginalization::Information;
 
-use crate::{Axis, Control, Face, Handle, Kind, Panel, Question, Reading, Scene, Widget};
+use crate::{Axis, Control, Face, Handle, Panel, Question, Reading, Scene, Widget};
 use draw::{ENDS, MATRIX, Sorted, WORDS, draw_end, draw_graph, draw_link, draw_matrix};
 use free::{Freeze, free_directions};
 use link::{Dropped, Ends, Way};
@@ -78,11 +78,7 @@ impl Widget for Marginalization {
                 "Linearization",
                 &["not frozen", "frozen anew", "frozen at first"],
             ),
-            Control {
-                kind: Kind::Switch,
-                start: 1.0,
-                ..Control::count("odometry", "Odometry", 1.0)
-            },
+            Control::switch("odometry", "Odometry"),
             Control::choice(
                 "drop",
                 "Link of a and b",
@@ -102,7 +98,7 @@ impl Widget for Marginalization {
                 down: true,
             },
             Panel {
-                title: "Graph",
+                title: "Graph (bold: new, dashed: older)",
                 x: Axis { label: "", range: [-0.7, 7.7] },
                 y: Axis { label: "", range: [-2.6, 5.6] },
                 aspect: 1.05,
@@ -120,9 +116,9 @@ impl Widget for Marginalization {
             Reading { veiled: true, ..counted("Coupled by no measurement") },
             counted("New on the way in this slide"),
             counted("Free directions, start unknown"),
-            known("True σ of a", "mm", 2),
+            known("True σ of a, three axes together", "mm", 2),
             reported("Reported σ of a", "mm", 2),
-            known("True σ of b", "mm", 2),
+            known("True σ of b, three axes together", "mm", 2),
             reported("Reported σ of b", "mm", 2),
             reported("Kullback-Leibler divergence", "nats", 2),
         ],
@@ -134,6 +130,7 @@ impl Widget for Marginalization {
                 "every two of all that stay",
             ],
             right: 1,
+            why: "What leaves was all that coupled them, and to sum it out leaves its message among them: a clique.",
         }),
         words: WORDS,
     };
@@ -200,4 +197,7 @@ fn show_ends(scene: &mut Scene, dropped: Option<&Dropped>) {
         scene.read(millimetres(reported));
     }
     scene.read(dropped.and_then(|dropped| dropped.nats));
+    if truth.is_some() && reported.is_none() {
+        scene.say("Without this link some combination of the states would have a negative variance: choose another link.");
+    }
 }

@@ -8,7 +8,7 @@ use vislam::inertial::{GRAVITY, ImuBias, ImuSample};
 use super::interval::{DT, Interval};
 
 /// How many flights there are, and how many readings each has at most.
-const FLIGHTS: usize = 80;
+const FLIGHTS: usize = 60;
 const READINGS: usize = 401;
 const NUMBERS: usize = 6 * READINGS;
 

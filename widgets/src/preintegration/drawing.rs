@@ -2,15 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix2, Vector2};
 use vislam::inertial::{ImuBias, NavState};
 use vislam::preintegration::{Matrix9, Vector9};
 
-use super::interval::{Belief, DT, Interval};
+use super::interval::{Belief, DT, Interval, Left};
+use crate::ellipse::ellipse;
 use crate::{Scene, Shape, Style};
 
-pub const FLIGHT: usize = 0;
-pub const END: usize = 1;
+pub const END: usize = 0;
+pub const FLIGHT: usize = 1;
 pub const RESIDUAL: usize = 2;
 pub const CORRELATIONS: usize = 3;
 pub const CORRECTION: usize = 4;
@@ -40,6 +40,9 @@ const SUMMED_AGAIN_END: Mark = (Shape::Discs, Style::Ink, 2.5);
 const TRUE_LINE: Mark = (Shape::Line, Style::Ink, 1.5);
 const TRUE_END: Mark = (Shape::Crosses, Style::Ink, 5.0);
 
+/// What is shown of what the correction leaves: powers of ten of moves in mrad/s, and of millimetres.
+const MOVES: [f64; 2] = [0.0, 2.4];
+const LEFT_BEHIND: [f64; 2] = [-4.0, 3.5];
 /// Standard deviations of the ellipse.
 const REACH: f64 = 3.0;
 /// Correlations from which a cell is one shade darker, and those from which it is filled.
@@ -71,8 +74,8 @@ pub fn flight(scene: &mut Scene, panel: usize, interval: &Interval, belief: &Bel
     scene.draw(panel, AS_SUMMED_LINE, as_summed);
     scene.draw(panel, CORRECTED_LINE, corrected);
     let end = above(&interval.second);
-    let around = ellipse(interval).map(|[x, y]| [end[0] + x, end[1] + y]);
-    scene.draw(panel, (Shape::Line, Style::Ink, 1.0), around);
+    let line = around(interval).map(|[x, y]| [end[0] + x, end[1] + y]);
+    scene.draw(panel, (Shape::Line, Style::Ink, 1.0), line);
     scene.draw(panel, (Shape::Discs, Style::Ink, 4.0), [above(&interval.first)]);
     scene.draw(panel, TRUE_END, [end]);
     key(scene, panel, [x, y]);
@@ -118,7 +121,7 @@ pub fn end(
     let believed = |part| interval.believe(part).predicted;
     let line = [believed(0.0), believed(Interval::believed(interval.curve.len() - 1))];
     let line = line.map(|state| off(&state));
-    let around = || ellipse(interval).map(centimetres);
+    let around = || around(interval).map(centimetres);
     let reach = |axis: usize| {
         let places = again().chain(line).chain(around());
         1.15 * places.map(|place| place[axis].abs()).fold(0.0, f64::max)
@@ -188,11 +191,9 @@ pub fn correlations(scene: &mut Scene, panel: usize, covariance: &Matrix9) {
 pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: &Belief) {
     let gyro = interval.setting.gyro;
     let curve = || interval.curve.iter().enumerate();
-    let moved = |place: usize| Interval::believed(place) * gyro;
-    let most = |top: f64| if top > 0.0 { top } else { 1.0 };
-    let farthest = most(moved(interval.curve.len() - 1));
-    let top = most(interval.curve.iter().fold(0.0, |top, left| top.max(1080.0 * left.bound)));
-    scene.view(panel, [0.0, 1.04 * farthest], [0.0, top]);
+    let at = |part: f64, left: f64| [(part * gyro).log10(), (1e3 * left).log10()];
+    let ([left, right], [bottom, top]) = (MOVES, LEFT_BEHIND);
+    scene.view(panel, MOVES, LEFT_BEHIND);
     let marks = [
         ((Shape::Line, Style::Estimated, 2.5), IN_FACT),
         ((Shape::Dashed, Style::Ink, 1.5), AT_MOST),
@@ -200,35 +201,35 @@ pub fn correction(scene: &mut Scene, panel: usize, interval: &Interval, belief: 
         ((Shape::Dashed, Style::Second, 2.0), SUM_AGAIN),
     ];
     for (row, (mark, word)) in marks.into_iter().enumerate() {
-        let y = (0.92 - 0.11 * row as f64) * top;
-        scene.draw(panel, mark, [[0.02 * farthest, y], [0.07 * farthest, y]]);
-        scene.word(panel, word, Style::Ink, [0.085 * farthest, y - 0.03 * top]);
+        let [x, y] = [left + 1.3, bottom + (0.29 - 0.075 * row as f64) * (top - bottom)];
+        scene.draw(panel, mark, [[x, y], [x + 0.12, y]]);
+        scene.word(panel, word, Style::Ink, [x + 0.15, y - 0.02 * (top - bottom)]);
     }
     if gyro > 0.0 {
-        scene.draw(panel, marks[0].0, curve().map(|(at, left)| [moved(at), 1e3 * left.error]));
-        scene.draw(panel, marks[1].0, curve().map(|(at, left)| [moved(at), 1e3 * left.bound]));
-        let sigma = 1e3 * interval.sums().sigmas()[2];
-        scene.draw(panel, marks[2].0, [[0.55 * farthest, sigma], [farthest, sigma]]);
+        let [error, bound] = [|left: &Left| left.error, |left: &Left| left.bound];
+        let drawn = |of: fn(&Left) -> f64| {
+            curve().skip(1).map(move |(place, left)| at(Interval::believed(place), of(left)))
+        };
+        scene.draw(panel, marks[0].0, drawn(error));
+        scene.draw(panel, marks[1].0, drawn(bound));
+        let sigma = at(1.0, interval.sums().sigmas()[2])[1];
+        scene.draw(panel, marks[2].0, [[left, sigma], [right, sigma]]);
         if let Some(part) = interval.again_beyond {
-            scene.draw(panel, marks[3].0, [[part * gyro, 0.0], [part * gyro, 0.5 * top]]);
+            let [x, _] = at(part, 1.0);
+            scene.draw(panel, marks[3].0, [[x, bottom], [x, 0.5 * (bottom + top)]]);
         }
-        let now = [belief.part * gyro, 1e3 * belief.left.error];
+        let now = at(belief.part, belief.left.error);
         scene.draw(panel, (Shape::Rings, Style::Estimated, 6.0), [now]);
     }
 }
 
 /// Around the second keyframe, in metres: where positions seen from above should lie.
-fn ellipse(interval: &Interval) -> impl Iterator<Item = [f64; 2]> {
+fn around(interval: &Interval) -> impl Iterator<Item = [f64; 2]> {
     let rotation = interval.first.world_from_body;
     let covariance = interval.sums().covariance.fixed_view::<3, 3>(6, 6).into_owned();
     let covariance = rotation * covariance * rotation.inverse();
-    let level: Matrix2<f64> = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let root = level.cholesky().map_or(Matrix2::zeros(), |factor| factor.l());
-    (0..=48).map(move |part| {
-        let angle = TAU * f64::from(part) / 48.0;
-        let place = REACH * root * Vector2::new(angle.cos(), angle.sin());
-        [place.x, place.y]
-    })
+    let level = covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    ellipse(&level).into_iter().map(|place| place.map(|metres| REACH * metres))
 }
 
 fn above(state: &NavState) -> [f64; 2] {

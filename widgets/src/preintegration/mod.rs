@@ -30,7 +30,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Preintegration {
     const FACE: Face = Face {
-        lead: "The readings were summed before their bias was known. Draw the believed bias from the true one down to nothing and up again: the corrected sums (ring) move along a straight line, sums made again (dot) along a curve. Then put more time between the keyframes: the dot leaves the ring.",
+        lead: "The readings were summed before their bias was known. Draw the believed bias from the true one down to nothing and up again: the corrected sums (ring) move along a straight line, sums made again (dot) along a curve. Then put two seconds between the keyframes and the bias at one and a half: the dot leaves the ring.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
@@ -68,18 +68,21 @@ impl Widget for Preintegration {
         ],
         handles: &[],
         panels: &[
-            Panel { equal: true, ..panel("Seen from above", ["x, m", "y, m"], 0.62) },
             Panel {
                 equal: true,
                 ..panel("Second keyframe, 3σ ellipse", ["x from the truth, cm", "y, cm"], 0.62)
             },
+            Panel { equal: true, ..panel("Seen from above", ["x, m", "y, m"], 0.62) },
             panel("Residual of the inertial factor", ["", "standard deviations"], 0.8),
             Panel { down: true, ..panel("Correlations of the nine errors", ["", ""], 0.8) },
             Panel {
                 span: 6,
                 ..panel(
                     "What the first-order correction leaves",
-                    ["move of the gyroscope's bias, mrad/s", "position, mm"],
+                    [
+                        "move of the gyroscope's bias, power of ten of mrad/s",
+                        "position, power of ten of mm",
+                    ],
                     0.44,
                 )
             },
@@ -102,6 +105,7 @@ impl Widget for Preintegration {
             ask: "The same move of the bias, and twice the time between the keyframes: how many times as much of the position does the first-order correction leave?",
             choices: &["about twice", "about four times", "about sixteen times"],
             right: 2,
+            why: "What is left grows with the square of the move and the fourth power of the time: read it off the last panel, where each unit is a factor of ten.",
         }),
         words: drawing::WORDS,
     };

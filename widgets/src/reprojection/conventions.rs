@@ -1,20 +1,18 @@
 //! One problem for two optimizers, whose Jacobians were derived for different perturbations of the cameras.
 
 use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Matrix6, Rotation3, Vector2, Vector3};
-use vislam::bundle_adjustment::PosedPinhole;
-use vislam::factors::{MovingCamera, PixelByCamera};
 use vislam::least_squares::{Factor, Kernel, Key, Problem, ProblemError};
 use vislam::manifold::se3;
 use vislam::simulation::Scene;
 
+use crate::pixels::{self, Camera, Pixel};
+
 /// Cameras of the street, how far they see along it in metres, and of what the scene is drawn.
 const STREET: (usize, f64, u64) = (4, 2.5, 1);
 
-type Camera = MovingCamera<PosedPinhole, 6>;
-
 /// A pixel whose derivative by the camera may belong to a step that is taken elsewhere than on the right.
 struct Slid {
-    pixel: PixelByCamera<PosedPinhole, 6>,
+    pixel: Pixel,
     side: f64,
 }
 
@@ -54,7 +52,7 @@ pub fn street(angle: f64, noise: f64, start: f64) -> Scene {
     let first = scene.true_cameras[0].camera_from_world;
     let middle = Vector3::x() * (cameras - 1) as f64 / 2.0;
     let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), -angle) * first.rotation;
-    let turned = Isometry3::from_parts((-(turn * middle)).into(), turn.into());
+    let turned = Isometry3::from_parts((-(turn * middle)).into(), turn);
     let is_held = |camera: usize| camera == 0 || camera == cameras - 1;
     scene.problem.fixed = (0..cameras).map(is_held).collect();
     for (number, truth) in scene.true_cameras.iter_mut().enumerate() {
@@ -73,22 +71,5 @@ pub fn street(angle: f64, noise: f64, start: f64) -> Scene {
 
 /// The problem of an optimizer whose Jacobian is derived for steps on this side.
 pub fn problem(scene: &Scene, side: f64) -> Result<Problem, ProblemError> {
-    let start = &scene.problem;
-    let mut problem = Problem::new();
-    let cameras: Vec<Key<Camera>> =
-        start.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
-    let points: Vec<Key<Vector3<f64>>> =
-        start.points.iter().map(|point| problem.add_variable(*point)).collect();
-    for (camera, fixed) in cameras.iter().zip(&start.fixed) {
-        if *fixed {
-            problem.hold(*camera)?;
-        }
-    }
-    for factor in &start.factors {
-        let (camera, landmark) = (cameras[factor.keyframe], points[factor.point]);
-        let (pixel, inverse_sigma) = (factor.pixel, factor.inverse_sigma);
-        let pixel = PixelByCamera { camera, landmark, pixel, inverse_sigma };
-        problem.add_factor(Slid { pixel, side }, Kernel::Squared)?;
-    }
-    Ok(problem)
+    pixels::problem(&scene.problem, Kernel::Squared, |pixel| Slid { pixel, side })
 }

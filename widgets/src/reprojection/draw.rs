@@ -3,22 +3,22 @@
 use nalgebra::{Vector2, Vector6};
 use vislam::bundle_adjustment::{Camera, PosedPinhole};
 
-use super::{ARROWS, Comparison, ERRORS, RESIDUALS, STEPS, WATCHED, to_side};
+use super::{ARROWS, Comparison, ERRORS, RESIDUALS, ROUNDING, STEPS, WATCHED, to_side};
 use crate::{Scene, Shape, Style};
 
 /// Where the names of both curves stand, in steps.
 const LEGEND: f64 = 10.5;
 /// Where a line breaks.
 const BREAK: [f64; 2] = [f64::NAN, f64::NAN];
-/// How far the shown step goes along an axis and about it, in metres and radians.
-const SHOWN: [f64; 2] = [0.4, 0.1];
+/// How far the trial step goes along an axis and about it, in metres and radians.
+const TRIAL: [f64; 2] = [0.4, 6.0 * std::f64::consts::PI / 180.0];
 
-/// What a step of the watched camera does to its picture, taken on the right, and what the Jacobian says of it.
+/// What a trial step of the watched camera does to its picture, taken on the right, and what the Jacobian says of it.
 /// Returns the root of the mean squared distance between both, in pixels.
 pub fn arrows(run: &Comparison, axis: usize, scene: &mut Scene) -> Option<f64> {
     let camera = run.scene.true_cameras[WATCHED];
     let mut twist = Vector6::zeros();
-    twist[axis] = SHOWN[axis / 3];
+    twist[axis] = TRIAL[axis / 3];
     let moved = camera.retract(&twist);
     let slid = to_side(&camera.camera_from_world, run.setting.side) * twist;
     let seen: Vec<[Vector2<f64>; 3]> = points(run)
@@ -54,11 +54,11 @@ fn place(pixel: &Vector2<f64>) -> [f64; 2] {
 pub fn errors(run: &Comparison, at: usize, rate: f64, scene: &mut Scene) {
     let curves = [&run.consistent, &run.mixed].map(|one| -> Vec<[f64; 2]> {
         let errors = one.errors(&run.optimum).enumerate();
-        errors.map(|(step, error)| [step as f64, error.max(1e-15).log10()]).collect()
+        errors.map(|(step, error)| [step as f64, error.max(ROUNDING).log10()]).collect()
     });
     let styles = [(Style::First, Shape::Discs), (Style::Second, Shape::Rings)];
     if let [_, [step, power], ..] = curves[1][..] {
-        let end = [STEPS as f64, power + (STEPS as f64 - step) * rate.max(1e-15).log10()];
+        let end = [STEPS as f64, power + (STEPS as f64 - step) * rate.max(ROUNDING).log10()];
         scene.draw(ERRORS, (Shape::Dashed, Style::Faint, 1.0), [[step, power], end]);
     }
     for (number, (curve, (style, marks))) in curves.iter().zip(styles).enumerate() {
@@ -67,7 +67,7 @@ pub fn errors(run: &Comparison, at: usize, rate: f64, scene: &mut Scene) {
         if let Some(here) = curve.get(at) {
             scene.draw(ERRORS, (Shape::Rings, Style::Ink, 6.0), [*here]);
         }
-        let height = 1.6 - 1.4 * number as f64;
+        let height = -11.3 - 1.4 * number as f64;
         scene.draw(ERRORS, (marks, style, 3.5), [[LEGEND - 0.6, height]]);
         scene.word(ERRORS, number, style, [LEGEND, height - 0.3]);
     }

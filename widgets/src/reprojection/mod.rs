@@ -16,6 +16,10 @@ use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Widget};
 pub const STEPS: usize = 16;
 /// The camera whose picture is shown.
 const WATCHED: usize = 1;
+/// The quotient of errors below this is not one of all digits any more.
+const SETTLED: f64 = 1e-6;
+/// Errors below this are rounding.
+const ROUNDING: f64 = 1e-15;
 /// Steps from the truth to the minimum of the cost.
 const TO_OPTIMUM: usize = 12;
 
@@ -97,7 +101,7 @@ const RESIDUALS: [usize; 2] = [2, 3];
 
 const fn picture(title: &'static str) -> Panel {
     let x = Axis { label: "", range: [180.0, 540.0] };
-    let y = Axis { label: "", range: [103.0, 373.0] };
+    let y = Axis { label: "", range: [88.0, 358.0] };
     Panel { title, x, y, aspect: 0.75, span: 3, equal: true, down: true }
 }
 
@@ -107,14 +111,14 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Reprojection {
     const FACE: Face = Face {
-        lead: "Steps are taken on the right. The Jacobian of the mixed optimizer stands on the left: its arrows miss the \
-               points. Slide it to the right, and both optimizers are one. Then turn the world, and watch the slope of each curve.",
+        lead: "Both optimizers move their cameras by steps on the right. The mixed one has the Jacobian for a step on the left, so that \
+               what it says of a trial step (hollow) misses what happens (filled). Slide it to the right, and both optimizers are one. Then turn the world, and watch the slope of each curve.",
         controls: &[
             Control::slider(
                 "side",
-                "Side of the Jacobian: 0 right, 1 left",
+                "Jacobian for a step on the: 0 left, 1 right",
                 "",
-                [1.0, 0.0, 1.0, 0.02],
+                [0.0, 0.0, 1.0, 0.02],
             ),
             Control::slider(
                 "angle",
@@ -127,34 +131,45 @@ impl Widget for Reprojection {
                 start: 1.0,
                 ..Control::choice(
                     "axis",
-                    "Step whose arrows are drawn",
-                    &["along x", "along y", "along z", "about x", "about y", "about z"],
+                    "Trial step of one camera",
+                    &[
+                        "40 cm along x, the axis of the turn",
+                        "40 cm along y",
+                        "40 cm along z",
+                        "6° about x",
+                        "6° about y",
+                        "6° about z",
+                    ],
                 )
             },
             Control::slider("noise", "Noise of a pixel", "px", [0.0, 0.0, 3.0, 0.1]),
-            Control::slider("start", "Start off, times the scene's", "", [2.0, 0.0, 6.0, 0.5]),
+            Control::slider("start", "Start off, times 5 cm and 1°", "", [2.0, 0.0, 6.0, 0.5]),
         ],
         handles: &[],
         panels: &[
             Panel {
                 x: Axis { label: "Gauss-Newton steps", range: [-0.5, STEPS as f64 + 0.5] },
-                y: Axis { label: "error of the cameras, power of ten", range: [-15.5, 2.5] },
+                y: Axis { label: "way to the minimum, power of ten", range: [-15.5, 2.5] },
                 equal: false,
                 down: false,
                 ..picture("Both optimizers")
             },
-            picture("One step: what it does (filled), what the Jacobian says (hollow)"),
+            picture("Trial step: filled what it does, hollow what the Jacobian says"),
             picture("Residuals of the consistent optimizer"),
             picture("Residuals of the mixed optimizer"),
         ],
         readings: &[
-            reading("The shown arrows differ by", "px", 2),
+            reading("Trial step: the Jacobian errs by", "px", 2),
             reading("RMSE, consistent", "px", 3),
             reading("RMSE, mixed", "px", 3),
-            reading("Error of the cameras, consistent", "m, rad", 6),
-            reading("Error of the cameras, mixed", "m, rad", 6),
-            Reading { veiled: true, ..reading("The last mixed step left, of the error", "", 3) },
-            Reading { veiled: true, ..reading("The theorem predicts", "", 3) },
+            reading("Way to the minimum, consistent", "mm, mrad", 4),
+            reading("Way to the minimum, mixed", "mm, mrad", 4),
+            Reading {
+                veiled: true,
+                none: "no step, or rounding",
+                ..reading("Way after the last mixed step, over that before", "", 3)
+            },
+            Reading { veiled: true, ..reading("The theorem predicts, near the minimum", "", 3) },
         ],
         question: Some(Question {
             ask: "The Jacobian is the left one, the steps are taken on the right, and the cameras are turned from the world by 80°. Where does the mixed optimizer go?",
@@ -164,12 +179,14 @@ impl Widget for Reprojection {
                 "away from the minimum, however close it begins",
             ],
             right: 2,
+            why: "By the theorem a step leaves more than the whole error: set the angle to 80°, and read how much.",
         }),
         words: &["consistent", "mixed", "lost"],
     };
 
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
         let &[side, angle, step, axis, noise, start] = controls else { return };
+        let side = 1.0 - side;
         let setting = Setting { side, angle: angle.to_radians(), noise, start };
         self.comparison = match self.comparison.take() {
             Some(known) if known.setting == setting => Some(known),
@@ -188,12 +205,16 @@ impl Widget for Reprojection {
         draw::residuals(comparison, at, scene);
         let [consistent, mixed] =
             [&comparison.consistent, &comparison.mixed].map(|run| comparison.state(run, at));
-        [consistent[0], mixed[0], consistent[1], mixed[1]]
-            .into_iter()
-            .for_each(|number| scene.read(number));
+        let small = |error: Option<f64>| error.map(|error| 1e3 * error);
+        let shown = [consistent[0], mixed[0], small(consistent[1]), small(mixed[1])];
+        shown.into_iter().for_each(|number| scene.read(number));
         let before = at.checked_sub(1).and_then(|at| comparison.state(&comparison.mixed, at)[1]);
         let left = mixed[1].zip(before).map(|(error, before)| error / before);
-        scene.read(left.filter(|left| left.is_finite()));
+        scene.read(left.filter(|left| left.is_finite() && mixed[1] > Some(SETTLED)));
         scene.read(predicted);
+        let last = comparison.mixed.states.len() - 1;
+        if last < STEPS {
+            scene.say(&format!("After step {last} the mixed optimizer is lost."));
+        }
     }
 }

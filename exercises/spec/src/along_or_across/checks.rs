@@ -6,7 +6,7 @@ use super::*;
 use crate::Exercise;
 use crate::answer::Transport;
 use crate::camera::point_in_view;
-use crate::check::{Check, Failure, compare, readable};
+use crate::check::{Check, Failure, compare, readable, show};
 use crate::draw::Draw;
 use crate::picture::{Dots, Picture};
 
@@ -485,6 +485,7 @@ pub fn worked(answer: &dyn Transport, case: &Case, distance: f64) -> Result<(), 
             lengths.collect::<Vec<_>>().join(" and ")
         };
         let obtained = rows(&moves);
+        show("the table of moves of a point that is dragged", &obtained, &expected);
         right &= obtained.shape() == expected.shape()
             && (&obtained - &expected).amax() <= 1e-7 * expected.amax()
             && obtained.iter().all(|number| number.is_finite());

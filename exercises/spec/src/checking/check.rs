@@ -1,5 +1,6 @@
 //! Checks, and what they say when an answer is wrong.
 
+use std::cell::RefCell;
 use std::fmt::{self, Debug, Display, Formatter, Write as _};
 
 use nalgebra::{DMatrix, Dim, Matrix, RawStorage};
@@ -58,6 +59,52 @@ impl Check {
     pub fn run(&self, answer: &dyn Transport) -> Result<(), Failure> {
         (self.run)(answer)
     }
+
+    /// Runs it on an answer to see all that it compares, whatever comes out: a number that is not
+    /// as it should be does not end it. Gives what else is wrong, too.
+    pub fn watch(&self, answer: &dyn Transport) -> (Vec<Compared>, Option<Failure>) {
+        WATCHED.set(Some(Vec::new()));
+        let failure = self.run(answer).err();
+        (WATCHED.take().unwrap_or_default(), failure)
+    }
+}
+
+thread_local! {
+    /// What has been compared, while somebody watches.
+    static WATCHED: RefCell<Option<Vec<Compared>>> = const { RefCell::new(None) };
+}
+
+/// What a check compared while it was watched.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// What the numbers are.
+    pub what: String,
+    /// Those of the answer.
+    pub obtained: DMatrix<f64>,
+    /// Those of the oracle.
+    pub expected: DMatrix<f64>,
+    /// How far entries may be off, as a part of the greatest one expected.
+    pub tolerance: f64,
+    /// Names of rows; there may be none.
+    pub rows: Vec<String>,
+    /// Names of columns; there may be none.
+    pub columns: Vec<String>,
+    /// What is wrong.
+    pub failure: Option<Failure>,
+}
+
+/// Shows numbers of an answer beside others to whoever watches. It judges nothing: that is for checks
+/// whose verdict is not a comparison of numbers.
+pub fn show(what: &str, obtained: &DMatrix<f64>, expected: &DMatrix<f64>) {
+    if WATCHED.with_borrow(Option::is_some) {
+        // Whoever watches hears of it, and nothing comes back.
+        let _ = compare(what, obtained, expected).judge();
+    }
+}
+
+/// The same for lists.
+pub fn show_list(what: &str, obtained: &[f64], expected: &[f64]) {
+    show(what, &column(obtained), &column(expected));
 }
 
 /// Why an answer fails a check, in words of the subject.
@@ -191,8 +238,11 @@ pub fn compare_number(what: &str, obtained: f64, expected: f64) -> Comparison<'_
 
 /// Compares a list of numbers with that of an oracle.
 pub fn compare_list<'a>(what: &'a str, obtained: &[f64], expected: &[f64]) -> Comparison<'a> {
-    let column = |list: &[f64]| DMatrix::from_column_slice(list.len(), 1, list);
     compare(what, &column(obtained), &column(expected))
+}
+
+fn column(list: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_column_slice(list.len(), 1, list)
 }
 
 fn dense<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(matrix: &Matrix<f64, R, C, S>) -> DMatrix<f64> {
@@ -237,6 +287,30 @@ impl<'a> Comparison<'a> {
     ///
     /// A [`Failure`] with the numbers when it does not.
     pub fn judge(&self) -> Result<(), Failure> {
+        let verdict = self.verdict();
+        WATCHED.with_borrow_mut(|watched| match watched {
+            Some(watched) => {
+                watched.push(self.seen(verdict.err()));
+                Ok(())
+            }
+            None => verdict,
+        })
+    }
+
+    fn seen(&self, failure: Option<Failure>) -> Compared {
+        let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        Compared {
+            what: self.what.to_owned(),
+            obtained: self.obtained.clone(),
+            expected: self.expected.clone(),
+            tolerance: self.tolerance,
+            rows: owned(self.rows),
+            columns: owned(self.columns),
+            failure,
+        }
+    }
+
+    fn verdict(&self) -> Result<(), Failure> {
         let (obtained, expected) = (&self.obtained, &self.expected);
         if obtained.shape() != expected.shape() {
             let (rows, columns) = obtained.shape();
@@ -267,9 +341,7 @@ impl<'a> Comparison<'a> {
 
     /// Whether two entries are as near as they must be.
     fn near(&self, row: usize, column: usize) -> bool {
-        let scale = self.expected.amax();
-        (self.obtained[(row, column)] - self.expected[(row, column)]).abs()
-            <= self.tolerance * scale + f64::MIN_POSITIVE
+        near(&self.obtained, &self.expected, self.tolerance, (row, column))
     }
 
     /// Both matrices as a table; wrong entries are marked. Long ones are cut to their first rows
@@ -322,6 +394,18 @@ impl<'a> Comparison<'a> {
 
     fn label(&self, labels: &[&str], index: usize) -> String {
         labels.get(index).map_or_else(|| format!("[{index}]"), |label| (*label).to_owned())
+    }
+}
+
+/// Whether an entry of two matrices is as near as it must be, to a part of the greatest of the second.
+fn near(a: &DMatrix<f64>, b: &DMatrix<f64>, tolerance: f64, at: (usize, usize)) -> bool {
+    (a[at] - b[at]).abs() <= tolerance * b.amax() + f64::MIN_POSITIVE
+}
+
+impl Compared {
+    /// Whether an entry is not what it should be. Both matrices have one there.
+    pub fn differs(&self, row: usize, column: usize) -> bool {
+        !near(&self.obtained, &self.expected, self.tolerance, (row, column))
     }
 }
 

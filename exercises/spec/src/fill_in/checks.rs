@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::*;
 use crate::Exercise;
 use crate::answer::Transport;
-use crate::check::{Check, Failure, Misconception, compare_number, readable};
+use crate::check::{Check, Failure, Misconception, compare_number, readable, show, show_list};
 use crate::draw::Draw;
 
 /// The exercise.
@@ -123,6 +123,13 @@ impl Slide {
     }
 
     /// Whether the keyframes before and after the departing one share no landmark with it.
+    /// Who is coupled with whom: one where there is a pair.
+    fn table(&self, pairs: &[Pair]) -> DMatrix<f64> {
+        let coupled = |a, b| pairs.contains(&(a, b)) || pairs.contains(&(b, a));
+        let keyframes = self.layout.keyframes;
+        DMatrix::from_fn(keyframes, keyframes, |a, b| f64::from(coupled(a, b)))
+    }
+
     fn has_met_some_by_odometry_alone(&self) -> bool {
         let near = |seen: &usize| seen.abs_diff(self.departing) == 1;
         let seen_by = &self.layout.seen_by;
@@ -229,6 +236,7 @@ pub fn couplings(answer: &dyn Transport, slide: &Slide) -> Result<(), Failure> {
     let Slide { layout, departing } = slide;
     let obtained = Answer(answer).new_couplings(layout, departing)?;
     let truth = slide.truth();
+    show("the table of couplings", &slide.table(&obtained), &slide.table(&truth));
     if obtained == truth {
         return Ok(());
     }
@@ -546,6 +554,10 @@ impl Window {
 pub fn cheapest(answer: &dyn Transport, windows: &[Window]) -> Result<(), Failure> {
     let ask = |window: &Window| Answer(answer).cheapest_link(&window.information, &window.size);
     let obtained = windows.iter().map(ask).collect::<Result<Vec<_>, _>>()?;
+    let ends = |link: Option<Pair>| link.map_or([f64::NAN; 2], |(a, b)| [a as f64, b as f64]);
+    let [said, right] = [obtained.clone(), windows.iter().map(Window::cheapest).collect()]
+        .map(|links| links.into_iter().flat_map(ends).collect::<Vec<f64>>());
+    show_list("the list of chosen links, window by window,", &said, &right);
     // A wrong idea shows in every window; in a single one it may be an accident.
     let chosen_by = |choice: &dyn Fn(&Window) -> Option<Pair>| {
         windows.iter().zip(&obtained).all(|(window, obtained)| choice(window) == *obtained)

@@ -11,13 +11,13 @@ use crate::draw::Draw;
 
 impl State {
     /// The library's state with these numbers.
-    pub(crate) fn nav(&self) -> NavState {
+    pub fn nav(&self) -> NavState {
         let Self { world_from_body, velocity, position } = *self;
         NavState { world_from_body, velocity, position }
     }
 
     /// The state of the library's.
-    pub(crate) fn of(state: &NavState) -> Self {
+    pub fn of(state: &NavState) -> Self {
         let NavState { world_from_body, velocity, position } = *state;
         Self { world_from_body, velocity, position }
     }
@@ -34,7 +34,7 @@ impl State {
 
 impl Deltas {
     /// The library's sums with these numbers, at a bias of zero and without a covariance.
-    pub(crate) fn preintegrated(&self) -> Preintegrated {
+    pub fn preintegrated(&self) -> Preintegrated {
         let Self { duration, rotation, velocity, position } = *self;
         Preintegrated {
             duration,
@@ -58,7 +58,7 @@ impl Deltas {
     }
 
     /// The state to which they lead.
-    pub(crate) fn lead(&self, first: &State, gravity: &Vector3<f64>) -> State {
+    pub fn lead(&self, first: &State, gravity: &Vector3<f64>) -> State {
         let sums = self.preintegrated();
         State::of(&sums.predict(&first.nav(), gravity, &ImuBias::default()))
     }

@@ -10,7 +10,7 @@ use vislam::preintegration::Vector9;
 use super::*;
 use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
-use crate::check::{Check, Failure, Misconception, compare, compare_list, readable};
+use crate::check::{Check, Failure, Misconception, compare, compare_list, readable, show_list};
 use crate::draw::Draw;
 pub use vehicle::Flown;
 use vehicle::Injected;
@@ -439,6 +439,12 @@ pub fn diagnosed(answer: &dyn Transport, flown: &[Flown]) -> Result<(), Failure>
     for one in flown {
         said.push(Answer(answer).diagnosis(&one.campaign, &one.outside)?);
     }
+    let numbers = |faults: Vec<Fault>| -> Vec<f64> {
+        faults.into_iter().map(|fault| f64::from(fault as u8) + 1.0).collect()
+    };
+    let injected = flown.iter().map(|one| one.injected.fault()).collect();
+    let what = "the list of verdicts (1 nothing, 2 density, 3 transition, 4 clones)";
+    show_list(what, &numbers(said.clone()), &numbers(injected));
     let pairs = || flown.iter().zip(&said);
     let Some((missed, verdict)) = pairs().find(|(one, said)| one.injected.fault() != **said) else {
         return Ok(());

@@ -10,7 +10,7 @@ use vislam::preintegration::{Deltas, Preintegrated, preintegrate};
 use super::*;
 use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
-use crate::check::{Check, Failure, compare, compare_number, readable};
+use crate::check::{Check, Failure, compare, compare_number, readable, show_list};
 use crate::draw::Draw;
 
 /// The exercise.
@@ -532,6 +532,12 @@ pub fn exponents(answer: &dyn Transport, rest: &Rest) -> Result<(), Failure> {
         let (Some(expected), Some(of_bias)) = shown else {
             return Err(Failure::new("The sensor of this check cannot be summed up."));
         };
+        let numbers = |of: &Exponents| {
+            [of.attitude, of.velocity, of.position].map(|exponent| exponent.unwrap_or(0.0))
+        };
+        let what =
+            "the list of exponents of attitude, velocity and position, zero where there is none,";
+        show_list(what, &numbers(&obtained), &numbers(&expected));
         if obtained.are(&expected) {
             continue;
         }

@@ -6,7 +6,7 @@ use super::*;
 use crate::Exercise;
 use crate::answer::Transport;
 use crate::camera::{Camera, point_in_view};
-use crate::check::{Check, Failure, Misconception, compare, compare_number, readable};
+use crate::check::{Check, Failure, Misconception, compare, compare_number, readable, show_list};
 use crate::checking::FACTORIZATIONS;
 use crate::draw::Draw;
 
@@ -242,6 +242,12 @@ fn checks() -> Vec<Check> {
 pub fn rotation(answer: &dyn Transport, [a, b]: [f64; 2]) -> Result<(), Failure> {
     let (c, s) = Answer(answer).givens(&a, &b)?;
     let length = f64::hypot(a, b);
+    match length == 0.0 {
+        true => show_list("the pair (c, s) where there is nothing to turn", &[c, s], &[1.0, 0.0]),
+        false => {
+            show_list("what is left of (a, b)", &[c * a + s * b, c * b - s * a], &[length, 0.0])
+        }
+    }
     let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 1e-12 * scale + f64::MIN_POSITIVE;
     let turns =
         |c: f64, s: f64| near(c * a + s * b, length, length) && near(c * b - s * a, 0.0, length);
@@ -376,6 +382,9 @@ impl Shown {
     /// Whether the landmark is gone.
     fn landmark_gone(&self, case: &Case) -> Result<(), Failure> {
         let (gone, landmark) = (&self.by_landmark, &case.by_landmark);
+        let [before, after] = [landmark.norm(), gone.norm()];
+        let what = "the pair of norms, of H_f and of what is left of it,";
+        show_list(what, &[before, after], &[before, 0.0]);
         if gone.norm() <= 1e-11 * landmark.norm() {
             return Ok(());
         }
@@ -558,6 +567,10 @@ pub fn refusal(answer: &dyn Transport, Tracks(tracks): &Tracks) -> Result<(), Fa
     for track in tracks {
         all.push((track, asked(answer, &track.case)?));
     }
+    let refused = all.iter().map(|(_, obtained)| f64::from(obtained.is_none()));
+    let refusable = tracks.iter().map(|track| f64::from(!track.fixed));
+    let (refused, refusable): (Vec<_>, Vec<_>) = (refused.collect(), refusable.collect());
+    show_list("the list of tracks, one where a track is refused,", &refused, &refusable);
     let (fixed, free): (Vec<_>, Vec<_>) = all.into_iter().partition(|(track, _)| track.fixed);
     for (track, obtained) in fixed.iter().filter(|(track, _)| track.unit == Unit::Usual) {
         complete(&track.case, obtained.clone())?;

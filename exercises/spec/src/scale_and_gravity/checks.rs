@@ -13,7 +13,7 @@ use vislam::simulation::{EulerAngles, ScalarTrajectory, Trajectory};
 use super::*;
 use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
-use crate::check::{Check, Failure, Misconception, compare};
+use crate::check::{Check, Failure, Misconception, compare, show_list};
 use crate::draw::Draw;
 use crate::navigation::given;
 use crate::picture::{Dots, Picture};
@@ -594,6 +594,13 @@ pub fn verdicts(answer: &dyn Transport, flights: &Flights) -> Result<(), Failure
     let obtained: Vec<bool> = flights.all.iter().map(ask).collect::<Result<_, _>>()?;
     let free = |flight: &Flight| flight.free(&flight.gravity, flights.tolerance);
     let expected = flights.judged(|flight| free(flight).iter().all(|free| *free));
+    let numbers =
+        |verdicts: &[bool]| -> Vec<f64> { verdicts.iter().map(|free| f64::from(*free)).collect() };
+    show_list(
+        "the list of verdicts, one where the scale is free,",
+        &numbers(&obtained),
+        &numbers(&expected),
+    );
     if obtained == expected {
         return Ok(());
     }

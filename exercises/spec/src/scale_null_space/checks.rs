@@ -7,7 +7,9 @@ use vislam::two_views;
 use super::*;
 use crate::Exercise;
 use crate::answer::{Spoiled, Transport};
-use crate::check::{Check, Failure, Misconception, compare, compare_number, readable};
+use crate::check::{
+    Check, Failure, Misconception, compare, compare_number, readable, show, show_list,
+};
 use crate::draw::Draw;
 use crate::picture::{Dots, Picture};
 
@@ -378,6 +380,10 @@ pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let off = off.map(|off| if off.is_nan() { f64::INFINITY } else { off }).fold(0.0, f64::max);
     let length = |scene: &Scene| (scene.points[0] - scene.centre(0)).norm();
     let times = length(&obtained) / length(scene);
+    let table =
+        |pixels: &[Vector2<f64>]| DMatrix::from_fn(pixels.len(), 2, |row, axis| pixels[row][axis]);
+    show("the table of pixels after the growth", &table(&after), &table(&before));
+    show_list("the growth of the distance from camera 0 to point 0", &[times], &[*factor]);
     if moved <= 1e-9 && off <= 1e-6 && (times / factor - 1.0).abs() <= 1e-9 {
         return Ok(());
     }
@@ -518,6 +524,8 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     }
     let ask = |direction: &DVector<f64>| Answer(answer).annihilation(&hessian, direction);
     let (along, other) = (ask(&growth)?, ask(&case.step)?);
+    let what = "the pair of measures, of your direction of growth and of a step drawn at random,";
+    show_list(what, &[along, other], &[0.0, other]);
     // The Hessian comes from differences, and so is off by about 1e-11.
     let agree = along.abs() <= 1e-8 && (1e-4..=1.0).contains(&other);
     if agree && direction(answer, case).is_ok() && measured(answer, case).is_ok() {
