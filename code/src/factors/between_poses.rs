@@ -82,7 +82,7 @@ impl<P: GraphPose<D>, const D: usize> Factor<D> for BetweenPoses<P, D> {
 }
 
 /// In space the error is the twist log(Z⁻¹ T₁⁻¹ T₂), with Z what was measured: translation first, in
-/// the frame of the second pose.
+/// the frame of the second pose. Implements {eq:loop-error} and {eq:loop-slopes}.
 impl GraphPose<6> for Isometry3<f64> {
     type Measured = Self;
 

@@ -10,10 +10,11 @@ use crate::manifold::so3;
 /// chord, R₂ − R₁ R̃, and not by the arc. Twice the cost is κ/2 times the square of the nine entries of
 /// that matrix and τ times that of t₂ − t₁ − R₁ t̃. Both are linear in the entries of the poses, which is
 /// what a certificate of global optimality needs ([@rosen2019]). Errors that are small cost what they
-/// cost by the arc.
+/// cost by the arc. Implements {eq:chordal-cost}.
 ///
 /// The residual is another vector of the same length: R₁ᵀ (t₂ − t₁) − t̃, and 2 sin(θ/2) a with the angle
-/// θ and the axis a of what is left of the rotation, since the nine entries have the norm 2√2 sin(θ/2).
+/// θ and the axis a of what is left of the rotation, since the nine entries have the norm 2√2 sin(θ/2),
+/// {eq:chord-length}.
 /// The cost is the same, and Gauss-Newton is not: it leaves out how a residual bends, and these six
 /// numbers bend less along the soft directions of a graph than those that are linear in the entries.
 #[derive(Debug, Clone)]

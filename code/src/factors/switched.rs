@@ -10,8 +10,8 @@ use crate::least_squares::{Factor, Key};
 /// switchable constraint of [@sunderhauf2012], with the identity as switch function.
 ///
 /// A [`Prior`](super::Prior) must hold the switch near one. With its information ξ, the best switch
-/// for a residual of squared norm e² is ξ / (ξ + e²): between zero and one, whatever is on the way
-/// there, since the cost is a square in the switch.
+/// for a residual of squared norm e² is ξ / (ξ + e²), {eq:switch-value}: between zero and one, whatever
+/// is on the way there, since the cost is a square in the switch.
 #[derive(Debug, Clone)]
 pub struct Switched<P: GraphPose<D>, const D: usize> {
     /// The measurement.

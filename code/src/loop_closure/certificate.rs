@@ -83,7 +83,8 @@ pub enum Inapplicable {
 /// With the rows of all rotations and positions side by side in a matrix X of three rows, the chordal
 /// cost is ½ tr(X M Xᵀ). Let Λ have the symmetric part of Rᵢᵀ (X M)ᵢ in the block of each rotation and
 /// zeros elsewhere: the Lagrange multipliers of Rᵢᵀ Rᵢ = I. If S = M − Λ is positive semidefinite, all
-/// X whose rotations are orthogonal cost at least ½ tr Λ, and that is what a minimum costs.
+/// X whose rotations are orthogonal cost at least ½ tr Λ, and that is what a minimum costs. Implements
+/// {eq:certificate-matrix} and {eq:dual-bound}; {thm:certificate} is the proof.
 ///
 /// A computer cannot tell zero, which is an eigenvalue of S, from a little less. `tolerance` times the
 /// mean diagonal of M, the shift ε, is added to the diagonal of all rotations, and what is then positive

@@ -15,7 +15,7 @@ type Measurement = RelativeMeasurement<Isometry3<f64>, 6>;
 /// The rotations are first taken for any matrices: the sum of κ ‖Rⱼ − Rᵢ R̃‖² is then a linear problem
 /// with three right-hand sides, one for each row, and each matrix is replaced by the rotation that
 /// comes nearest to it. With these the translations are linear too. A weight is the mean of what the
-/// information has on its diagonal.
+/// information has on its diagonal. Implements {eq:chordal-start}.
 ///
 /// # Errors
 ///

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::Inapplicable;
 use crate::least_squares::{ProblemError, SolveError};
+use crate::two_views::StereoError;
 
 /// Why a pose graph cannot be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -98,6 +99,20 @@ pub enum LoopClosureError {
         /// The pose.
         pose: usize,
     },
+    /// Nothing says how two keyframes stand to each other in all directions.
+    #[error(
+        "keyframe {second} as seen from keyframe {first} has no covariance that can be inverted; take \
+         keyframes that the belief has, or that see more of the same landmarks"
+    )]
+    Unsure {
+        /// The number of the pose that is seen from.
+        first: usize,
+        /// The number of the pose that is seen.
+        second: usize,
+    },
+    /// A stereo camera cannot have seen this.
+    #[error(transparent)]
+    Stereo(#[from] StereoError),
     /// A measurement's noise is not alike in all directions.
     #[error(transparent)]
     Inapplicable(#[from] Inapplicable),

@@ -113,8 +113,8 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
 // ANCHOR: truncated_weight
 /// The weight of a measurement, from its squared error, the squared threshold and the control
 /// parameter: one where the surrogate is a square, zero where it is constant, and in between what
-/// joins them without a kink.
-fn truncated_weight(error: f64, limit: f64, control: f64) -> f64 {
+/// joins them without a kink. Implements {eq:graduated-weight}.
+pub fn truncated_weight(error: f64, limit: f64, control: f64) -> f64 {
     let outer = limit * (control + 1.0) / control;
     let inner = limit * control / (control + 1.0);
     if error >= outer {

@@ -251,8 +251,9 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
 
 impl SpatialGraph {
     // ANCHOR: upright
-    /// The same graph with roll and pitch kept as they are. What a measurement says of the other four
-    /// is what it says with these held: Jᵀ Ω J, with J the change of the six by the four.
+    /// The same graph with roll and pitch kept as they are. What a measurement says of these two is left
+    /// out: the other four have their part Pᵀ Σ P of its covariance, with P the change of the six by the
+    /// four. Implements {eq:upright-information}.
     pub fn upright(&self) -> UprightGraph {
         let upright = |it: &RelativeMeasurement<Isometry3<f64>, 6>| {
             let up = self.poses.get(it.second).map(UprightPose::up_in_body).unwrap_or_default();
@@ -260,11 +261,15 @@ impl SpatialGraph {
             let turned = it.measured.rotation.to_rotation_matrix().transpose();
             by_four.fixed_view_mut::<3, 3>(0, 0).copy_from(turned.matrix());
             by_four.fixed_view_mut::<3, 1>(3, 3).copy_from(&up);
+            let part = |covariance| by_four.transpose() * covariance * by_four;
+            let covariance = it.information.cholesky().map(|factor| part(factor.inverse()));
+            let information =
+                covariance.and_then(|covariance| Some(covariance.cholesky()?.inverse()));
             RelativeMeasurement {
                 first: it.first,
                 second: it.second,
                 measured: it.measured,
-                information: by_four.transpose() * it.information * by_four,
+                information: information.unwrap_or_default(),
             }
         };
         PoseGraph {

@@ -5,6 +5,8 @@
 //! yaw, which are the four degrees of freedom that cameras and an inertial sensor cannot know, with roll
 //! and pitch kept as gravity gives them.
 //!
+//! - [`RelativeMeasurement::believed`] is what a filter knows of two keyframes, and
+//!   [`RelativeMeasurement::from_stereo`] what their pictures say.
 //! - [`PoseGraph::solve`] goes downhill from where the poses are, best with [`pose_graph_options`];
 //!   [`PoseGraph::chained`] and [`chordal_initialization`] say where to begin.
 //! - [`certify`] says whether a minimum is the lowest one there is, for noise that is alike in all
@@ -18,13 +20,14 @@ mod error;
 mod graduation;
 mod graph;
 mod isotropic;
+mod keyframes;
 mod switches;
 mod upright;
 
 pub use certificate::{Certificate, Inapplicable, certify};
 pub use chordal::chordal_initialization;
 pub use error::LoopClosureError;
-pub use graduation::{GraduatedGraph, Graduation};
+pub use graduation::{GraduatedGraph, Graduation, truncated_weight};
 pub use graph::{
     GraphProblem, PlanarGraph, PoseGraph, RelativeMeasurement, SolvedGraph, SpatialGraph,
     UprightGraph, pose_graph_options,

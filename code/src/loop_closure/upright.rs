@@ -72,7 +72,8 @@ const UNDECIDED: f64 = 1e-9;
 
 /// The error is what the position of the second body differs by from what was measured, in the frame of
 /// the first, and the yaw that is left between the rotation of the second and the one that was measured
-/// from the first. What a measurement says of roll and pitch does not count.
+/// from the first. What a measurement says of roll and pitch does not count. Implements
+/// {eq:upright-error}.
 impl GraphPose<4> for UprightPose {
     type Measured = Isometry3<f64>;
 
