@@ -17,7 +17,9 @@ use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Isometry3, Vector3};
-use vislam::filtering::{Freedom, RootMeanSquares, absolute_trajectory_error};
+use vislam::filtering::{
+    AlignmentError, Belief, Freedom, RootMeanSquares, absolute_trajectory_error,
+};
 use vislam::inertial::{BodyPose, NavState};
 use vislam::least_squares::{Kernel, Key};
 use vislam::loop_closure::{
@@ -84,35 +86,39 @@ pub struct Keyframes {
     pub odometry: SpatialGraph,
 }
 
-// ANCHOR: keyframes
-/// Follows a recording with the filter and keeps keyframes. The filter still has the last keyframe in
-/// its window when the next one comes, so it knows how the two stand to each other.
+/// Follows a recording with the filter and keeps keyframes.
 pub fn keyframes(recording: &FlightRecording, seed: u64) -> Result<Keyframes, Box<dyn Error>> {
     let start = Start::drawn(recording, &SIGMAS, 1000 + seed).ok_or("there is no picture")?;
     let mut filter = Msckf::new(MsckfOptions::of_flight(&recording.flight), &start)?;
-    let (mut pictures, mut truth) = (Vec::new(), Vec::new());
-    let mut odometry = PoseGraph { poses: Vec::new(), measurements: Vec::new() };
+    let odometry = PoseGraph { poses: Vec::new(), measurements: Vec::new() };
+    let mut keyframes = Keyframes { pictures: Vec::new(), truth: Vec::new(), odometry };
     for number in 0..recording.pictures.len() {
         filter.follow(recording, number)?;
-        if number < FIRST || (number - FIRST) % SPACING != 0 {
-            continue;
+        if number >= FIRST && (number - FIRST).is_multiple_of(SPACING) {
+            keep(&mut keyframes.odometry, filter.belief())?;
+            keyframes.pictures.push(number);
+            keyframes.truth.push(recording.truth.states[number]);
         }
-        let belief = filter.belief();
-        let window: Vec<Key<BodyPose>> =
-            (0..belief.values().len()).filter_map(|at| belief.values().key(at)).collect();
-        let newest = window.len() - 1;
-        if let Some(last) = odometry.poses.len().checked_sub(1) {
-            let keys = [window[newest - SPACING], window[newest]];
-            let seen = RelativeMeasurement::believed(belief, keys, [last, last + 1])?;
-            odometry.measurements.push(seen);
-        }
-        odometry.poses.push(belief.values()[window[newest]].at_rest().pose());
-        pictures.push(number);
-        truth.push(recording.truth.states[number]);
     }
-    Ok(Keyframes { pictures, truth, odometry })
+    Ok(keyframes)
 }
-// ANCHOR_END: keyframes
+
+// ANCHOR: keep_keyframe
+/// Adds the newest pose of a filter as a keyframe. The filter still has the last keyframe in its window,
+/// so it knows how the two stand to each other.
+fn keep(odometry: &mut SpatialGraph, belief: &Belief) -> Result<(), LoopClosureError> {
+    let window: Vec<Key<BodyPose>> =
+        (0..belief.values().len()).filter_map(|at| belief.values().key(at)).collect();
+    let newest = window[window.len() - 1];
+    if let Some(last) = odometry.poses.len().checked_sub(1) {
+        let before = window[window.len() - 1 - SPACING];
+        let seen = RelativeMeasurement::believed(belief, [before, newest], [last, last + 1])?;
+        odometry.measurements.push(seen);
+    }
+    odometry.poses.push(belief.values()[newest].at_rest().pose());
+    Ok(())
+}
+// ANCHOR_END: keep_keyframe
 
 // ANCHOR: shared_sights
 /// What two pictures saw of the landmarks that both show to both cameras.
@@ -184,18 +190,22 @@ pub fn both_ways(graph: &SpatialGraph) -> Result<[Vec<Isometry3<f64>>; 2], LoopC
 }
 // ANCHOR_END: close_loops
 
-/// How far poses are from the truth, once yaw and translation are aligned.
-pub fn errors(
-    poses: &[Isometry3<f64>],
-    truth: &[NavState],
-) -> Result<RootMeanSquares, Box<dyn Error>> {
+/// Poses as the states of bodies at rest.
+pub fn states(poses: &[Isometry3<f64>]) -> Vec<NavState> {
     let state = |pose: &Isometry3<f64>| NavState {
         world_from_body: pose.rotation.to_rotation_matrix(),
         velocity: Vector3::zeros(),
         position: pose.translation.vector,
     };
-    let states: Vec<NavState> = poses.iter().map(state).collect();
-    Ok(absolute_trajectory_error(&states, truth, Freedom::Four)?)
+    poses.iter().map(state).collect()
+}
+
+/// How far poses are from the truth, once yaw and translation are aligned.
+pub fn errors(
+    poses: &[Isometry3<f64>],
+    truth: &[NavState],
+) -> Result<RootMeanSquares, AlignmentError> {
+    absolute_trajectory_error(&states(poses), truth, Freedom::Four)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,4 +1,4 @@
-"""The pose graphs of pose_graphs.rs in GTSAM: costs, and the least time of three solves.
+"""The pose graphs of pose_graphs.rs in GTSAM, in the same lines: costs, and the least time of three solves.
 
 usage: pose_graphs_gtsam.py FOLDER
 """
@@ -11,24 +11,28 @@ import numpy as np
 FOLDER = sys.argv[1]
 
 
-def timed(what, call):
+def say(name, value):
+    print(f"{name} {value:.9e}")
+
+
+def timed(name, call):
     best = float("inf")
     for _ in range(3):
         begin = time.perf_counter()
         result = call()
         best = min(best, 1e3 * (time.perf_counter() - begin))
-    print(f"  {what}: {best:.0f} ms")
+    say(f"{name}.ms", best)
     return result
 
 
 def solve(name, graph, values, hold):
     """Gauss-Newton and Levenberg-Marquardt, until the cost falls by less than a billionth."""
-    print(f"{name}: {graph.error(values):.9e} at first")
+    say(f"{name}.start", graph.error(values))
     held = gtsam.NonlinearFactorGraph(graph)
     held.add(hold)
-    for name, parameters, optimizer in [
-        ("Gauss-Newton", gtsam.GaussNewtonParams(), gtsam.GaussNewtonOptimizer),
-        ("Levenberg-Marquardt", gtsam.LevenbergMarquardtParams(), gtsam.LevenbergMarquardtOptimizer),
+    for way, parameters, optimizer in [
+        ("gauss_newton", gtsam.GaussNewtonParams(), gtsam.GaussNewtonOptimizer),
+        ("levenberg", gtsam.LevenbergMarquardtParams(), gtsam.LevenbergMarquardtOptimizer),
     ]:
         parameters.setRelativeErrorTol(1e-9)
         parameters.setAbsoluteErrorTol(0.0)
@@ -38,8 +42,9 @@ def solve(name, graph, values, hold):
             search = optimizer(held, values, parameters)
             return search, search.optimize()
 
-        search, result = timed(name, run)
-        print(f"    {graph.error(result):.9e} after {search.iterations()} steps")
+        search, result = timed(f"{name}.{way}", run)
+        say(f"{name}.{way}.cost", graph.error(result))
+        say(f"{name}.{way}.steps", search.iterations())
 
 
 def as_written(name):
@@ -79,11 +84,11 @@ def chordal(graph):
 
 
 sphere = f"{FOLDER}/sphere2500.txt"
-read, _ = timed("reading", lambda: gtsam.load3D(sphere))
-for name, graph in [("as written", as_written(sphere)), ("as GTSAM reads it", read)]:
+read, _ = timed("sphere.reading", lambda: gtsam.load3D(sphere))
+for name, graph in [("sphere", as_written(sphere)), ("sphere_as_read", read)]:
     hold = gtsam.NonlinearEqualityPose3(0, gtsam.Pose3())
-    solve(f"sphere2500 {name}, chained", graph, chained(graph), hold)
-    values = timed("chordal initialization", lambda: chordal(graph))
-    solve(f"sphere2500 {name}, chordal", graph, values, gtsam.NonlinearEqualityPose3(0, values.atPose3(0)))
-graph, values = timed("reading", lambda: gtsam.load2D(f"{FOLDER}/w10000.graph"))
-solve("w10000", graph, values, gtsam.NonlinearEqualityPose2(0, values.atPose2(0)))
+    solve(f"{name}.chained", graph, chained(graph), hold)
+    values = timed(f"{name}.chord", lambda: chordal(graph))
+    solve(f"{name}.chordal", graph, values, gtsam.NonlinearEqualityPose3(0, values.atPose3(0)))
+graph, values = timed("plane.reading", lambda: gtsam.load2D(f"{FOLDER}/w10000.graph"))
+solve("plane", graph, values, gtsam.NonlinearEqualityPose2(0, values.atPose2(0)))

@@ -4,6 +4,8 @@
 mod certified;
 #[path = "loop_closure/files.rs"]
 mod files;
+#[path = "loop_closure/keyframes.rs"]
+mod keyframes;
 #[path = "loop_closure/measured.rs"]
 mod measured;
 #[path = "loop_closure/simulated.rs"]

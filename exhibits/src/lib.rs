@@ -10,6 +10,7 @@ pub mod figure;
 pub mod filtering;
 pub mod inertial;
 pub mod least_squares;
+pub mod loop_closure;
 pub mod manifold;
 pub mod marginalization;
 pub mod msckf;
@@ -47,6 +48,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("loop_closure", loop_closure::exhibits, loop_closure::records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}
