@@ -149,8 +149,8 @@ impl End {
     }
 }
 
-const GRAPHS: u64 = 20;
-const STARTS: usize = 20;
+const GRAPHS: u64 = 50;
+const STARTS: usize = 8;
 
 /// Searches from anywhere in graphs with much noise.
 pub fn searches() -> Vec<End> {

@@ -14,8 +14,10 @@ use crate::chapter::Chapter;
 const EVERY: usize = 6;
 /// Half a round, in keyframes.
 const HALF: usize = 39;
+/// A number without a common factor with that of the loops.
+const SPREAD: usize = 37;
 /// How many wrong loops there are.
-pub const COUNTS: [usize; 8] = [0, 1, 2, 5, 10, 20, 30, 40];
+pub const COUNTS: [usize; 8] = [0, 1, 3, 7, 15, 31, 63, 110];
 /// A right loop passes with this probability.
 const PASSES: f64 = 0.999;
 
@@ -23,15 +25,16 @@ const PASSES: f64 = 0.999;
 pub const WAYS: [&str; 5] = ["least squares", "Huber", "Cauchy", "switches", "graduated"];
 
 /// Odometry, right loops and so many wrong ones: what was measured between two keyframes is taken for the second and
-/// one half a round earlier than the first.
+/// one half a round from the first. Which ones are mistaken is spread over the flight.
 fn graph(wrong: usize) -> SpatialGraph {
     let closed = shown();
+    let all = closed.loops();
     let mut graph = closed.keyframes.odometry.clone();
-    graph.measurements.extend(closed.loops().iter().step_by(EVERY).cloned());
-    let possible = closed.loops().iter().filter(|right| right.first >= HALF);
-    let mistaken = possible.step_by(2).take(wrong).map(|right| {
-        let mut mistaken = right.clone();
-        mistaken.first -= HALF;
+    graph.measurements.extend(all.iter().step_by(EVERY).cloned());
+    let is_mistaken = |at: &usize| (at * SPREAD) % all.len() < wrong;
+    let mistaken = (0..all.len()).filter(is_mistaken).map(|at| {
+        let mut mistaken = all[at].clone();
+        mistaken.first = mistaken.first.checked_sub(HALF).unwrap_or(mistaken.first + HALF);
         mistaken
     });
     graph.measurements.extend(mistaken);
@@ -73,6 +76,9 @@ pub fn all() -> &'static [[f64; COUNTS.len()]; WAYS.len()] {
     ALL.get_or_init(|| std::array::from_fn(|way| COUNTS.map(|wrong| error(way, wrong))))
 }
 
+/// Nearly as many wrong loops as right ones.
+const MANY: usize = 4;
+
 pub fn numbers(chapter: &mut Chapter) {
     let right = graph(0).loops().len();
     chapter.number("right_loops", right as f64, "", 0);
@@ -83,5 +89,9 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("wrong_none", 100.0 * all[0][0], "cm", 0);
     chapter.number("wrong_one", all[0][1], "m", 1);
     chapter.number("huber_one", 100.0 * all[1][1], "cm", 0);
-    chapter.number("huber_ten", all[1][4], "m", 1);
+    chapter.number("wrong_many", COUNTS[MANY] as f64, "", 0);
+    chapter.number("huber_many", all[1][MANY], "m", 1);
+    chapter.number("cauchy_none", 100.0 * all[2][0], "cm", 0);
+    chapter.number("switches_none", 100.0 * all[3][0], "cm", 0);
+    chapter.number("graduated_many", 100.0 * all[4][MANY], "cm", 0);
 }
