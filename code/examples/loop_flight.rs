@@ -23,7 +23,8 @@ use vislam::filtering::{
 use vislam::inertial::{BodyPose, NavState};
 use vislam::least_squares::{Kernel, Key};
 use vislam::loop_closure::{
-    LoopClosureError, PoseGraph, RelativeMeasurement, SpatialGraph, UprightPose, pose_graph_options,
+    LoopClosureError, PoseGraph, RelativeMeasurement, SpatialGraph, StereoPixels, UprightPose,
+    pose_graph_options,
 };
 use vislam::msckf::{Msckf, MsckfOptions, Start};
 use vislam::simulation::{
@@ -153,7 +154,7 @@ fn closed(
     }
     let flight = &recording.flight;
     let camera = StereoPinhole::new(flight.camera, BASELINE)?;
-    let pixels = (&camera, flight.pixel_sigma, DISPARITY);
+    let pixels = StereoPixels { camera, sigma: flight.pixel_sigma, least_disparity: DISPARITY };
     let extrinsics = &flight.rig.body_from_camera;
     match RelativeMeasurement::from_stereo(pixels, extrinsics, &sights, numbers) {
         Err(LoopClosureError::Unsure { .. }) => Ok(None),

@@ -221,6 +221,7 @@ impl QuadraticForm {
         let smallest_eigenvalue = smallest_eigenvalue(&mut matrix, shift, self.points.len());
         Certificate::Refused { cost: self.cost, smallest_eigenvalue }
     }
+    // ANCHOR_END: judge
 
     /// S, without the column of the first position: a shift of all positions costs nothing.
     fn certificate_matrix(&self, multipliers: &[Matrix3<f64>]) -> SparseCholesky {
@@ -237,7 +238,6 @@ impl QuadraticForm {
         }
         matrix
     }
-    // ANCHOR_END: judge
 }
 
 /// Whether S with the positions eliminated is positive definite with this added to its diagonal. Where

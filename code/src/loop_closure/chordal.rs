@@ -66,6 +66,7 @@ fn relaxed_rotations(graph: &SpatialGraph) -> Result<Vec<Matrix3<f64>>, LoopClos
     let matrix = |block: usize| Matrix3::from_fn(|row, column| rows[row][3 * block + column]);
     Ok(std::iter::once(first).chain((0..graph.poses.len() - 1).map(matrix)).collect())
 }
+// ANCHOR_END: relaxed_rotations
 
 /// Adds what the first pose says of a matrix, row by row.
 fn add_known(rows: &mut [Vec<f64>; 3], block: usize, known: &Matrix3<f64>) {
@@ -74,7 +75,6 @@ fn add_known(rows: &mut [Vec<f64>; 3], block: usize, known: &Matrix3<f64>) {
         numbers.iter_mut().zip(&known.row(row)).for_each(|(sum, number)| *sum += number);
     }
 }
-// ANCHOR_END: relaxed_rotations
 
 // ANCHOR: positions
 /// The positions for which the sum of τ ‖tⱼ − tᵢ − Rᵢ t̃‖² is least, the first one held.

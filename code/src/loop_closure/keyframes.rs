@@ -48,33 +48,18 @@ impl Measurement {
     /// The second of two poses as seen from the first one, by what a stereo camera saw of the same
     /// landmarks from both: column on the left, row, column on the right. The two poses and all
     /// landmarks are estimated from these pixels alone, so that the measurement shares no error with any
-    /// odometry. It begins where both poses are the same, and wants them near each other. Landmarks of
-    /// less than `least_disparity` pixels in either sight are left out.
+    /// odometry. It begins where both poses are the same, and wants them near each other.
     ///
     /// # Errors
     ///
     /// [`LoopClosureError::Unsure`] when the pixels leave a direction open, and those of the solver.
     pub fn from_stereo(
-        (camera, sigma, least_disparity): (&StereoPinhole, f64, f64),
+        pixels: StereoPixels,
         body_from_camera: &Isometry3<f64>,
         sights: &[[Vector3<f64>; 2]],
         numbers: [usize; 2],
     ) -> Result<Self, LoopClosureError> {
-        let mut problem = Problem::new();
-        let [first, second] = [(); 2].map(|()| problem.add_variable(Isometry3::identity()));
-        problem.hold(first)?;
-        let is_near = |sight: &&[Vector3<f64>; 2]| {
-            sight.iter().all(|seen| seen.x - seen.z >= least_disparity)
-        };
-        for (point, sight) in sights.iter().filter(is_near).enumerate() {
-            let Some(place) = camera.point(&sight[0]) else { continue };
-            let landmark = problem.add_variable(place);
-            for (keyframe, (pose, seen)) in [first, second].into_iter().zip(sight).enumerate() {
-                let observed = StereoFactor::new(keyframe, point, *seen, sigma)?;
-                let factor = StereoByPose { pose, landmark, camera: *camera, observed };
-                problem.add_factor(factor, Kernel::Squared)?;
-            }
-        }
+        let (problem, second) = stereo_problem(pixels, sights)?;
         let fronts = Fronts::new(&problem)?;
         let solution = problem.solve_with(fronts.clone(), &Options::default())?;
         let covariance = problem.covariance_with(fronts, &solution.values);
@@ -101,6 +86,42 @@ impl Measurement {
         Ok(Self { first, second, measured, information })
     }
 }
+
+/// What is known of the pixels of a stereo camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StereoPixels {
+    /// The camera.
+    pub camera: StereoPinhole,
+    /// The standard deviation of each of the three numbers of a sight.
+    pub sigma: f64,
+    /// Landmarks of less disparity than this in either sight are left out, in pixels: they are too far
+    /// away to have a depth.
+    pub least_disparity: f64,
+}
+
+// ANCHOR: stereo_problem
+/// Two cameras, the first of them held, and the landmarks that both saw. The variable of the second.
+fn stereo_problem(
+    StereoPixels { camera, sigma, least_disparity }: StereoPixels,
+    sights: &[[Vector3<f64>; 2]],
+) -> Result<(Problem, Key<Isometry3<f64>>), LoopClosureError> {
+    let mut problem = Problem::new();
+    let [first, second] = [(); 2].map(|()| problem.add_variable(Isometry3::identity()));
+    problem.hold(first)?;
+    let is_near =
+        |sight: &&[Vector3<f64>; 2]| sight.iter().all(|seen| seen.x - seen.z >= least_disparity);
+    for (point, sight) in sights.iter().filter(is_near).enumerate() {
+        let Some(place) = camera.point(&sight[0]) else { continue };
+        let landmark = problem.add_variable(place);
+        for (keyframe, (pose, seen)) in [first, second].into_iter().zip(sight).enumerate() {
+            let observed = StereoFactor::new(keyframe, point, *seen, sigma)?;
+            let factor = StereoByPose { pose, landmark, camera, observed };
+            problem.add_factor(factor, Kernel::Squared)?;
+        }
+    }
+    Ok((problem, second))
+}
+// ANCHOR_END: stereo_problem
 
 /// The twist of `world_from_body`, translation first, of a step (φ, p) of a pose.
 fn twist_by_step(pose: &BodyPose) -> Matrix6<f64> {

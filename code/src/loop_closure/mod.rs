@@ -33,5 +33,6 @@ pub use graph::{
     UprightGraph, pose_graph_options,
 };
 pub use isotropic::Isotropy;
+pub use keyframes::StereoPixels;
 pub use switches::SwitchedGraph;
 pub use upright::UprightPose;

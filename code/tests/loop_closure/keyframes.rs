@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 use vislam::filtering::Belief;
 use vislam::inertial::BodyPose;
-use vislam::loop_closure::{LoopClosureError, RelativeMeasurement};
+use vislam::loop_closure::{LoopClosureError, RelativeMeasurement, StereoPixels};
 use vislam::manifold::se3;
 use vislam::reprojection::Pinhole;
 use vislam::two_views::StereoPinhole;
@@ -50,7 +50,7 @@ fn scene(
 fn measured(
     sights: &[[Vector3<f64>; 2]],
 ) -> Result<RelativeMeasurement<Isometry3<f64>, 6>, LoopClosureError> {
-    let pixels = (&camera(), SIGMA, 3.0);
+    let pixels = StereoPixels { camera: camera(), sigma: SIGMA, least_disparity: 3.0 };
     RelativeMeasurement::from_stereo(pixels, &body_from_camera(), sights, [4, 9])
 }
 
