@@ -15,6 +15,7 @@ pub mod filtering;
 pub mod gtsam;
 pub mod inertial;
 pub mod least_squares;
+pub mod loop_closure;
 pub mod manifold;
 pub mod marginalization;
 pub mod msckf;
@@ -55,6 +56,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("marginalization", marginalization::exhibits, no_records),
     ("algorithms", algorithms::exhibits, no_records),
     ("factrs", factrs::exhibits, factrs::records),
+    ("loop_closure", loop_closure::exhibits, loop_closure::records),
     ("systems", systems::exhibits, no_records),
 ];
 

@@ -7,6 +7,7 @@ mod state_error;
 mod trajectory;
 
 pub use alignment::{AlignmentError, Freedom, align, aligned};
+pub(crate) use alignment::{rotation_towards, yaw_towards};
 pub use band::{BandError, NeesBand};
 pub use normalized::{BlockNees, NeesError, nees, nis};
 pub use state_error::{RootMeanSquares, StateError, attitude_in_world};

@@ -1,0 +1,36 @@
+//! Where searches ended, and what the certificate says.
+
+use crate::figure::{self, Draw, Figure, decimals};
+use crate::loop_closure::certificate::{End, searches};
+
+pub fn minima() -> Figure {
+    let ends = searches();
+    let cell = |end: &End| end.eigenvalue.map_or("certified".to_owned(), |e| format!("{e:.4}"));
+    let columns = vec![
+        ("cost over the lowest one", decimals(4, ends.iter().map(|end| end.cost))),
+        ("smallest eigenvalue over the weight", ends.iter().map(cell).collect()),
+    ];
+    let (most, deepest) = ends.iter().fold((1.0_f64, 0.0_f64), |(most, deepest), end| {
+        (most.max(end.cost), deepest.min(end.eigenvalue.unwrap_or(0.0)))
+    });
+    Figure::new(820, columns, |drawing| {
+        let x_axis = ("cost over the lowest one of the graph", 0.8..1.05 * most, 6);
+        let y_axis = ("smallest eigenvalue over the weight", 1.1 * deepest..-0.3 * deepest, 6);
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        let kinds: [(&str, fn(&End) -> bool); 3] = [
+            ("certified", |end| end.eigenvalue.is_none()),
+            ("refused, and not the lowest", |end| end.eigenvalue.is_some() && !end.is_lowest()),
+            ("refused, though the lowest", |end| end.eigenvalue.is_some() && end.is_lowest()),
+        ];
+        // The certified stand last, so that none is hidden.
+        for (series, (name, is_kind)) in kinds.into_iter().enumerate().rev() {
+            let points = ends.iter().filter(|end| is_kind(end));
+            let points = points.map(|end| (end.cost, end.eigenvalue.unwrap_or(0.0)));
+            chart.marks(points.collect::<Vec<_>>(), series)?;
+            let x = 1.0 + 0.3 * (most - 1.0);
+            let y = -deepest * (0.24 - 0.075 * series as f64);
+            chart.key(series, name, (x, y), x + 0.02 * most)?;
+        }
+        Ok(())
+    })
+}
