@@ -1,6 +1,7 @@
 //! GTSAM beside the book's library: graphs as the scripts of the library's examples read them, and what these print.
 
 use std::fmt::{Display, Write};
+use std::path::Path;
 use std::process::Command;
 
 use nalgebra::Isometry3;
@@ -20,20 +21,27 @@ impl Python {
 
     /// The numbers that a script prints of a graph, by lines.
     pub fn says(&self, script: &str, graph: &Exported) -> Result<Vec<Vec<f64>>, NotMade> {
-        let Self(python) = self;
-        let failed = |error: &dyn Display| NotMade::Failed(format!("{python} {script}: {error}"));
+        let failed = |error: &dyn Display| NotMade::Failed(format!("{script}: {error}"));
         let file = std::env::temp_dir().join(format!("graph-{}.csv", std::process::id()));
         std::fs::write(&file, &graph.0).map_err(|error| failed(&error))?;
-        let path = format!("{}/../code/examples/{script}", env!("CARGO_MANIFEST_DIR"));
-        let output = Command::new(python).arg(path).arg(&file).output();
-        let output = output.map_err(|error| failed(&error))?;
+        let text = self.run(script, &file);
         std::fs::remove_file(&file).map_err(|error| failed(&error))?;
+        let number = |word: &str| word.parse().map_err(|error| failed(&format!("{word}: {error}")));
+        let numbers = |line: &str| line.split_whitespace().map(number).collect();
+        text?.lines().map(numbers).collect()
+    }
+
+    /// What a script of the library's examples prints of a file or a folder.
+    pub fn run(&self, script: &str, of: &Path) -> Result<String, NotMade> {
+        let Self(python) = self;
+        let failed = |error: &dyn Display| NotMade::Failed(format!("{python} {script}: {error}"));
+        let path = format!("{}/../code/examples/{script}", env!("CARGO_MANIFEST_DIR"));
+        let output = Command::new(python).arg(path).arg(of).output();
+        let output = output.map_err(|error| failed(&error))?;
         if !output.status.success() {
             return Err(failed(&String::from_utf8_lossy(&output.stderr)));
         }
-        let number = |word: &str| word.parse().map_err(|error| failed(&format!("{word}: {error}")));
-        let numbers = |line: &str| line.split_whitespace().map(number).collect();
-        String::from_utf8_lossy(&output.stdout).lines().map(numbers).collect()
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
     }
 }
 

@@ -1,11 +1,10 @@
 //! Public pose graphs, here and in GTSAM.
 
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::process::Command;
 
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
+use crate::gtsam::Python;
 use crate::record::{RecordValue, accepted, inputs_of};
 
 #[allow(dead_code)]
@@ -60,21 +59,15 @@ const TURNS: usize = 2;
 /// Here and in GTSAM in turn; the least time of each counts.
 fn beside_gtsam() -> Result<Vec<RecordValue>, NotMade> {
     let (sphere, plane) = (SPHERE.read_from(FOLDER)?, PLANE.read_from(FOLDER)?);
-    let variable = |name: &str| {
-        let absent = format!("{name} is not set; let it name a Python that has gtsam");
-        std::env::var(name).map_err(|_| NotMade::DataAbsent(absent))
-    };
-    let (python, folder) = (variable("VISLAM_GTSAM")?, variable(FOLDER)?);
+    let python = Python::with_gtsam()?;
+    let absent = |_| NotMade::DataAbsent(format!("{FOLDER} is not set"));
+    let folder = std::env::var(FOLDER).map_err(absent)?;
     let (mut ours, mut theirs) = (BTreeMap::new(), BTreeMap::new());
     for _ in 0..TURNS {
         let lines =
             measured(&sphere, &plane).map_err(|error| NotMade::Failed(error.to_string()))?;
         keep_least(&mut ours, lines.0);
-        let lines = said(&python, Path::new(&folder));
-        keep_least(
-            &mut theirs,
-            lines.map_err(|error| NotMade::Failed(format!("{python}: {error}")))?,
-        );
+        keep_least(&mut theirs, said(&python, &folder)?);
     }
     let value = |from: &BTreeMap<String, f64>, of: &str, name: String, unit, decimals, within| {
         let missing = || NotMade::Failed(format!("nothing is said of {of}"));
@@ -101,20 +94,15 @@ fn keep_least(kept: &mut BTreeMap<String, f64>, lines: Vec<(String, f64)>) {
     }
 }
 
-/// What GTSAM prints of the graphs in a folder.
-fn said(python: &str, folder: &Path) -> Result<Vec<(String, f64)>, String> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../code/examples/pose_graphs_gtsam.py");
-    let output =
-        Command::new(python).arg(script).arg(folder).output().map_err(|error| error.to_string())?;
-    if !output.status.success() {
-        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
-    }
-    let line = |line: &str| {
+/// What GTSAM prints of the graphs in a folder: names and numbers.
+fn said(python: &Python, folder: &str) -> Result<Vec<(String, f64)>, NotMade> {
+    let text = python.run("pose_graphs_gtsam.py", folder.as_ref())?;
+    let named = |line: &str| {
         let (name, value) = line.split_once(' ')?;
         Some((name.to_owned(), value.parse().ok()?))
     };
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    text.lines().map(|text| line(text).ok_or_else(|| text.to_owned())).collect()
+    let unread = |line: &str| NotMade::Failed(format!("pose_graphs_gtsam.py printed `{line}`"));
+    text.lines().map(|line| named(line).ok_or_else(|| unread(line))).collect()
 }
 
 pub fn numbers(chapter: &mut Chapter) {
