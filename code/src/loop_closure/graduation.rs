@@ -43,7 +43,6 @@ pub struct GraduatedGraph<P> {
 }
 
 impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
-    // ANCHOR: solve_graduated
     /// The poses when each of these measurements either counts as its square or, beyond a threshold,
     /// as a constant: truncated least squares, by the graduated non-convexity of [@yang2020]. The
     /// others always count, and must hold all poses together.
@@ -56,6 +55,7 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
     ///
     /// As those of [`PoseGraph::solve`], [`LoopClosureError::NoSuchMeasurement`] and
     /// [`LoopClosureError::Option`].
+    // ANCHOR: solve_graduated
     pub fn solve_graduated(
         &self,
         loops: &[usize],

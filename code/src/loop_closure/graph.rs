@@ -250,10 +250,10 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
 }
 
 impl SpatialGraph {
-    // ANCHOR: upright
     /// The same graph with roll and pitch kept as they are. What a measurement says of these two is left
     /// out: the other four have their part Pᵀ Σ P of its covariance, with P the change of the six by the
     /// four. Implements {eq:upright-information}.
+    // ANCHOR: upright
     pub fn upright(&self) -> UprightGraph {
         let upright = |it: &RelativeMeasurement<Isometry3<f64>, 6>| {
             let up = self.poses.get(it.second).map(UprightPose::up_in_body).unwrap_or_default();

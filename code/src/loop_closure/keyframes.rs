@@ -13,7 +13,6 @@ use crate::two_views::{StereoFactor, StereoPinhole};
 type Measurement = RelativeMeasurement<Isometry3<f64>, 6>;
 
 impl Measurement {
-    // ANCHOR: believed
     /// The second of two poses as seen from the first one, as a filter believes it that has both. Their
     /// errors have much in common, which is no error of how they stand to each other. Implements
     /// {eq:loop-covariance}.
@@ -21,6 +20,7 @@ impl Measurement {
     /// # Errors
     ///
     /// [`LoopClosureError::Unsure`] when the belief lacks a pose, or the covariance has no inverse.
+    // ANCHOR: believed
     pub fn believed(
         belief: &Belief,
         [from, to]: [Key<BodyPose>; 2],
