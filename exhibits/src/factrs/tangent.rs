@@ -45,7 +45,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         predicted::tangent_covariance,
         &mutants,
     );
-    let mutants: [(_, fn(f64) -> f64); 3] = [
+    let mutants: [(_, Share); 3] = [
         ("one coordinate", |k| 2.0 * (1.0 - normal_below(k))),
         ("not halved", |k| (-k * k).exp()),
         ("of the norm, not its square", |k| (-0.5 * k).exp()),
@@ -58,6 +58,8 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 /// By how much a turn is too long, from the rates of its readings and the seconds of each.
 type Overshoot = fn(&[Vector3<f64>], f64) -> Vector3<f64>;
+/// The share of pixels beyond a threshold.
+type Share = fn(f64) -> f64;
 /// The covariance of a rotation vector from that of a small turn after it.
 type Spread = fn(&Vector3<f64>, &Matrix3<f64>) -> Matrix3<f64>;
 
@@ -113,7 +115,7 @@ fn tangent_covariance(formula: Spread) -> Comparison {
 }
 
 /// Against a count of drawn pixels.
-fn pixel_beyond(formula: fn(f64) -> f64) -> Comparison {
+fn pixel_beyond(formula: Share) -> Comparison {
     Comparison::absolute("the share of drawn pixels", 0.01, "").over(10, 73, |random| {
         let threshold = random.uniform(0.8..2.2);
         let mut is_beyond = || random.normal(1.0).hypot(random.normal(1.0)) > threshold;
