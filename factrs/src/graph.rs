@@ -168,10 +168,10 @@ pub fn solve_exactly(graph: Graph, guess: &Estimate) -> Result<Estimate, OptErro
 
 /// What values say, in our types.
 pub fn estimate(values: &Values, landmarks: usize) -> Estimate {
-    fn of<'a, V: Variable<T = f64, Alias<f64> = V> + 'static>(
-        values: &'a Values,
+    fn of<V: Variable<T = f64, Alias<f64> = V> + 'static>(
+        values: &Values,
         key: impl factrs::containers::TypedSymbol<V>,
-    ) -> &'a V {
+    ) -> &V {
         values.get(key).expect("a solution has the variables of the guess")
     }
     Estimate {

@@ -17,9 +17,9 @@ const RUNS: u64 = 200;
 /// What is asked, as numbers are called.
 const NAMES: [&str; 4] = ["turn", "velocity", "gyro", "accelerometer"];
 /// The graphs of the record.
-const GRAPHS: [&str; 4] = ["ours", "identical", "named", "moved"];
+const GRAPHS: [&str; 3] = ["identical", "named", "moved"];
 /// The shares of the seeds at which the record keeps errors of the turn.
-pub const QUANTILES: usize = 20;
+pub const QUANTILES: usize = 10;
 
 /// What [`ASKED`] is off in one seed, squared, and the bound of it.
 type Asked = [f64; ASKED.len()];
@@ -70,7 +70,7 @@ pub fn numbers(chapter: &mut Chapter) {
         }
     }
     let of = |value: &str| accepted("factrs_seeds", value);
-    chapter.number("turn_lost", 100.0 * (of("named_turn") / of("ours_turn") - 1.0), "%", 0);
+    chapter.number("turn_lost", 100.0 * (of("named_turn") / of("identical_turn") - 1.0), "%", 0);
     chapter.number("slower", of("identical_solved") / of("ours_solved"), "", 1);
     chapter.number("slower_summing", of("moved_made") / of("ours_made"), "", 0);
 }
@@ -120,7 +120,9 @@ fn of_factrs() -> Result<Vec<RecordValue>, NotMade> {
     for (k, turn) in named.into_iter().enumerate() {
         values.push(RecordValue::new(format!("named_turn_{k}"), turn, "mrad", 2, 1e-4));
     }
-    for line in said(["times", &RUNS.to_string()])? {
+    // Summing up takes as long whatever the fields say.
+    let times = said(["times", &RUNS.to_string()])?;
+    for line in times.iter().filter(|line| line[0] != "named") {
         let times = numbers_in(&line[1..]);
         for (what, time) in ["made", "solved"].into_iter().zip(times) {
             values.push(RecordValue::new(format!("{}_{what}", line[0]), time, "ms", 2, 3.0));

@@ -25,7 +25,6 @@ pub fn numbers(chapter: &mut Chapter) {
     let of = |value: &str| accepted("factrs_gtsam", value);
     let ratio = of("turn_off") / of("turn_predicted");
     chapter.number("gtsam_turn_ratio", ratio, "", 2);
-    chapter.number("gtsam_slower", of("gtsam") / of("ours"), "", 1);
 }
 
 /// What GTSAM prints.
@@ -57,7 +56,6 @@ fn of_gtsam() -> Result<Vec<RecordValue>, NotMade> {
         value("own_sigmas", sigmas, "", 3, 1e-3),
         value("turn_off", 1e6 * off.norm(), "µrad", 1, 1e-3),
         value("turn_predicted", 1e6 * predicted.norm(), "µrad", 1, 1e-3),
-        value("turn_left", 1e6 * (off - predicted).norm(), "µrad", 1, 1e-2),
         value("gtsam", said.milliseconds, "ms", 2, 3.0),
         value("ours", least(&graph), "ms", 2, 3.0),
     ])

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use vislam::manifold::so3;
 
-use super::predicted::{overshoot, summed, tangent_covariance};
+use super::predicted::{self, overshoot, summed};
 use super::two_keyframes::HUBER;
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, differences};
@@ -26,10 +26,10 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("along the rate", |rates, dt| summed(rates, dt, |turn, rate| rate * turn.dot(rate))),
         ("half of it", |rates, dt| 0.5 * overshoot(rates, dt)),
     ];
-    chapter.equation("tangent-overshoot", overshoots, overshoot, &mutants);
+    chapter.equation("tangent-overshoot", tangent_overshoot, overshoot, &mutants);
     let mutants: [(_, Spread); 4] = [
         ("not seen from elsewhere", |_, covariance| *covariance),
-        ("the left Jacobian", |turn, covariance| tangent_covariance(&-turn, covariance)),
+        ("the left Jacobian", |turn, covariance| predicted::tangent_covariance(&-turn, covariance)),
         ("not inverted", |turn, covariance| {
             let jacobian = so3::right_jacobian(turn);
             jacobian * covariance * jacobian.transpose()
@@ -39,13 +39,18 @@ pub fn exhibits(chapter: &mut Chapter) {
             jacobian.transpose() * covariance * jacobian
         }),
     ];
-    chapter.equation("tangent-covariance", spreads, tangent_covariance, &mutants);
-    let mutants: [(_, fn(f64) -> f64); 3] = [
+    chapter.equation(
+        "tangent-covariance",
+        tangent_covariance,
+        predicted::tangent_covariance,
+        &mutants,
+    );
+    let mutants: [(_, Share); 3] = [
         ("one coordinate", |k| 2.0 * (1.0 - normal_below(k))),
         ("not halved", |k| (-k * k).exp()),
         ("of the norm, not its square", |k| (-0.5 * k).exp()),
     ];
-    chapter.equation("pixel-beyond", beyond, share_beyond, &mutants);
+    chapter.equation("pixel-beyond", pixel_beyond, share_beyond, &mutants);
     chapter.number("beyond", 100.0 * share_beyond(HUBER), "%", 0);
     chapter.number("beyond_single", 200.0 * (1.0 - normal_below(HUBER)), "%", 0);
     chapter.number("huber", HUBER, "", 3);
@@ -53,6 +58,8 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 /// By how much a turn is too long, from the rates of its readings and the seconds of each.
 type Overshoot = fn(&[Vector3<f64>], f64) -> Vector3<f64>;
+/// The share of pixels beyond a threshold.
+type Share = fn(f64) -> f64;
 /// The covariance of a rotation vector from that of a small turn after it.
 type Spread = fn(&Vector3<f64>, &Matrix3<f64>) -> Matrix3<f64>;
 
@@ -72,7 +79,7 @@ fn normal_below(number: f64) -> f64 {
 }
 
 /// Against both schemes, run on the same readings.
-fn overshoots(formula: Overshoot) -> Comparison {
+fn tangent_overshoot(formula: Overshoot) -> Comparison {
     let against = "Euler's rule in the tangent space less the product of the turns";
     Comparison::relative(against, 0.1).over(STATES, 71, |random| {
         let rates = rates(random);
@@ -93,7 +100,7 @@ fn rates(random: &mut Random) -> Vec<Vector3<f64>> {
 }
 
 /// Against differences of the rotation vector by the small turn.
-fn spreads(formula: Spread) -> Comparison {
+fn tangent_covariance(formula: Spread) -> Comparison {
     let against = "central differences of log(exp(θ) exp(φ))";
     Comparison::relative(against, 1e-7).over(STATES, 72, |random| {
         let length = random.uniform(0.5..2.0);
@@ -108,7 +115,7 @@ fn spreads(formula: Spread) -> Comparison {
 }
 
 /// Against a count of drawn pixels.
-fn beyond(formula: fn(f64) -> f64) -> Comparison {
+fn pixel_beyond(formula: Share) -> Comparison {
     Comparison::absolute("the share of drawn pixels", 0.01, "").over(10, 73, |random| {
         let threshold = random.uniform(0.8..2.2);
         let mut is_beyond = || random.normal(1.0).hypot(random.normal(1.0)) > threshold;
