@@ -1,6 +1,6 @@
 //! What a filter and what stereo pictures say of two keyframes.
 
-use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix6, Rotation3, Vector3};
 use vislam::filtering::Belief;
 use vislam::inertial::BodyPose;
 use vislam::loop_closure::{LoopClosureError, RelativeMeasurement, StereoPixels};
@@ -99,5 +99,5 @@ fn an_error_that_two_poses_share_is_none_between_them() {
     let little = 1e-4 * DMatrix::<f64>::identity(6, 6);
     let noisy = belief.add_function(start, &DMatrix::identity(6, 12), &little).unwrap();
     let seen = RelativeMeasurement::believed(&belief, [first, noisy], [0, 1]).unwrap();
-    assert!((seen.information - 1e4 * nalgebra::Matrix6::identity()).amax() < 1e-3);
+    assert!((seen.information - 1e4 * Matrix6::<f64>::identity()).amax() < 1e-3);
 }

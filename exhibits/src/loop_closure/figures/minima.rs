@@ -17,14 +17,15 @@ pub fn minima() -> Figure {
         let x_axis = ("cost over the lowest one of the graph", 0.8..1.05 * most, 6);
         let y_axis = ("smallest eigenvalue over the weight", 1.1 * deepest..-0.3 * deepest, 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        let kinds: [(&str, fn(&End) -> bool); 3] = [
-            ("certified", |end| end.eigenvalue.is_none()),
-            ("refused, and not the lowest", |end| end.eigenvalue.is_some() && !end.is_lowest()),
-            ("refused, though the lowest", |end| end.eigenvalue.is_some() && end.is_lowest()),
-        ];
+        let kinds = ["certified", "refused, and not the lowest", "refused, though the lowest"];
+        let kind_of = |end: &End| match (end.eigenvalue, end.is_lowest()) {
+            (None, _) => 0,
+            (Some(_), false) => 1,
+            (Some(_), true) => 2,
+        };
         // The certified stand last, so that none is hidden.
-        for (series, (name, is_kind)) in kinds.into_iter().enumerate().rev() {
-            let points = ends.iter().filter(|end| is_kind(end));
+        for (series, name) in kinds.into_iter().enumerate().rev() {
+            let points = ends.iter().filter(|end| kind_of(end) == series);
             let points = points.map(|end| (end.cost, end.eigenvalue.unwrap_or(0.0)));
             chart.marks(points.collect::<Vec<_>>(), series)?;
             let x = 1.0 + 0.3 * (most - 1.0);
