@@ -282,7 +282,10 @@ impl<'a> Survey<'a> {
             return near;
         }
         let end = format!("::{name}");
-        items.keys().find(|path| *path == name || path.ends_with(&end)).cloned()
+        // A variant may bear the name of a type, and has no members.
+        let is_it =
+            |(path, item): &(&String, &Item)| item.whole && (*path == name || path.ends_with(&end));
+        items.iter().find(is_it).map(|(path, _)| path.clone())
     }
 }
 
@@ -355,5 +358,17 @@ mod tests {
         for unseen in ["a::Given::own", "hidden::unseen", "a::inner::kept", "hidden", "a::inner"] {
             assert_eq!(page(unseen), None, "{unseen}");
         }
+    }
+
+    #[test]
+    fn a_variant_with_the_name_of_a_type_has_none_of_its_methods() {
+        let items = library(&[
+            ("lib.rs", "pub mod a;\npub mod b;\n"),
+            ("a.rs", "pub enum Fault {\n    Given,\n}\n"),
+            ("b/mod.rs", "mod more;\npub struct Given;\n"),
+            ("b/more.rs", "impl Given {\n    pub fn hold() {}\n}\n"),
+        ]);
+        assert!(items.contains_key("b::Given::hold"), "{:?}", items.keys());
+        assert!(items.contains_key("a::Fault::Given"), "{:?}", items.keys());
     }
 }
