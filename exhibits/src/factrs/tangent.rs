@@ -116,7 +116,7 @@ fn tangent_covariance(formula: Spread) -> Comparison {
 
 /// Against a count of drawn pixels.
 fn pixel_beyond(formula: Share) -> Comparison {
-    Comparison::absolute("the share of drawn pixels", 0.01, "").over(10, 73, |random| {
+    Comparison::absolute("the share of drawn pixels", 0.01, "").over(25, 73, |random| {
         let threshold = random.uniform(0.8..2.2);
         let mut is_beyond = || random.normal(1.0).hypot(random.normal(1.0)) > threshold;
         let count = (0..DRAWS).filter(|_| is_beyond()).count();

@@ -9,6 +9,8 @@ use crate::loop_closure::flight::shown;
 
 /// How many times as long an error is drawn.
 const LARGER: f64 = 10.0;
+/// One keyframe in so many has a row of data.
+const ROWS: usize = 4;
 
 /// Positions less the true ones, once yaw and translation are aligned.
 fn off(poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
@@ -26,10 +28,12 @@ pub fn hall() -> Figure {
         let pairs = truth.iter().zip(&errors[way]);
         pairs.map(|(truth, error)| truth.xy() + LARGER * error.xy()).collect()
     });
-    let lengths = |way: usize| decimals(1, errors[way].iter().map(|error| 100.0 * error.norm()));
+    let lengths = |way: usize| {
+        decimals(1, errors[way].iter().step_by(ROWS).map(|error| 100.0 * error.norm()))
+    };
     let columns = vec![
-        ("x (m)", decimals(2, truth.iter().map(|place| place.x))),
-        ("y (m)", decimals(2, truth.iter().map(|place| place.y))),
+        ("x (m)", decimals(2, truth.iter().step_by(ROWS).map(|place| place.x))),
+        ("y (m)", decimals(2, truth.iter().step_by(ROWS).map(|place| place.y))),
         ("error of odometry (cm)", lengths(0)),
         ("after closing loops (cm)", lengths(1)),
     ];

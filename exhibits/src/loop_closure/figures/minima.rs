@@ -1,15 +1,28 @@
 //! Where searches ended, and what the certificate says.
 
-use crate::figure::{self, Draw, Figure, decimals};
+use std::collections::BTreeMap;
+
+use crate::figure::{self, Column, Draw, Figure};
 use crate::loop_closure::certificate::{End, searches};
+
+/// Ends that are told apart by four decimals, and how many searches came to each.
+fn ends_that_differ(ends: &[End]) -> Vec<Column> {
+    let eigenvalue =
+        |end: &End| end.eigenvalue.map_or("certified".to_owned(), |value| format!("{value:.4}"));
+    let mut searches = BTreeMap::new();
+    for end in ends {
+        *searches.entry((format!("{:.4}", end.cost), eigenvalue(end))).or_insert(0) += 1;
+    }
+    vec![
+        ("cost over the lowest one", searches.keys().map(|(cost, _)| cost.clone()).collect()),
+        ("smallest eigenvalue over the weight", searches.keys().map(|(_, e)| e.clone()).collect()),
+        ("searches", searches.values().map(i32::to_string).collect()),
+    ]
+}
 
 pub fn minima() -> Figure {
     let ends = searches();
-    let cell = |end: &End| end.eigenvalue.map_or("certified".to_owned(), |e| format!("{e:.4}"));
-    let columns = vec![
-        ("cost over the lowest one", decimals(4, ends.iter().map(|end| end.cost))),
-        ("smallest eigenvalue over the weight", ends.iter().map(cell).collect()),
-    ];
+    let columns = ends_that_differ(&ends);
     let (most, deepest) = ends.iter().fold((1.0_f64, 0.0_f64), |(most, deepest), end| {
         (most.max(end.cost), deepest.min(end.eigenvalue.unwrap_or(0.0)))
     });

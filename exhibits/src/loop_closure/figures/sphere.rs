@@ -6,6 +6,9 @@ use plotters::chart::ChartBuilder;
 use crate::figure::{Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around};
 use crate::loop_closure::sphere::searches;
 
+/// One pose in so many has a row of data.
+const ROWS: usize = 7;
+
 pub fn sphere() -> Figure {
     let [odometry, chordal] = searches();
     let panels = [
@@ -14,7 +17,7 @@ pub fn sphere() -> Figure {
         ("minimum", &chordal.found, SERIES[0]),
     ];
     let axis = |poses: &[Isometry3<f64>], axis: usize| {
-        decimals(2, poses.iter().map(move |pose| pose.translation.vector[axis]).collect::<Vec<_>>())
+        decimals(2, poses.iter().step_by(ROWS).map(move |pose| pose.translation.vector[axis]))
     };
     let columns = vec![
         ("odometry x (m)", axis(panels[0].1, 0)),

@@ -5,6 +5,9 @@ use nalgebra::{Isometry3, Vector3};
 use crate::figure::{self, Draw, Figure, decimals};
 use crate::loop_closure::flight::{example, shown};
 
+/// One keyframe in so many has a row of data.
+const ROWS: usize = 4;
+
 /// The angle between the vertical of a pose and the true one, in milliradians.
 fn lean(pose: &Isometry3<f64>, truth: &Isometry3<f64>) -> f64 {
     let up = |pose: &Isometry3<f64>| pose.rotation.inverse() * Vector3::z();
@@ -22,9 +25,12 @@ pub fn tilt() -> Figure {
     let seconds = |at: usize| closed.keyframes.pictures[at] as f64 / flight.picture_rate;
     let times: Vec<f64> = (0..four.len()).map(seconds).collect();
     let columns = vec![
-        ("time (s)", decimals(1, times.iter().copied())),
-        ("tilt error in six degrees of freedom (mrad)", decimals(2, six.iter().copied())),
-        ("in four, and of the filter (mrad)", decimals(2, four.iter().copied())),
+        ("time (s)", decimals(1, times.iter().copied().step_by(ROWS))),
+        (
+            "tilt error in six degrees of freedom (mrad)",
+            decimals(2, six.iter().copied().step_by(ROWS)),
+        ),
+        ("in four, and of the filter (mrad)", decimals(2, four.iter().copied().step_by(ROWS))),
     ];
     Figure::new(760, columns, |drawing| {
         let highest = 1.25 * six.iter().chain(&four).fold(0.0_f64, |most, lean| most.max(*lean));
