@@ -10,7 +10,7 @@
 
 use std::error::Error;
 
-use nalgebra::{Isometry3, SMatrix, SVector, Vector1, Vector2, Vector3};
+use nalgebra::{Isometry3, Vector1, Vector2, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -274,8 +274,10 @@ impl Graph {
         bias: [f64; 6],
     ) -> Result<Self, Box<dyn Error>> {
         let mut graph = Self::measured(scene, kernel)?;
-        near(&mut graph.problem, graph.states[0], scene.known_state, state)?;
-        near(&mut graph.problem, graph.biases[0], scene.known_bias, bias)?;
+        let state = Prior::near(graph.states[0], scene.known_state, state);
+        let bias = Prior::near(graph.biases[0], scene.known_bias, bias);
+        graph.problem.add_factor(state, Kernel::Squared)?;
+        graph.problem.add_factor(bias, Kernel::Squared)?;
         Ok(graph)
     }
     // ANCHOR_END: priors
@@ -334,18 +336,6 @@ impl Graph {
         Ok(matrices.flat_map(|matrix| matrix.diagonal().as_slice().to_vec()).collect())
     }
     // ANCHOR_END: bound
-}
-
-/// Keeps a variable near an anchor.
-fn near<V: Manifold, const N: usize>(
-    problem: &mut Problem,
-    variable: Key<V>,
-    anchor: V,
-    sigmas: [f64; N],
-) -> Result<(), Box<dyn Error>> {
-    let sqrt_information = SMatrix::from_diagonal(&SVector::from(sigmas).map(f64::recip));
-    problem.add_factor(Prior { variable, anchor, sqrt_information }, Kernel::Squared)?;
-    Ok(())
 }
 
 /// What is asked of an estimate: where it stands in [`Estimate::step_to`], three numbers each, and the

@@ -1,7 +1,7 @@
 //! Algorithms: each line leads to the code that does it, and the book fails when that is no longer true.
 
 use crate::library::book;
-use crate::small::SmallBook;
+use crate::small::{SmallBook, says};
 
 const ALGORITHM: &str = r#"
 ::: {.algorithm #alg:add title="add: a sum" item="one::Sum::add"}
@@ -58,15 +58,6 @@ fn sound() -> SmallBook {
 /// The faults of the sound book in which a text of the algorithm is another.
 fn faults(old: &str, new: &str) -> String {
     sound().with("src/one.md", old, new).faults()
-}
-
-/// Asserts that the report holds each of the texts and speaks of one broken promise.
-#[track_caller]
-fn says(report: &str, texts: &[&str]) {
-    for text in texts {
-        assert!(report.contains(text), "{text:?} is not in the report:\n{report}");
-    }
-    assert!(report.contains("breaks one promise"), "more than the planted fault:\n{report}");
 }
 
 #[test]
