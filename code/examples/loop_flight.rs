@@ -37,7 +37,7 @@ const USAGE: &str = "usage: loop_flight [--flights N]";
 /// Pictures from one keyframe to the next, and the picture of the first one.
 pub const SPACING: usize = 8;
 const FIRST: usize = 40;
-const LANDMARKS: usize = 3000;
+pub const LANDMARKS: usize = 3000;
 /// Metres between the two cameras.
 const BASELINE: f64 = 0.3;
 /// Keyframes are seen again from this near, in metres.

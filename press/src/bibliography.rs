@@ -77,6 +77,7 @@ impl Bibliography {
             }
             works.insert(entry.key.clone(), Work::new(entry));
         }
+        tell_apart(&mut works);
         Bibliography { works }
     }
 
@@ -113,6 +114,21 @@ impl Bibliography {
         let mut works: Vec<_> = self.works.iter().map(|(key, work)| (key.as_str(), work)).collect();
         works.sort_by_key(|(_, work)| (work.authors.to_lowercase(), work.year.clone()));
         works
+    }
+}
+
+/// Gives a letter to the year of each of several works that would be cited alike, in the order of the bibliography.
+fn tell_apart(works: &mut BTreeMap<String, Work>) {
+    let mut alike: BTreeMap<String, Vec<&mut Work>> = BTreeMap::new();
+    works.values_mut().for_each(|work| alike.entry(work.short.clone()).or_default().push(work));
+    for mut works in alike.into_values().filter(|works| works.len() > 1) {
+        works.sort_by_key(|work| (work.authors.to_lowercase(), work.title.clone()));
+        for (letter, work) in ('a'..='z').zip(works) {
+            let lettered = format!("{}{letter}", work.year);
+            work.short = work.short.replace(&work.year, &lettered);
+            work.narrative = work.narrative.replace(&work.year, &lettered);
+            work.year = lettered;
+        }
     }
 }
 
@@ -208,5 +224,26 @@ mod tests {
         assert_eq!(work.short, "Lupton and Sukkarieh 2012");
         assert_eq!(work.authors, "Lupton, T.; Sukkarieh, S.");
         assert_eq!(work.place, "T-RO 28 (1), 61–76");
+    }
+
+    #[test]
+    fn works_that_would_be_cited_alike_get_letters() {
+        let entry = |key: &str, author: &str, title: &str| {
+            format!(
+                "@book{{{key}, author = {{{author}}}, title = {{{title}}}, year = {{2015}}, annotation = {{A.}}, verified = {{its page}}}}\n"
+            )
+        };
+        let source = entry("later", "Carlone, Luca and Tron, Roberto and Kaess, M.", "Starts")
+            + &entry("sooner", "Carlone, Luca and Rosen, David and Kaess, M.", "Duality")
+            + &entry("other", "Rosen, David", "Sync");
+        let mut faults = Faults::default();
+        let works = Bibliography::parse(&source, &mut faults);
+        assert!(faults.is_empty(), "{}", faults.report());
+        let cited = ["sooner", "later", "other"].map(|key| works.get(key).unwrap());
+        assert_eq!(
+            cited.map(|work| work.narrative.as_str()),
+            ["Carlone et al. (2015a)", "Carlone et al. (2015b)", "Rosen (2015)"]
+        );
+        assert_eq!(cited.map(|work| work.year.as_str()), ["2015a", "2015b", "2015"]);
     }
 }

@@ -1,6 +1,7 @@
 //! Preintegration in the tangent space, as factrs and GTSAM do it, held against the book's on the group.
 
 use nalgebra::{Matrix3, Vector3};
+use vislam::filtering::chi_square_below;
 use vislam::manifold::so3;
 
 use super::predicted::{self, overshoot, summed};
@@ -46,13 +47,13 @@ pub fn exhibits(chapter: &mut Chapter) {
         &mutants,
     );
     let mutants: [(_, Share); 3] = [
-        ("one coordinate", |k| 2.0 * (1.0 - normal_below(k))),
+        ("one coordinate", |k| 1.0 - chi_square_below(k * k, 1)),
         ("not halved", |k| (-k * k).exp()),
         ("of the norm, not its square", |k| (-0.5 * k).exp()),
     ];
     chapter.equation("pixel-beyond", pixel_beyond, share_beyond, &mutants);
     chapter.number("beyond", 100.0 * share_beyond(HUBER), "%", 0);
-    chapter.number("beyond_single", 200.0 * (1.0 - normal_below(HUBER)), "%", 0);
+    chapter.number("beyond_single", 100.0 * (1.0 - chi_square_below(HUBER * HUBER, 1)), "%", 0);
     chapter.number("huber", HUBER, "", 3);
 }
 
@@ -66,16 +67,6 @@ type Spread = fn(&Vector3<f64>, &Matrix3<f64>) -> Matrix3<f64>;
 /// The share of good pixels whose whitened residual is longer than a threshold. Implements {eq:pixel-beyond}.
 fn share_beyond(threshold: f64) -> f64 {
     (-0.5 * threshold * threshold).exp()
-}
-
-/// The probability that a normal number is below another.
-fn normal_below(number: f64) -> f64 {
-    // Simpson's rule on the density is exact to many digits here.
-    let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
-    let step = number / 1000.0;
-    let weight = |k: u32| if k == 0 || k == 1000 { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
-    let sum: f64 = (0..=1000).map(|k| weight(k) * density(step * f64::from(k))).sum();
-    0.5 + step / 3.0 * sum
 }
 
 /// Against both schemes, run on the same readings.

@@ -115,5 +115,4 @@ pub fn numbers(chapter: &mut Chapter) {
     let apart = costs.map(|name| (ratio(name) - 1.0).abs());
     let digits = -apart.iter().fold(1e-15_f64, |most, apart| most.max(*apart)).log10();
     chapter.number("digits_agreed", digits.floor(), "", 0);
-    chapter.number("gap_exponent", of("certificate_gap").log10(), "", 0);
 }

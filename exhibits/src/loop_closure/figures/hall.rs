@@ -3,12 +3,16 @@
 use nalgebra::{Isometry3, Vector2, Vector3};
 use vislam::filtering::{Freedom, aligned};
 
-use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{
+    self, Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of,
+};
 use crate::loop_closure::flight::example::states;
 use crate::loop_closure::flight::shown;
 
 /// How many times as long an error is drawn.
 const LARGER: f64 = 10.0;
+/// One loop in so many is drawn.
+const LOOPS: usize = 5;
 /// One keyframe in so many has a row of data.
 const ROWS: usize = 4;
 
@@ -43,6 +47,9 @@ pub fn hall() -> Figure {
         let [x_axis, y_axis] = axes;
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         chart.line(truth.iter().map(|place| (place.x, place.y)), GRID, 9)?;
+        for seen in closed.loops().iter().step_by(LOOPS) {
+            chart.line([seen.first, seen.second].map(|at| pair(&odometry[at])), INK, 3)?;
+        }
         chart.line(odometry.iter().map(pair), SERIES[1], 4)?;
         chart.line(four.iter().map(pair), SERIES[0], 4)?;
         let every = |places: &[Vector2<f64>]| -> Vec<(f64, f64)> {
@@ -51,8 +58,15 @@ pub fn hall() -> Figure {
         chart.marks(every(&odometry), 1)?;
         chart.marks(every(&four), 0)?;
         chart.key(1, "odometry", (-14.0, 6.0), -12.0)?;
-        chart.key(0, "loops closed", (-14.0, 1.0), -12.0)?;
+        chart.key(0, "loops closed, four", (-14.0, 1.0), -12.0)?;
         chart.write("thick: the truth", (-15.0, -4.0), letters_right_of(INK))?;
-        chart.write("errors ten times as long", (-15.0, -9.0), letters_right_of(INK))
+        chart.write("thin: loops", (-15.0, -9.0), letters_right_of(INK))?;
+        let ends = [("start", 0), ("end", truth.len() - 1)];
+        for (name, at) in ends {
+            let (x, y) = pair(&truth[at].xy());
+            chart.dots([(x, y)], 9, INK)?;
+            chart.write(name, (0.8 * x, 0.8 * y), letters_around(INK))?;
+        }
+        Ok(())
     })
 }

@@ -30,7 +30,7 @@ pub fn minima() -> Figure {
         let x_axis = ("cost over the lowest one of the graph", 0.8..1.05 * most, 6);
         let y_axis = ("smallest eigenvalue over the weight", 1.1 * deepest..-0.3 * deepest, 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        let kinds = ["certified", "refused, and not the lowest", "refused, though the lowest"];
+        let kinds = ["certified", "refused, and not the lowest", "refused, the lowest found"];
         let kind_of = |end: &End| match (end.eigenvalue, end.is_lowest()) {
             (None, _) => 0,
             (Some(_), false) => 1,

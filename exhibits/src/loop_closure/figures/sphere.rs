@@ -2,12 +2,15 @@
 
 use nalgebra::Isometry3;
 use plotters::chart::ChartBuilder;
+use plotters::style::RGBColor;
 
 use crate::figure::{Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around};
 use crate::loop_closure::sphere::searches;
 
 /// One pose in so many has a row of data.
 const ROWS: usize = 7;
+/// The length of the bar in metres.
+const BAR: f64 = 10.0;
 
 pub fn sphere() -> Figure {
     let [odometry, chordal] = searches();
@@ -27,32 +30,43 @@ pub fn sphere() -> Figure {
         ("minimum x (m)", axis(panels[2].1, 0)),
         ("minimum z (m)", axis(panels[2].1, 2)),
     ];
-    Figure::new(620, columns, |drawing| {
+    Figure::new(480, columns, |drawing| {
+        let scale = panels.iter().map(|(_, poses, _)| extent(poses)).fold(0.0, f64::max);
         for (panel, (name, poses, colour)) in drawing.split_evenly((1, 3)).iter().zip(panels) {
-            paint(panel, name, poses, colour)?;
+            paint(panel, name, poses, (colour, scale))?;
         }
         Ok(())
     })
 }
 
-/// The poses from the side, in a square around them.
+/// The ends of poses along an axis.
+fn ends(poses: &[Isometry3<f64>], axis: usize) -> [f64; 2] {
+    let numbers = poses.iter().map(|pose| pose.translation.vector[axis]);
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| [low.min(n), high.max(n)])
+}
+
+/// How wide poses are from the side, or how tall.
+fn extent(poses: &[Isometry3<f64>]) -> f64 {
+    [0, 2].map(|axis| ends(poses, axis)).iter().fold(0.0, |most, [a, b]| most.max(b - a))
+}
+
+/// The poses from the side, at a scale at which so many metres are as wide as the panel.
 fn paint(
     drawing: &Drawing,
     name: &str,
     poses: &[Isometry3<f64>],
-    colour: plotters::style::RGBColor,
+    (colour, scale): (RGBColor, f64),
 ) -> Drawn {
     let place = |pose: &Isometry3<f64>| (pose.translation.x, pose.translation.z);
-    let ends = |axis: usize| {
-        let numbers = poses.iter().map(|pose| pose.translation.vector[axis]);
-        numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| [low.min(n), high.max(n)])
-    };
-    let (x, z) = (ends(0), ends(2));
-    let half = 0.55 * (x[1] - x[0]).max(z[1] - z[0]);
-    let (x, z) = (0.5 * (x[0] + x[1]), 0.5 * (z[0] + z[1]));
-    let mut chart = ChartBuilder::on(drawing)
-        .margin(10)
-        .build_cartesian_2d(x - half..x + half, z - half..z + 1.5 * half)?;
+    let [x, z] = [0, 2].map(|axis| ends(poses, axis)).map(|[low, high]| 0.5 * (low + high));
+    let (width, height) = drawing.dim_in_pixel();
+    let across = 0.55 * scale;
+    let up = across * f64::from(height) / f64::from(width);
+    let mut chart =
+        ChartBuilder::on(drawing).build_cartesian_2d(x - across..x + across, z - up..z + up)?;
     chart.line(poses.iter().map(place), colour, 3)?;
-    chart.write(name, (x, z + 1.3 * half), letters_around(INK))
+    chart.write(name, (x, z + 0.88 * up), letters_around(INK))?;
+    let bar = z - 0.92 * up;
+    chart.line([(x - 0.5 * BAR, bar), (x + 0.5 * BAR, bar)], INK, 5)?;
+    chart.write(&format!("{BAR} m"), (x, bar + 0.12 * up), letters_around(INK))
 }

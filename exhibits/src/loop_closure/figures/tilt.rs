@@ -42,6 +42,6 @@ pub fn tilt() -> Figure {
             chart.marks(points.step_by(12).collect::<Vec<_>>(), series)?;
         }
         chart.key(1, "six degrees of freedom", (6.0, 0.94 * highest), 9.0)?;
-        chart.key(0, "four", (90.0, 0.94 * highest), 93.0)
+        chart.key(0, "four, and the filter", (90.0, 0.94 * highest), 93.0)
     })
 }

@@ -1,6 +1,8 @@
 //! The error over the number of wrong loops.
 
-use crate::figure::{self, Draw, Figure, decimals};
+use plotters::coord::combinators::IntoLogRange;
+
+use crate::figure::{self, Draw, Figure, INK, decimals, letters_around};
 use crate::loop_closure::wrong::{COUNTS, WAYS, all};
 
 pub fn wrong() -> Figure {
@@ -13,27 +15,33 @@ pub fn wrong() -> Figure {
         "switches (m)",
         "graduated non-convexity (m)",
     ];
-    for (title, errors) in titles.into_iter().zip(all) {
-        columns.push((title, decimals(3, *errors)));
+    for (title, outcomes) in titles.into_iter().zip(all) {
+        columns.push((title, decimals(3, outcomes.iter().map(|outcome| outcome.error))));
     }
+    columns.push(("of them believed: switches", believed(3)));
+    columns.push(("of them believed: graduated", believed(4)));
+    // Each count has a place of its own, as there is no logarithm of none.
+    let place = |at: usize, way: usize| at as f64 + 0.06 * (way as f64 - 2.0);
     Figure::new(980, columns, |drawing| {
-        let (low, high) = (-1.2, 2.3);
-        let x_axis = ("log\u{2082} of one plus the number of wrong loops", -0.4..7.2, 8);
-        let y_axis = ("log\u{2081}\u{2080} of the error in metres", low..high, 6);
+        let x_axis = ("wrong loops", -0.4..7.4, 0);
+        let y_axis = ("error (m)", (0.03..300.0).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
-        for (way, errors) in all.iter().enumerate() {
-            // Ways that agree stand beside each other.
-            let aside = 0.05 * (way as f64 - 2.0);
-            let points: Vec<(f64, f64)> = COUNTS
-                .iter()
-                .zip(errors)
-                .map(|(count, error)| (((1 + count) as f64).log2() + aside, error.log10()))
-                .collect();
+        for (way, outcomes) in all.iter().enumerate() {
+            let points: Vec<(f64, f64)> =
+                (0..).zip(outcomes).map(|(at, it)| (place(at, way), it.error)).collect();
             chart.line(points.iter().copied(), figure::SERIES[way], 4)?;
             chart.marks(points, way)?;
-            let (x, y) = ([0.0, 2.6, 4.6][way % 3], [2.1, 1.8][way / 3]);
+            let (x, y) = ([0.0, 2.8, 5.0][way % 3], [180.0, 80.0][way / 3]);
             chart.key(way, WAYS[way], (x, y), x + 0.15)?;
+        }
+        for (at, count) in COUNTS.iter().enumerate() {
+            chart.write(&count.to_string(), (at as f64, 0.04), letters_around(INK))?;
         }
         Ok(())
     })
+}
+
+/// How many wrong loops a way believes, by their number.
+fn believed(way: usize) -> Vec<String> {
+    figure::plain(all()[way].iter().map(|outcome| outcome.believed[1]))
 }
