@@ -29,13 +29,16 @@ pub struct Errors {
     pub squares: Vec<Asked>,
     pub huber: Vec<Asked>,
     pub bound: Vec<Asked>,
+    /// The bound without any pixel.
+    pub blind: Vec<Asked>,
 }
 
 /// The errors of the book's library, with least squares and with Huber's kernel.
 pub fn ours() -> &'static Errors {
     static OURS: OnceLock<Errors> = OnceLock::new();
     OURS.get_or_init(|| {
-        let (mut squares, mut huber, mut bound) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut squares, mut huber) = (Vec::new(), Vec::new());
+        let (mut bound, mut blind) = (Vec::new(), Vec::new());
         for scene in (0..SEEDS).map(Scene::drawn) {
             let off = |kernel| {
                 let graph = Graph::new(&scene, kernel).expect("the sensors fit the graph");
@@ -44,11 +47,23 @@ pub fn ours() -> &'static Errors {
             };
             squares.push(off(Kernel::Squared));
             huber.push(off(Kernel::Huber(HUBER)));
-            let variances = Graph::bound(&scene).expect("priors leave nothing free");
-            bound.push(ASKED.map(|(_, at, _)| variances[at..at + 3].iter().sum()));
+            bound.push(asked_of_bound(&scene));
+            blind.push(asked_of_bound(&without_pixels(scene)));
         }
-        Errors { squares, huber, bound }
+        Errors { squares, huber, bound, blind }
     })
+}
+
+fn asked_of_bound(scene: &Scene) -> Asked {
+    let variances = Graph::bound(scene).expect("priors leave nothing free");
+    ASKED.map(|(_, at, _)| variances[at..at + 3].iter().sum())
+}
+
+fn without_pixels(mut scene: Scene) -> Scene {
+    scene.pixels.clear();
+    scene.guess.landmarks.clear();
+    scene.truth.landmarks.clear();
+    scene
 }
 
 /// The root of the mean of squares, in thousandths.
@@ -58,8 +73,9 @@ fn rms(squares: &[Asked]) -> Asked {
 }
 
 pub fn numbers(chapter: &mut Chapter) {
-    let Errors { squares, huber, bound } = ours();
+    let Errors { squares, huber, bound, blind } = ours();
     let tables = [
+        (["turn_blind", "velocity_blind", "gyro_blind", "accelerometer_blind"], blind),
         (["turn_bound", "velocity_bound", "gyro_bound", "accelerometer_bound"], bound),
         (["turn_squares", "velocity_squares", "gyro_squares", "accelerometer_squares"], squares),
         (["turn_huber", "velocity_huber", "gyro_huber", "accelerometer_huber"], huber),

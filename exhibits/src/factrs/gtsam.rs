@@ -25,6 +25,26 @@ pub fn numbers(chapter: &mut Chapter) {
     let of = |value: &str| accepted("factrs_gtsam", value);
     let ratio = of("turn_off") / of("turn_predicted");
     chapter.number("gtsam_turn_ratio", ratio, "", 2);
+    chapter.number("own_predicted", moved_by_overshoot(&Scene::drawn(0)), "", 3);
+}
+
+/// How far an estimate moves, at most, in standard deviations of the bound, when the turn between its keyframes is
+/// summed up too long by what is predicted.
+fn moved_by_overshoot(scene: &Scene) -> f64 {
+    let mut longer = scene.clone();
+    let rate = overshoot(&rates(scene), STEP) / (STEP * scene.readings.len() as f64);
+    longer.readings.iter_mut().for_each(|reading| reading.gyro += rate);
+    let [before, after] = [scene, &longer].map(|scene| {
+        let graph = Graph::new(scene, Kernel::Huber(HUBER)).expect("the sensors fit the graph");
+        graph.solved().expect("priors leave nothing free")
+    });
+    let bound = Graph::bound(scene).expect("priors leave nothing free");
+    apart(&before, &after, &bound)[1]
+}
+
+/// The angular velocities of a scene, less the bias that is known.
+fn rates(scene: &Scene) -> Vec<Vector3<f64>> {
+    scene.readings.iter().map(|reading| reading.gyro - scene.known_bias.gyro).collect()
 }
 
 /// What GTSAM prints.
@@ -46,9 +66,7 @@ fn of_gtsam() -> Result<Vec<RecordValue>, NotMade> {
     let [worst, worst_sigmas] = apart(&ours, &said.identical, &bound);
     let sums = scene.preintegrated().expect("the readings can be summed up").sums;
     let off = said.turn.scaled_axis() - sums.deltas.rotation.scaled_axis();
-    let corrected = |reading: &vislam::inertial::ImuSample| reading.gyro - scene.known_bias.gyro;
-    let rates: Vec<Vector3<f64>> = scene.readings.iter().map(corrected).collect();
-    let predicted = overshoot(&rates, STEP);
+    let predicted = overshoot(&rates(&scene), STEP);
     let value = RecordValue::new;
     Ok(vec![
         value("identical", 1e9 * worst, "10⁻⁹", 1, 10.0),
