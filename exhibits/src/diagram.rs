@@ -1,6 +1,6 @@
 //! Drawings of blocks, in rows from above to below, each of which leads to a place of the book.
 
-use plotters::element::{PathElement, Polygon, Rectangle, Text};
+use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -37,7 +37,6 @@ const PADDING: i32 = 22;
 
 /// A block where it is drawn.
 struct Placed {
-    row: usize,
     name: &'static str,
     block: &'static Block,
     corner: (i32, i32),
@@ -45,11 +44,6 @@ struct Placed {
 }
 
 impl Placed {
-    /// Where an arrow comes in or goes out: far enough to the right for the name of the row.
-    fn arrow_x(&self) -> i32 {
-        self.corner.0 + self.size.0 * 4 / 5
-    }
-
     fn bottom(&self) -> i32 {
         self.corner.1 + self.size.1
     }
@@ -88,7 +82,7 @@ fn place(rows: &'static [Row]) -> Vec<Placed> {
     let width = WIDTH as i32 - 2 * MARGIN;
     let mut top = 0;
     let mut placed = Vec::new();
-    for (index, row) in rows.iter().enumerate() {
+    for row in rows {
         top += GAP;
         let count = row.blocks.len() as i32;
         let share = (width - 2 * MARGIN * (count - 1)) / count;
@@ -96,7 +90,7 @@ fn place(rows: &'static [Row]) -> Vec<Placed> {
         let size = (share, (lines + 1) * LINE + 2 * PADDING);
         for (column, block) in row.blocks.iter().enumerate() {
             let corner = (MARGIN + column as i32 * (share + 2 * MARGIN), top);
-            placed.push(Placed { row: index, name: row.name, block, corner, size });
+            placed.push(Placed { name: row.name, block, corner, size });
         }
         top += size.1;
     }
@@ -109,17 +103,6 @@ fn paint(drawing: &Drawing, placed: &[Placed]) -> Drawn {
         if one.corner.0 == MARGIN {
             let style = letters_of(LETTERS, INK).pos(Pos::new(HPos::Left, VPos::Bottom));
             drawing.draw(&Text::new(one.name, (MARGIN, one.corner.1 - 14), style))?;
-        }
-        let above: Vec<&Placed> = placed.iter().filter(|above| above.row + 1 == one.row).collect();
-        let below = placed.iter().filter(|below| below.row == one.row).count();
-        // Where the rows have one and two blocks, the arrows stand where the two are.
-        let stems = match above.len() > below {
-            true => above.iter().map(|above| above.arrow_x()).collect(),
-            false if above.is_empty() => Vec::new(),
-            false => vec![one.arrow_x()],
-        };
-        for x in stems {
-            arrow(drawing, x, one.corner.1 - GAP, one.corner.1)?;
         }
     }
     Ok(())
@@ -139,14 +122,5 @@ fn paint_block(drawing: &Drawing, Placed { block, corner, size, .. }: &Placed) -
         let at = (corner.0 + 24, corner.1 + PADDING + 4 + LINE * number as i32);
         drawing.draw(&Text::new(*line, at, letters_of(LETTERS, INK)))?;
     }
-    Ok(())
-}
-
-/// An arrow downwards.
-fn arrow(drawing: &Drawing, x: i32, from: i32, to: i32) -> Drawn {
-    let stem = vec![(x, from + 6), (x, to - 26)];
-    drawing.draw(&PathElement::new(stem, INK.stroke_width(4)))?;
-    let head = vec![(x, to - 6), (x - 15, to - 34), (x + 15, to - 34)];
-    drawing.draw(&Polygon::new(head, INK.filled()))?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Flights with the filter of `examples/filter.rs`.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use vislam::filtering::{BlockNees, StateError, attitude_in_world};
 use vislam::inertial::NavState;
 use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
@@ -89,6 +90,7 @@ pub fn numbers(chapter: &mut Chapter) {
     hovering(chapter);
     resting(chapter);
     outliers(chapter);
+    extrinsics(chapter);
     heading(chapter);
 }
 
@@ -218,6 +220,31 @@ fn outliers(chapter: &mut Chapter) {
     chapter.number("outlier_rmse_open", 100.0 * rmse(&open), "cm", 1);
     chapter.number("outlier_gated", refused(&gated).gated as f64, "", 0);
 }
+
+/// A flight whose camera sits otherwise than the filter is told.
+fn extrinsics(chapter: &mut Chapter) {
+    let recording = flown(&example::flight(20.0), 2);
+    let told = |turn: UnitQuaternion<f64>| {
+        let mut told = recording.clone();
+        told.flight.rig.body_from_camera.rotation = turn;
+        let seen = followed(&told, options(&told), 2);
+        let [used, all] = seen.iter().fold([0, 0], |[used, all], seen| {
+            let Refusals { short, landmark, rank, gated } = seen.report.refused;
+            let now = seen.report.used;
+            [used + now, all + now + short + landmark + rank + gated]
+        });
+        (100.0 * rmse(&seen), 100.0 * used as f64 / all as f64)
+    };
+    let right = recording.flight.rig.body_from_camera.rotation;
+    let turned = UnitQuaternion::from_scaled_axis(Vector3::x() * EXTRINSIC_OFF.to_radians());
+    chapter.number("extrinsic_degrees", EXTRINSIC_OFF, "°", 0);
+    chapter.number("extrinsic_right", told(right).0, "cm", 1);
+    chapter.number("extrinsic_turned", told(turned * right).0, "cm", 1);
+    chapter.number("extrinsic_inverted_used", told(right.inverse()).1, "%", 0);
+}
+
+/// By how many degrees a camera is turned against what the filter is told.
+const EXTRINSIC_OFF: f64 = 1.0;
 
 /// The standard deviation of yaw with kept landmarks, by the places of linearization.
 fn heading(chapter: &mut Chapter) {

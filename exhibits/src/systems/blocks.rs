@@ -57,12 +57,15 @@ const VINS_MONO: &[Row] = &[
             built(&["One picture leaves:", "oldest or newest", "but one"], "sec:marginalization"),
         ],
     },
-    Row { name: "watch", blocks: &[left_out(&["Restart when a bias or a jump is too large"])] },
+    Row {
+        name: "failure detection",
+        blocks: &[left_out(&["Back to initialization when a bias or a jump is too large"])],
+    },
     Row {
         name: "loop closure",
         blocks: &[
-            left_out(&["Place recognition", "by a bag of words"]),
-            left_out(&["Pixels of the old", "picture, in the window"]),
+            left_out(&["Place recognition", "by a bag of words,", "on keyframes that left"]),
+            left_out(&["Pixels of the old", "picture, back into", "the window"]),
         ],
     },
     Row {
@@ -126,8 +129,14 @@ const ORB_SLAM3: &[Row] = &[
     Row {
         name: "pose graph",
         blocks: &[
-            built(&["Keyframes moved in", "position and yaw"], "sec:four-degrees"),
-            built(&["At last, bundle", "adjustment of all"], "sec:bundle_adjustment"),
+            built(
+                &["Keyframes moved in", "position and yaw,", "and the map with them"],
+                "sec:four-degrees",
+            ),
+            built(
+                &["Bundle adjustment of", "all, if the map is", "not too large"],
+                "sec:bundle_adjustment",
+            ),
         ],
     },
 ];
