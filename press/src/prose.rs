@@ -194,6 +194,9 @@ impl One<'_> {
             Mark::Span { text, attributes } if attributes.has("symbol") => {
                 out.push_str(&self.symbol(text, attributes, found));
             }
+            Mark::Span { text, attributes } if attributes.has("saying") => {
+                out.push_str(&self.saying(text, &attributes.id, found));
+            }
             Mark::Span { text, attributes } => {
                 out.push_str(&self.span(text, &attributes.classes, found));
             }
@@ -264,6 +267,21 @@ impl One<'_> {
         match self.prose.html {
             true => format!("<dfn id=\"{id}\">{inside}</dfn>"),
             false => inside,
+        }
+    }
+
+    /// A statement of its own, in bold, with an address that others can link to.
+    fn saying(&self, text: &str, id: &str, found: &mut Found<'_>) -> String {
+        if id.is_empty() {
+            let mend = "give it one, as in [“…”]{.saying #depth-sigma}";
+            found.faults.add(self.place, text, "a saying has no name to link to", mend);
+        }
+        let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
+        match self.prose.html {
+            true => format!(
+                "<strong id=\"saying:{id}\"><a class=\"saying\" href=\"#saying:{id}\">{inside}</a></strong>"
+            ),
+            false => format!("**{inside}**"),
         }
     }
 
@@ -467,7 +485,7 @@ impl One<'_> {
                     classes.join(" "),
                     "a span has no class that the book knows",
                     format!(
-                        "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, and a pointer into depth is further",
+                        "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, a statement with an address of its own is a saying, and a pointer into depth is further",
                         TERMS.join(", ")
                     ),
                 );
