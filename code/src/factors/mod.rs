@@ -2,16 +2,20 @@
 //! measurement in standard deviations, and its derivatives. One file a measurement, and the
 //! derivatives stand here and nowhere else.
 
+mod epipolar;
 mod inertial;
 mod pixel_by_body;
 mod pixel_by_camera;
 mod prior;
 mod relative_pose;
 mod stereo;
+mod transfer;
 
+pub use epipolar::Epipolar;
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};
 pub use pixel_by_camera::{MovingCamera, PixelByCamera};
 pub use prior::Prior;
 pub use relative_pose::RelativePose;
 pub use stereo::StereoByPose;
+pub use transfer::{Transfer, Transferred, transfer_covariance};

@@ -61,6 +61,7 @@ pub use solver::{
 };
 pub use spectrum::Spectrum;
 pub use square_root::eliminate;
+pub(crate) use singular::right_singular;
 pub(crate) use square_root::{SparseRow, eliminate_fronts};
 pub use values::{Key, Values};
 pub use whitening::{WhiteningError, sqrt_information};

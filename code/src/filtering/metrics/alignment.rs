@@ -107,7 +107,7 @@ fn yaw_towards(moment: &Matrix3<f64>, undecided: f64) -> Option<Rotation3<f64>> 
 ///
 /// By the unit quaternion q of R the trace is qᵀ N q, with a symmetric matrix N: the best q is its
 /// eigenvector of the largest eigenvalue. Being a quaternion, it is never a reflection.
-fn rotation_towards(moment: &Matrix3<f64>, undecided: f64) -> Option<Rotation3<f64>> {
+pub(crate) fn rotation_towards(moment: &Matrix3<f64>, undecided: f64) -> Option<Rotation3<f64>> {
     let skew = 2.0 * so3::vee(moment);
     let block = moment + moment.transpose() - Matrix3::from_diagonal_element(moment.trace());
     let mut form = Matrix4::from_element(moment.trace());

@@ -6,6 +6,7 @@ mod normalized;
 mod state_error;
 mod trajectory;
 
+pub(crate) use alignment::rotation_towards;
 pub use alignment::{AlignmentError, Freedom, align, aligned};
 pub use band::{BandError, NeesBand};
 pub use normalized::{BlockNees, NeesError, nees, nis};
