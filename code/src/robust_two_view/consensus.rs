@@ -98,7 +98,7 @@ impl Default for ConsensusOptions {
         Self {
             confidence: 0.9999,
             inlier_probability: 0.99,
-            false_alarms: 0.01,
+            false_alarms: 0.001,
             most_draws: 100_000,
             local_optimization: true,
             seed: 0,

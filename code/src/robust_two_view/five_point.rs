@@ -1,19 +1,25 @@
 //! The motion between two pictures from five points.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, SVector, Unit, Vector3};
 use thiserror::Error;
 
 use super::cubics::{constraints, eliminated};
 use super::motion::{RayPair, RelativeMotion, volume_and_row};
 use super::{Candidates, real_roots, rotation_of_rays};
 use crate::least_squares::Manifold;
-use crate::two_views::left_null_vector;
 
 /// Five rows of which one is smaller, beside the others, depend on each other.
 const DEPENDENT: f64 = 1e-11;
 /// Sines of angles that are smaller are rounding.
 const SAME: f64 = 1e-9;
-/// Newton needs two or three.
+/// A root without rounding makes the first step of Newton shorter.
+const DISPLACED: f64 = 1e-6;
+/// More bases than are ever unlucky.
+const MOST_BASES: usize = 5;
+/// A longer step leads elsewhere, and the one after a shorter one is rounding.
+const LONGEST_STEP: f64 = 1e-2;
+const LAST_STEP: f64 = 1e-8;
+/// Newton needs one or two.
 const MOST_STEPS: usize = 10;
 
 // ANCHOR: five_points
@@ -36,13 +42,9 @@ const MOST_STEPS: usize = 10;
 pub fn five_points(
     pairs: &[RayPair; 5],
 ) -> Result<Candidates<Matrix3<f64>, 10>, FivePointError> {
-    let pairs = unit(pairs)?;
+    let motions = motions_where(pairs, |motion, _| Some(motion))?;
     let mut found = Candidates::none(Matrix3::zeros());
-    for essential in unpolished(&pairs)?.iter() {
-        if let Some(motion) = a_motion(essential) {
-            found.push(polished(&motion, &pairs).essential());
-        }
-    }
+    motions.iter().for_each(|motion| found.push(motion.essential()));
     Ok(found)
 }
 // ANCHOR_END: five_points
@@ -56,17 +58,51 @@ pub fn five_points(
 pub fn motions_of_five(
     pairs: &[RayPair; 5],
 ) -> Result<Candidates<RelativeMotion, 10>, FivePointError> {
-    let pairs = unit(pairs)?;
-    let identity = RelativeMotion { rotation: Rotation3::identity(), direction: Vector3::x_axis() };
-    let mut found = Candidates::none(identity);
-    for essential in unpolished(&pairs)?.iter() {
-        if let Some(motion) = a_motion(essential).and_then(|motion| in_front(&motion, &pairs)) {
-            found.push(polished(&motion, &pairs));
-        }
-    }
-    Ok(found)
+    motions_where(pairs, in_front)
 }
 // ANCHOR_END: motions_of_five
+
+// ANCHOR: motions_where
+/// A motion of each matrix, when `chosen` chooses one of the four, polished.
+///
+/// Two solutions may happen to have nearly the same z, and rounding then takes them away or
+/// displaces them. A displaced one is known by its first step of Newton, and with another basis of
+/// the four matrices it has another z.
+fn motions_where(
+    pairs: &[RayPair; 5],
+    chosen: impl Fn(RelativeMotion, &[RayPair; 5]) -> Option<RelativeMotion>,
+) -> Result<Candidates<RelativeMotion, 10>, FivePointError> {
+    let pairs = unit(pairs)?;
+    let mut basis = null_space(&pairs).ok_or_else(|| dependence(&pairs))?;
+    let identity = RelativeMotion { rotation: Rotation3::identity(), direction: Vector3::x_axis() };
+    let mut best = None;
+    let mut least = f64::INFINITY;
+    for _ in 0..MOST_BASES {
+        if let Some(matrices) = essential_in(&basis) {
+            let (mut found, mut longest) = (Candidates::none(identity), 0.0_f64);
+            let chosen = |matrix: &Matrix3<f64>| a_motion(matrix).and_then(|m| chosen(m, &pairs));
+            for motion in matrices.iter().filter_map(chosen) {
+                let (motion, step) = polished(&motion, &pairs);
+                longest = longest.max(step);
+                found.push(motion);
+            }
+            if longest < least {
+                (best, least) = (Some(found), longest);
+            }
+        }
+        if least < DISPLACED {
+            break;
+        }
+        basis = turned(&basis);
+    }
+    best.ok_or_else(|| continuum(&pairs))
+}
+
+/// Another orthonormal basis of what four matrices span.
+fn turned([a, b, c, d]: &[Matrix3<f64>; 4]) -> [Matrix3<f64>; 4] {
+    [b + c + d + a, b - c + d - a, b + c - d - a, b - c - d + a].map(|sum| 0.5 * sum)
+}
+// ANCHOR_END: motions_where
 
 /// The pairs with rays of length one.
 fn unit(pairs: &[RayPair; 5]) -> Result<[RayPair; 5], FivePointError> {
@@ -83,21 +119,20 @@ fn unit(pairs: &[RayPair; 5]) -> Result<[RayPair; 5], FivePointError> {
     Ok(units)
 }
 
-// ANCHOR: unpolished
-/// The essential matrices as the roots of the polynomial give them.
-fn unpolished(pairs: &[RayPair; 5]) -> Result<Candidates<Matrix3<f64>, 10>, FivePointError> {
-    let basis = null_space(pairs).ok_or_else(|| dependence(pairs))?;
-    let solved = eliminated(constraints(&basis)).ok_or_else(|| continuum(pairs))?;
+// ANCHOR: essential_in
+/// The essential matrices among the sums of four, as the roots of the polynomial give them; `None`
+/// when the cubic equations depend on each other.
+fn essential_in(basis: &[Matrix3<f64>; 4]) -> Option<Candidates<Matrix3<f64>, 10>> {
+    let solved = eliminated(constraints(basis))?;
     let rows = [0, 2, 4].map(|first| difference(&solved[first], &solved[first + 1]));
     let mut found = Candidates::none(Matrix3::zeros());
     for &z in real_roots(&determinant(&rows)).iter() {
         let [x, y, w] = null_vector(&[0, 1, 2].map(|row: usize| rows[row].at(z))).into();
-        let essential = x * basis[0] + y * basis[1] + w * (z * basis[2] + basis[3]);
-        found.push(essential);
+        found.push(x * basis[0] + y * basis[1] + w * (z * basis[2] + basis[3]));
     }
-    Ok(found)
+    Some(found)
 }
-// ANCHOR_END: unpolished
+// ANCHOR_END: essential_in
 
 // ANCHOR: five_null_space
 /// Four orthonormal matrices that satisfy the linear equations of all five pairs, or `None` when
@@ -212,29 +247,36 @@ fn null_vector(rows: &[Vector3<f64>; 3]) -> Vector3<f64> {
 }
 
 // ANCHOR: a_motion
-/// One of the four motions of an essential matrix; `None` when it is not finite.
+/// One of the four motions of an essential matrix E; `None` when it is not finite.
+///
+/// The cross products of its columns are multiples of the baseline t, of which the longest is taken,
+/// and the rotation is the matrix of all three of them less t^ E {eq:essential-poses}.
 fn a_motion(essential: &Matrix3<f64>) -> Option<RelativeMotion> {
     let scaled = essential * (2.0 / essential.norm_squared()).sqrt();
-    let direction = Unit::new_unchecked(left_null_vector(&scaled));
     let [a, b, c] = [0, 1, 2].map(|column| scaled.column(column).into_owned());
-    let cofactors = [b.cross(&c), c.cross(&a)];
-    let columns = [cofactors[0] - direction.cross(&a), cofactors[1] - direction.cross(&b)];
-    let x = columns[0].normalize();
-    let y = (columns[1] - x.dot(&columns[1]) * x).normalize();
-    let rotation = Matrix3::from_columns(&[x, y, x.cross(&y)]);
-    let is_finite = rotation.iter().chain(direction.iter()).all(|entry| entry.is_finite());
-    let rotation = Rotation3::from_matrix_unchecked(rotation);
-    is_finite.then_some(RelativeMotion { rotation, direction })
+    let products = [b.cross(&c), c.cross(&a), a.cross(&b)];
+    let squares = products.map(|product| product.norm_squared());
+    let longest = if squares[0] > squares[1] { 0 } else { 1 };
+    let longest = if squares[longest] > squares[2] { longest } else { 2 };
+    let direction = products[longest] / squares[longest].sqrt();
+    let x = (products[0] - direction.cross(&a)).normalize();
+    let y = products[1] - direction.cross(&b);
+    let y = (y - x.dot(&y) * x).normalize();
+    let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+    let rotation = Rotation3::from_matrix_unchecked(matrix);
+    let motion = RelativeMotion { rotation, direction: Unit::new_unchecked(direction) };
+    (matrix.sum() + direction.sum()).is_finite().then_some(motion)
 }
 // ANCHOR_END: a_motion
 
 // ANCHOR: in_front
 /// The one of the four motions with the same essential matrix that puts all points in front.
-fn in_front(motion: &RelativeMotion, pairs: &[RayPair]) -> Option<RelativeMotion> {
+fn in_front(motion: RelativeMotion, pairs: &[RayPair; 5]) -> Option<RelativeMotion> {
     let t = motion.direction;
     let half_turn = 2.0 * t.as_ref() * t.transpose() - Matrix3::identity();
-    let turned = Rotation3::from_matrix_unchecked(half_turn * motion.rotation.matrix());
-    [motion.rotation, turned].into_iter().find_map(|rotation| {
+    let turned = || Rotation3::from_matrix_unchecked(half_turn * motion.rotation.matrix());
+    [false, true].into_iter().find_map(|other| {
+        let rotation = if other { turned() } else { motion.rotation };
         let motion = RelativeMotion { rotation, direction: t };
         let (first, second) = depth_signs(&motion, &pairs[0]);
         let direction = if first < 0.0 { -t } else { t };
@@ -256,34 +298,52 @@ pub(super) fn depth_signs(motion: &RelativeMotion, (first, second): &RayPair) ->
 // ANCHOR_END: in_front
 
 // ANCHOR: polished
-/// The motion for which the five volumes vanish, by steps of Newton; the one given when they do
-/// not lead to it.
-fn polished(start: &RelativeMotion, pairs: &[RayPair; 5]) -> RelativeMotion {
+/// The motion for which the five volumes vanish, by steps of Newton for as long as they become
+/// shorter, and the length of the first.
+fn polished(start: &RelativeMotion, pairs: &[RayPair; 5]) -> (RelativeMotion, f64) {
     let mut motion = *start;
-    let mut last = 1e-2;
+    let (mut first, mut last) = (None, LONGEST_STEP);
     for _ in 0..MOST_STEPS {
         let by_step = motion.direction_by_step();
-        let (mut rows, mut volumes) = (SMatrix::<f64, 5, 5>::zeros(), SVector::<f64, 5>::zeros());
-        for (k, pair) in pairs.iter().enumerate() {
-            let (volume, row) = volume_and_row(&motion, &by_step, pair);
-            rows.set_row(k, &row.transpose());
-            volumes[k] = -volume;
-        }
-        let Some(step) = rows.lu().solve(&volumes) else { break };
+        let equations = pairs.map(|pair| {
+            let (volume, row) = volume_and_row(&motion, &by_step, &pair);
+            [row[0], row[1], row[2], row[3], row[4], -volume]
+        });
+        let step = SVector::from(solved(equations));
         let length = step.norm();
-        // Steps that no longer become shorter are rounding, or lead elsewhere.
+        first = first.or(Some(length));
         if !(length < last) {
             break;
         }
         motion = motion.retract(step.as_slice());
         last = length;
-        if length < 1e-8 {
+        if length < LAST_STEP {
             break;
         }
     }
-    motion
+    (motion, first.filter(|length| length.is_finite()).unwrap_or(f64::MAX))
 }
 // ANCHOR_END: polished
+
+/// The solution of five equations, each with its right side at the end; not finite when there is none.
+fn solved(mut equations: [[f64; 6]; 5]) -> [f64; 5] {
+    for column in 0..5 {
+        let size = |row: &usize| equations[*row][column].abs();
+        let pivot = (column..5).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
+        equations.swap(column, pivot);
+        let from = equations[column];
+        for row in &mut equations[column + 1..] {
+            let times = row[column] / from[column];
+            (column + 1..6).for_each(|k| row[k] -= times * from[k]);
+        }
+    }
+    let mut solution = [0.0; 5];
+    for row in (0..5).rev() {
+        let known: f64 = (row + 1..5).map(|k| equations[row][k] * solution[k]).sum();
+        solution[row] = (equations[row][5] - known) / equations[row][row];
+    }
+    solution
+}
 
 /// Why the five equations depend on each other.
 fn dependence(pairs: &[RayPair; 5]) -> FivePointError {

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, Matrix3};
 
-use super::consensus::{Correspondences, Effort};
+use super::consensus::{
+    Consensus, ConsensusError, ConsensusOptions, Correspondences, Effort, consensus,
+};
 use super::five_point::{depth_signs, motions_of_five};
 use super::{Matches, RelativeMotion};
 use crate::factors::Epipolar;
@@ -78,6 +80,21 @@ impl Correspondences for GeneralMotion<'_> {
         problem.covariance(problem.values()).ok()?.of(key)
     }
 }
+
+// ANCHOR: general_motion_of
+/// The motion between two pictures of a scene with depth, whatever the scene is: a plane or a turn
+/// is not told from it, as [`motion_of_matches`](super::motion_of_matches) does.
+///
+/// # Errors
+///
+/// Those of [`consensus`].
+pub fn general_motion(
+    matches: &Matches,
+    options: &ConsensusOptions,
+) -> Result<Consensus<RelativeMotion>, ConsensusError> {
+    consensus(&GeneralMotion(matches), options)
+}
+// ANCHOR_END: general_motion_of
 
 /// Whether the rays of a point are parallel as far as their noise allows: the squared sine of the
 /// angle between them is below `noise`.

@@ -29,7 +29,7 @@ pub use consensus::{
 };
 pub use eight_point::{EightPointError, eight_points};
 pub use five_point::{FivePointError, five_points, motions_of_five};
-pub use general::GeneralMotion;
+pub use general::{GeneralMotion, general_motion};
 pub use homography::{
     HomographyError, PlaneMotion, homography_of_four, homography_of_many, plane_motions,
 };

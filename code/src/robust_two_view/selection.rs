@@ -7,7 +7,7 @@ use super::chance::{chance_of_agreement, false_alarms};
 use super::consensus::{Consensus, ConsensusError, ConsensusOptions, Correspondences, consensus};
 use super::{
     Candidates, GeneralMotion, Matches, OnePlane, OnlyTurned, PlaneMotion, RelativeMotion,
-    plane_motions,
+    general_motion, plane_motions,
 };
 use crate::filtering::{chi_square_below, chi_square_quantile};
 
@@ -36,7 +36,8 @@ pub enum TwoViewModel {
 /// matches that agree with both, by more than a chi-square quantile: that many degrees of freedom does
 /// the simpler model leave more. Or more of the matches that are far off it agree with the richer
 /// one than chance explains. Both probabilities of a false alarm are
-/// [`ConsensusOptions::false_alarms`].
+/// [`ConsensusOptions::false_alarms`], for a baseline of one direction; the general motion chooses the
+/// best of all directions, of which a handful are independent, and raises as many times more.
 ///
 /// The standard deviation of the pixels decides with: one that is given too small makes the noise of
 /// a turn a motion.
@@ -51,7 +52,7 @@ pub fn select_model(
     let (turned, on_plane) = (OnlyTurned(matches), OnePlane(matches));
     let rotation = consensus(&turned, options).ok();
     let plane = consensus(&on_plane, options).ok();
-    let general = consensus(&GeneralMotion(matches), options);
+    let general = general_motion(matches, options);
     let against = |rotation: &Consensus<_>| {
         let of_plane = plane.as_ref().is_some_and(|plane| {
             contradicts((&on_plane, plane), (&turned, rotation), options)

@@ -3,8 +3,8 @@
 //!
 //! [`poses_of_three`] finds the poses from which three points are seen in given directions, [`resect`]
 //! the most likely pose for many, with its covariance; [`Sightings`] are data for
-//! [`consensus`](crate::robust_two_view::consensus) over both, and [`PointPairs`] those for a
-//! [`absolute_orientation`].
+//! [`consensus`](crate::robust_two_view::consensus) over both. [`absolute_orientation`] is for points
+//! that are known in two worlds, and [`PointPairs`] for those of which some are wrong.
 
 mod absolute_orientation;
 mod point_pairs;

@@ -10,7 +10,7 @@ use crate::robust_two_view::{Correspondences, Effort};
 
 // ANCHOR: sightings
 /// Points of the world and the pixels that are said to show them, not all of them rightly: data
-/// about `camera_from_world`.
+/// about `camera_from_world`, as many as both lists have.
 #[derive(Debug, Clone, Copy)]
 pub struct Sightings<'a> {
     /// The intrinsics.

@@ -133,7 +133,7 @@ fn cofactors(matrix: &Matrix3<f64>) -> Matrix3<f64> {
 
 /// The unit vector orthogonal to all columns of a matrix of rank two: the longest of their
 /// cross products, so that nothing small is divided by.
-pub(crate) fn left_null_vector(matrix: &Matrix3<f64>) -> Vector3<f64> {
+fn left_null_vector(matrix: &Matrix3<f64>) -> Vector3<f64> {
     let products = cofactors(matrix);
     products.column(products.map(f64::abs).row_sum().transpose().imax()).normalize()
 }

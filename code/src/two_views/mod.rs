@@ -19,7 +19,6 @@ pub use epipolar::{
     EssentialError, epipolar_line, epipolar_residual, essential_matrix, fundamental_matrix,
     ray_depths, relative_pose, relative_poses, sampson_distance,
 };
-pub(crate) use epipolar::left_null_vector;
 pub use likelihood::{Triangulated, triangulate_nonlinear};
 pub use scale::scale_direction;
 pub use stereo::{LinearizedStereo, StereoError, StereoFactor, StereoPinhole, StereoProjection};
