@@ -110,7 +110,7 @@ fn microseconds<T>(samples: &[[RayPair; 5]], solve: impl Fn(&[RayPair; 5]) -> T)
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let count = arguments.next().map_or(Ok(1000), |count| count.parse())?;
+    let count = arguments.next().map_or(Ok(1000), |count| count.parse::<usize>())?;
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let scenes: Vec<Scene> = (0..count).map(|_| Scene::new(&mut random)).collect();
 

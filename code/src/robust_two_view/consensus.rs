@@ -85,6 +85,9 @@ pub struct ConsensusOptions {
     pub inlier_probability: f64,
     /// How often, in as many tries with data that are all wrong, an estimate may be found among them.
     pub false_alarms: f64,
+    /// The least number of draws. That of [`draws_needed`] takes every sample of right data to lead to
+    /// the right estimate; where few data are wrong it is so small that noise spoils all of them.
+    pub least_draws: usize,
     /// When to give up.
     pub most_draws: usize,
     /// Whether the best estimates are refined from their inliers, and scored again.
@@ -99,6 +102,7 @@ impl Default for ConsensusOptions {
             confidence: 0.9999,
             inlier_probability: 0.99,
             false_alarms: 0.001,
+            least_draws: 300,
             most_draws: 100_000,
             local_optimization: true,
             seed: 0,
@@ -177,6 +181,7 @@ pub fn consensus<C: Correspondences>(
         if best.as_ref().is_none_or(|best| better.score < best.score) {
             let inliers = inliers(data, &better.estimate, gate).len();
             wanted = draws_needed(inliers, data.count(), C::SAMPLE, options.confidence)
+                .max(options.least_draws)
                 .min(options.most_draws);
             best = Some(better);
         }
@@ -231,7 +236,8 @@ fn optimized<C: Correspondences>(
         }
         let Some(estimate) = data.refined(&best.estimate, &now, effort) else { break };
         let score = score(data, &estimate, gate, f64::INFINITY);
-        if !(score < best.score) {
+        let is_lower = score < best.score;
+        if !is_lower {
             break;
         }
         (best, before) = (Scored { estimate, score }, now);
@@ -254,7 +260,8 @@ fn settled<C: Correspondences>(
     let chance = chance_of_agreement(count, gate, &data.squared_errors(&estimate, gate));
     let by_chance = chance * count as f64;
     let expected = false_alarms(count, agree, C::SAMPLE, chance);
-    if !(expected <= options.false_alarms) {
+    let is_evidence = expected <= options.false_alarms;
+    if !is_evidence {
         return Err(ConsensusError::Chance { agree, count, by_chance, expected });
     }
     let covariance = data.covariance(&estimate, &inliers);
@@ -304,7 +311,7 @@ fn check<C: Correspondences>(
             return Err(ConsensusError::Probability { name, value });
         }
     }
-    if !(false_alarms > 0.0) {
+    if false_alarms.is_nan() || false_alarms <= 0.0 {
         return Err(ConsensusError::Probability { name: "false_alarms", value: false_alarms });
     }
     let is_none = |_| ConsensusError::Probability {

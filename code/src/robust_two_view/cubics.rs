@@ -106,8 +106,8 @@ pub(super) fn eliminated(mut rows: [Cubic; 10]) -> Option<[[f64; 10]; 6]> {
         let size = |row: &usize| rows[*row][column].abs();
         let pivot = (column..10).max_by(|a, b| size(a).total_cmp(&size(b)))?;
         rows.swap(column, pivot);
-        let largest = rows[0][0].abs();
-        if !(rows[column][column].abs() > LEAST_PIVOT * largest) {
+        let is_determined = rows[column][column].abs() > LEAST_PIVOT * rows[0][0].abs();
+        if !is_determined {
             return None;
         }
         let (above, below) = rows.split_at_mut(column + 1);

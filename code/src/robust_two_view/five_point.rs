@@ -312,7 +312,8 @@ fn polished(start: &RelativeMotion, pairs: &[RayPair; 5]) -> (RelativeMotion, f6
         let step = SVector::from(solved(equations));
         let length = step.norm();
         first = first.or(Some(length));
-        if !(length < last) {
+        let is_shorter = length < last;
+        if !is_shorter {
             break;
         }
         motion = motion.retract(step.as_slice());
@@ -357,19 +358,17 @@ fn dependence(pairs: &[RayPair; 5]) -> FivePointError {
         }
     }
     let on_line = |left_out: usize| {
-        let kept = || (0..5).filter(|k| *k != left_out).map(|k| &pairs[k]);
-        are_coplanar(kept().map(|pair| &pair.0)) && are_coplanar(kept().map(|pair| &pair.1))
+        let kept: Vec<_> = (0..5).filter(|k| *k != left_out).map(|k| pairs[k]).collect();
+        let is_flat = |rays: [Vector3<f64>; 3]| rays[0].cross(&rays[1]).dot(&rays[2]).abs() < SAME;
+        let triples = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+        triples.iter().all(|triple| {
+            is_flat(triple.map(|k| kept[k].0)) && is_flat(triple.map(|k| kept[k].1))
+        })
     };
     match (0..5).find(|left_out| on_line(*left_out)) {
         Some(_) => FivePointError::Collinear,
         None => FivePointError::Dependent,
     }
-}
-
-/// Whether rays lie in one plane.
-fn are_coplanar<'a>(rays: impl Iterator<Item = &'a Vector3<f64>>) -> bool {
-    let scatter: Matrix3<f64> = rays.map(|ray| ray * ray.transpose()).sum();
-    scatter.symmetric_eigenvalues().min() < SAME * SAME
 }
 
 /// Why the cubic equations have more than a few solutions.

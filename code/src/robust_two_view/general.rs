@@ -52,7 +52,8 @@ impl Correspondences for GeneralMotion<'_> {
             let (c, d) = (f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32);
             let volume = u * a + v * b + f.m31 * x + f.m32 * y + f.m33;
             let (square, variance) = (volume * volume, a * a + b * b + c * c + d * d);
-            if !(square <= gate * variance) {
+            let is_near = square <= gate * variance;
+            if !is_near {
                 return f64::INFINITY;
             }
             let pair = (rays[here].0, rays[there].1);

@@ -30,7 +30,7 @@ pub fn homography_of_four(pairs: &[RayPair; 4]) -> Result<Matrix3<f64>, Homograp
 fn scaled_basis(rays: &[Vector3<f64>; 4]) -> Result<Matrix3<f64>, HomographyError> {
     let [a, b, c, sum] = rays.map(|ray| ray.normalize());
     let volumes = [b.cross(&c).dot(&sum), c.cross(&a).dot(&sum), a.cross(&b).dot(&sum)];
-    let is_flat = |volume: f64| !(volume.abs() > FLAT);
+    let is_flat = |volume: f64| volume.is_nan() || volume.abs() <= FLAT;
     if volumes.into_iter().any(is_flat) || is_flat(a.cross(&b).dot(&c)) {
         return Err(HomographyError::Collinear);
     }

@@ -35,7 +35,8 @@ fn squared_errors(
     move |here, there| {
         let ([x, y, ..], [.., u, v]) = (matches.scaled[here], matches.scaled[there]);
         let z = h.m31 * x + h.m32 * y + h.m33;
-        if !(z > 0.0) {
+        let is_in_front = z > 0.0;
+        if !is_in_front {
             return f64::INFINITY;
         }
         let (to_x, to_y) =

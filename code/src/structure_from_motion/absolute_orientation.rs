@@ -45,7 +45,7 @@ pub fn absolute_orientation(
     let moment: Matrix3<f64> = centred().map(|(a, b)| b * a.transpose()).sum();
     let reach = pairs.iter().map(|pair| pair.0.amax().max(1.0) * pair.1.amax()).fold(0.0, f64::max);
     let extent = (squares.0 * squares.1).sqrt();
-    if !(extent > UNDECIDED * reach) {
+    if extent <= UNDECIDED * reach {
         return Err(OrientationError::OnePlace);
     }
     let undecided = UNDECIDED.sqrt() * 1e-3 * extent;
@@ -55,7 +55,7 @@ pub fn absolute_orientation(
         ScaleFreedom::Free => along / squares.0,
         ScaleFreedom::One => 1.0,
     };
-    if !(scale > 0.0) {
+    if scale <= 0.0 {
         return Err(OrientationError::Scale { scale });
     }
     Ok(Similarity { scale, rotation, translation: b - scale * (rotation * a) })

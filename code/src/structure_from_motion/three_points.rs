@@ -116,7 +116,8 @@ impl Triangle {
             let Some(inverse) = (2.0 * Matrix3::from_rows(&rows)).try_inverse() else { break };
             let step = inverse * off;
             // A step as long as this does not come from rounding.
-            if !(step.norm() < 1e-2 * distances.norm()) {
+            let is_short = step.norm() < 1e-2 * distances.norm();
+            if !is_short {
                 break;
             }
             distances -= step;
@@ -171,7 +172,7 @@ fn on_line(line: &Vector3<f64>, conics: &[Matrix3<f64>; 2]) -> Option<[Vector3<f
     let form = forms[if relative(0) > relative(1) { 0 } else { 1 }];
     let (a, b, c) = (form.x, form.y, form.z);
     let discriminant = b * b - a * c;
-    if !(discriminant >= 0.0) {
+    if discriminant.is_nan() || discriminant < 0.0 {
         return None;
     }
     // The roots of a s² + 2 b s + c as two ratios, neither of which subtracts what is nearly the same.
