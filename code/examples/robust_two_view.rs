@@ -38,9 +38,10 @@ struct Scene {
 impl Scene {
     /// A turn of a few degrees and a baseline of half a metre; points 2 to 8 m away.
     fn new(random: &mut ChaCha8Rng) -> Self {
-        let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let turn = UnitQuaternion::from_scaled_axis(0.1 * vector());
-        let shift = 0.5 * vector().normalize();
+        let [turn, shift] =
+            [(), ()].map(|()| Vector3::from_fn(|_, _| random.random_range(-1.0..1.0)));
+        let turn = UnitQuaternion::from_scaled_axis(0.1 * turn);
+        let shift: Vector3<f64> = 0.5 * shift.normalize();
         let second_from_first = Isometry3::from_parts(shift.into(), turn);
         let mut pixels = Vec::new();
         while pixels.len() < RIGHT {
@@ -120,7 +121,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         samples.push(std::array::from_fn(|datum| matches.rays()[datum]));
     }
     let all = microseconds(&samples, five_points);
-    println!("five points: {all:.2} us for all matrices, {:.2} us for the motions in front", microseconds(&samples, motions_of_five));
+    println!(
+        "five points: {all:.2} us for all matrices, {:.2} us for the motions in front",
+        microseconds(&samples, motions_of_five)
+    );
 
     let (mut ours, mut oracle, mut seconds, mut draws) = (Vec::new(), Vec::new(), 0.0, 0);
     let mut gate = 0.0;

@@ -37,7 +37,8 @@ impl Epipolar {
     fn volume(&self, essential: &Matrix3<f64>) -> Option<Volume> {
         let lines = [essential.tr_mul(&self.second), essential * self.first];
         let weighted = [0, 1].map(|picture| {
-            let (line, sigma): (&Vector3<f64>, &Vector2<f64>) = (&lines[picture], &self.sigmas[picture]);
+            let (line, sigma): (&Vector3<f64>, &Vector2<f64>) =
+                (&lines[picture], &self.sigmas[picture]);
             Vector3::new(line.x * sigma.x * sigma.x, line.y * sigma.y * sigma.y, 0.0)
         });
         let sigma = (weighted[0].dot(&lines[0]) + weighted[1].dot(&lines[1])).sqrt();
@@ -60,10 +61,7 @@ impl Factor<1> for Epipolar {
         Some(Vector1::new(value / sigma))
     }
 
-    fn linearize(
-        &self,
-        (motion,): (&RelativeMotion,),
-    ) -> Option<(Vector1<f64>, Self::Jacobians)> {
+    fn linearize(&self, (motion,): (&RelativeMotion,)) -> Option<(Vector1<f64>, Self::Jacobians)> {
         let Volume { value, sigma, line_in_first, weighted } = self.volume(&motion.essential())?;
         let rotation = motion.rotation.matrix();
         let (turned, by_tilt) = (rotation * self.first, motion.direction_by_step());

@@ -95,10 +95,7 @@ macro_rules! transferred {
                 is_in_front.then(|| self.sqrt_information * off)
             }
 
-            fn linearize(
-                &self,
-                (transfer,): (&$kind,),
-            ) -> Option<(Vector2<f64>, Self::Jacobians)> {
+            fn linearize(&self, (transfer,): (&$kind,)) -> Option<(Vector2<f64>, Self::Jacobians)> {
                 let residual = self.residual((transfer,))?;
                 let by_ray = slopes_by_ray(&(Transfer::matrix(transfer) * self.first))?;
                 let by_step = self.sqrt_information * by_ray * transfer.ray_by_step(&self.first);

@@ -55,13 +55,13 @@ pub use manifold::Manifold;
 pub use normal_equations::{Dense, NormalEquations, Step};
 pub use null_space::{NullSpace, NullSpaceError, RANK_TOLERANCE, SingularSystem};
 pub use problem::{Columns, Problem, ProblemError};
+pub(crate) use singular::right_singular;
 pub use solver::{
     Iteration, LinearSystem, Method, Options, Prediction, Report, Search, Solution, SolveError,
     Stop,
 };
 pub use spectrum::Spectrum;
 pub use square_root::eliminate;
-pub(crate) use singular::right_singular;
 pub(crate) use square_root::{SparseRow, eliminate_fronts};
 pub use values::{Key, Values};
 pub use whitening::{WhiteningError, sqrt_information};

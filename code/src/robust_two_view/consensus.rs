@@ -33,11 +33,7 @@ pub trait Correspondences {
     /// A function of the squared error, in variances, of saying that the here of one datum is the
     /// there of another; a datum itself says so with both the same. Beyond `gate` any number that
     /// is larger will do.
-    fn squared_errors(
-        &self,
-        estimate: &Self::Estimate,
-        gate: f64,
-    ) -> impl Fn(usize, usize) -> f64;
+    fn squared_errors(&self, estimate: &Self::Estimate, gate: f64) -> impl Fn(usize, usize) -> f64;
 
     /// The estimate with the least sum of squared errors of some data, from one near it: to the
     /// last digit, or as far as a few steps lead.
@@ -85,9 +81,11 @@ pub struct ConsensusOptions {
     pub inlier_probability: f64,
     /// How often, in as many tries with data that are all wrong, an estimate may be found among them.
     pub false_alarms: f64,
-    /// The least number of draws. That of [`draws_needed`] takes every sample of right data to lead to
-    /// the right estimate; where few data are wrong it is so small that noise spoils all of them.
+    /// The least number of draws, where few data are wrong.
     pub least_draws: usize,
+    /// How many times as many samples are drawn as [`draws_needed`] says, which takes every sample of
+    /// right data to lead to the right estimate: noise does not grant it.
+    pub patience: f64,
     /// When to give up.
     pub most_draws: usize,
     /// Whether the best estimates are refined from their inliers, and scored again.
@@ -103,6 +101,7 @@ impl Default for ConsensusOptions {
             inlier_probability: 0.99,
             false_alarms: 0.001,
             least_draws: 300,
+            patience: 3.0,
             most_draws: 100_000,
             local_optimization: true,
             seed: 0,
@@ -128,7 +127,8 @@ pub struct Consensus<E> {
     /// How many wrong data out of as many would lie within the gate, as far as data that are paired
     /// at random tell.
     pub by_chance: f64,
-    /// The covariance of the estimate, when the inliers are right.
+    /// The covariance of the estimate, when the inliers are right. Wrong ones among them, which the
+    /// estimate has made to fit, are not in it.
     pub covariance: Option<DMatrix<f64>>,
 }
 // ANCHOR_END: consensus_result
@@ -175,19 +175,20 @@ pub fn consensus<C: Correspondences>(
         });
         let Some(better) = better else { continue };
         let better = match options.local_optimization {
-            true => optimized(data, better, gate, Effort::FewSteps),
+            true => optimized(data, better, gate, ONE_WAY),
             false => better,
         };
         if best.as_ref().is_none_or(|best| better.score < best.score) {
             let inliers = inliers(data, &better.estimate, gate).len();
-            wanted = draws_needed(inliers, data.count(), C::SAMPLE, options.confidence)
+            let needed = draws_needed(inliers, data.count(), C::SAMPLE, options.confidence);
+            wanted = ((options.patience * needed as f64) as usize)
                 .max(options.least_draws)
                 .min(options.most_draws);
             best = Some(better);
         }
     }
     let best = best.ok_or(ConsensusError::NoEstimate { draws })?;
-    settled(data, best, gate, draws, options)
+    concluded(data, best, gate, draws, options)
 }
 // ANCHOR_END: consensus
 
@@ -221,7 +222,7 @@ fn inliers<C: Correspondences>(data: &C, estimate: &C::Estimate, gate: f64) -> V
 
 // ANCHOR: local_optimization
 /// The estimate after rounds of refining it from its inliers, for as long as the score falls.
-fn optimized<C: Correspondences>(
+fn settled<C: Correspondences>(
     data: &C,
     start: Scored<C::Estimate>,
     gate: f64,
@@ -231,10 +232,9 @@ fn optimized<C: Correspondences>(
     let mut before = Vec::new();
     for _ in 0..MOST_ROUNDS {
         let now = inliers(data, &best.estimate, gate);
-        if now.len() < C::SAMPLE || now == before {
-            break;
-        }
-        let Some(estimate) = data.refined(&best.estimate, &now, effort) else { break };
+        let is_new = now.len() >= C::SAMPLE && now != before;
+        let refined = is_new.then(|| data.refined(&best.estimate, &now, effort)).flatten();
+        let Some(estimate) = refined else { break };
         let score = score(data, &estimate, gate, f64::INFINITY);
         let is_lower = score < best.score;
         if !is_lower {
@@ -244,17 +244,48 @@ fn optimized<C: Correspondences>(
     }
     best
 }
+
+/// Local optimization: the estimate is refined from its inliers, and again from those of other gates,
+/// wider or narrower by these factors, on the way to its own. With one gate it would stay near the
+/// inliers that it began with: wrong ones hold it, and right ones beyond the gate cannot pull.
+fn optimized<C: Correspondences>(
+    data: &C,
+    start: Scored<C::Estimate>,
+    gate: f64,
+    (effort, ways): (Effort, &[&[f64]]),
+) -> Scored<C::Estimate> {
+    let mut best = settled(data, start, gate, effort);
+    for way in ways {
+        let mut estimate = best.estimate.clone();
+        for factor in *way {
+            let within = inliers(data, &estimate, factor * gate);
+            estimate = data.refined(&estimate, &within, effort).unwrap_or(estimate);
+        }
+        let score = score(data, &estimate, gate, f64::INFINITY);
+        let other = settled(data, Scored { estimate, score }, gate, effort);
+        if other.score < best.score {
+            best = other;
+        }
+    }
+    best
+}
+
+/// During the search, and at its end.
+const ONE_WAY: (Effort, &[&[f64]]) = (Effort::FewSteps, &[&[4.0, 2.0]]);
+const ALL_WAYS: (Effort, &[&[f64]]) =
+    (Effort::Converge, &[&[9.0, 4.0, 2.0], &[4.0, 2.0], &[2.0], &[0.3, 0.6], &[0.5]]);
 // ANCHOR_END: local_optimization
 
 /// The result, when it is more than chance.
-fn settled<C: Correspondences>(
+fn concluded<C: Correspondences>(
     data: &C,
     best: Scored<C::Estimate>,
     gate: f64,
     draws: usize,
     options: &ConsensusOptions,
 ) -> Result<Consensus<C::Estimate>, ConsensusError> {
-    let Scored { estimate, score } = optimized(data, best, gate, Effort::Converge);
+    let ways = if options.local_optimization { ALL_WAYS } else { (Effort::Converge, &[][..]) };
+    let Scored { estimate, score } = optimized(data, best, gate, ways);
     let inliers = inliers(data, &estimate, gate);
     let (agree, count) = (inliers.len(), data.count());
     let chance = chance_of_agreement(count, gate, &data.squared_errors(&estimate, gate));
@@ -311,13 +342,14 @@ fn check<C: Correspondences>(
             return Err(ConsensusError::Probability { name, value });
         }
     }
+    if options.patience.is_nan() || options.patience <= 0.0 {
+        return Err(ConsensusError::Probability { name: "patience", value: options.patience });
+    }
     if false_alarms.is_nan() || false_alarms <= 0.0 {
         return Err(ConsensusError::Probability { name: "false_alarms", value: false_alarms });
     }
-    let is_none = |_| ConsensusError::Probability {
-        name: "inlier_probability",
-        value: inlier_probability,
-    };
+    let is_none =
+        |_| ConsensusError::Probability { name: "inlier_probability", value: inlier_probability };
     chi_square_quantile(inlier_probability, C::DEGREES).map_err(is_none)
 }
 
@@ -325,7 +357,9 @@ fn check<C: Correspondences>(
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ConsensusError {
     /// A sample fits whatever it is; one datum more is what can contradict it.
-    #[error("there are {count} data; give at least {needed}, of which one can contradict the others")]
+    #[error(
+        "there are {count} data; give at least {needed}, of which one can contradict the others"
+    )]
     TooFew {
         /// How many there are.
         count: usize,

@@ -22,7 +22,8 @@ pub fn eight_points(pairs: &[RayPair]) -> Result<Matrix3<f64>, EightPointError> 
         return Err(EightPointError::TooFew { count: pairs.len() });
     }
     matches_are_finite(pairs).map_err(|pair| EightPointError::Ray { pair })?;
-    let first = normalization(pairs.iter().map(|pair| &pair.0)).ok_or(EightPointError::Degenerate)?;
+    let first =
+        normalization(pairs.iter().map(|pair| &pair.0)).ok_or(EightPointError::Degenerate)?;
     let second =
         normalization(pairs.iter().map(|pair| &pair.1)).ok_or(EightPointError::Degenerate)?;
     // Fewer rows than columns would leave a null vector for nothing.

@@ -39,9 +39,7 @@ const MOST_STEPS: usize = 10;
 /// # Errors
 ///
 /// [`FivePointError`] names what leaves more than a few matrices.
-pub fn five_points(
-    pairs: &[RayPair; 5],
-) -> Result<Candidates<Matrix3<f64>, 10>, FivePointError> {
+pub fn five_points(pairs: &[RayPair; 5]) -> Result<Candidates<Matrix3<f64>, 10>, FivePointError> {
     let motions = motions_where(pairs, |motion, _| Some(motion))?;
     let mut found = Candidates::none(Matrix3::zeros());
     motions.iter().for_each(|motion| found.push(motion.essential()));
@@ -74,6 +72,9 @@ fn motions_where(
 ) -> Result<Candidates<RelativeMotion, 10>, FivePointError> {
     let pairs = unit(pairs)?;
     let mut basis = null_space(&pairs).ok_or_else(|| dependence(&pairs))?;
+    if keep_angles(&pairs) {
+        return Err(continuum(&pairs));
+    }
     let identity = RelativeMotion { rotation: Rotation3::identity(), direction: Vector3::x_axis() };
     let mut best = None;
     let mut least = f64::INFINITY;
@@ -361,14 +362,20 @@ fn dependence(pairs: &[RayPair; 5]) -> FivePointError {
         let kept: Vec<_> = (0..5).filter(|k| *k != left_out).map(|k| pairs[k]).collect();
         let is_flat = |rays: [Vector3<f64>; 3]| rays[0].cross(&rays[1]).dot(&rays[2]).abs() < SAME;
         let triples = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
-        triples.iter().all(|triple| {
-            is_flat(triple.map(|k| kept[k].0)) && is_flat(triple.map(|k| kept[k].1))
-        })
+        triples
+            .iter()
+            .all(|triple| is_flat(triple.map(|k| kept[k].0)) && is_flat(triple.map(|k| kept[k].1)))
     };
     match (0..5).find(|left_out| on_line(*left_out)) {
         Some(_) => FivePointError::Collinear,
         None => FivePointError::Dependent,
     }
+}
+
+/// Whether the rays enclose the same angles in both pictures, as when the camera only turned.
+fn keep_angles(pairs: &[RayPair; 5]) -> bool {
+    let mut couples = (1..5).flat_map(|b| (0..b).map(move |a| (&pairs[a], &pairs[b])));
+    couples.all(|(a, b)| (a.0.dot(&b.0) - a.1.dot(&b.1)).abs() < SAME)
 }
 
 /// Why the cubic equations have more than a few solutions.

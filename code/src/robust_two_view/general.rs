@@ -36,11 +36,7 @@ impl Correspondences for GeneralMotion<'_> {
     // ANCHOR: epipolar_error
     /// The square of the Sampson distance; infinite for two rays that meet behind a camera by more
     /// than their noise.
-    fn squared_errors(
-        &self,
-        motion: &RelativeMotion,
-        gate: f64,
-    ) -> impl Fn(usize, usize) -> f64 {
+    fn squared_errors(&self, motion: &RelativeMotion, gate: f64) -> impl Fn(usize, usize) -> f64 {
         let Matches { rays, scaled, sigmas } = self.0;
         let [first, second] = sigmas.map(|sigma| Matrix3::from_diagonal(&sigma.push(1.0)));
         let f = second * motion.essential() * first;

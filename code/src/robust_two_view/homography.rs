@@ -53,7 +53,8 @@ pub fn homography_of_many(pairs: &[RayPair]) -> Result<Matrix3<f64>, HomographyE
         return Err(HomographyError::TooFew { count: pairs.len() });
     }
     matches_are_finite(pairs).map_err(|pair| HomographyError::Ray { pair })?;
-    let first = normalization(pairs.iter().map(|pair| &pair.0)).ok_or(HomographyError::Collinear)?;
+    let first =
+        normalization(pairs.iter().map(|pair| &pair.0)).ok_or(HomographyError::Collinear)?;
     let second =
         normalization(pairs.iter().map(|pair| &pair.1)).ok_or(HomographyError::Collinear)?;
     // Fewer rows than columns would leave a null vector for nothing.
@@ -124,7 +125,8 @@ pub fn plane_motions(
     if most - least <= TURNED {
         return Err(HomographyError::Turned);
     }
-    let [v, w, u] = [order[0], order[1], order[2]].map(|k| gram.eigenvectors.column(k).into_owned());
+    let [v, w, u] =
+        [order[0], order[1], order[2]].map(|k| gram.eigenvectors.column(k).into_owned());
     let matrix = homography * (homography.determinant().signum() / middle.sqrt());
     let [along, across] = [(1.0 - least).max(0.0).sqrt(), (most - 1.0).max(0.0).sqrt()];
     let filler = RelativeMotion { rotation: Rotation3::identity(), direction: Vector3::x_axis() };

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, Matrix2, Matrix3, Rotation3, SVector, Vector2};
 
+use super::Matches;
 use super::consensus::{Correspondences, Effort};
 use super::homography::homography_of_four;
 use super::rotation::rotation_of_rays;
-use super::Matches;
 use crate::factors::{Transfer, Transferred, transfer_covariance};
 use crate::least_squares::{Factor, Kernel, Key, Problem};
 
@@ -24,10 +24,7 @@ pub struct OnlyTurned<'a>(pub &'a Matches);
 // ANCHOR: transfer_error
 /// The squared error of the transferred slopes less the measured ones, by the covariance of their
 /// difference.
-fn squared_errors(
-    matches: &Matches,
-    matrix: Matrix3<f64>,
-) -> impl Fn(usize, usize) -> f64 + '_ {
+fn squared_errors(matches: &Matches, matrix: Matrix3<f64>) -> impl Fn(usize, usize) -> f64 + '_ {
     let [first, second] = matches.sigmas.map(|sigma| Matrix3::from_diagonal(&sigma.push(1.0)));
     // In units of the noise: x, y go to X/Z, Y/Z.
     let inverse = Matrix3::from_diagonal(&second.diagonal().map(f64::recip));

@@ -54,13 +54,14 @@ pub fn select_model(
     let plane = consensus(&on_plane, options).ok();
     let general = general_motion(matches, options);
     let against = |rotation: &Consensus<_>| {
-        let of_plane = plane.as_ref().is_some_and(|plane| {
-            contradicts((&on_plane, plane), (&turned, rotation), options)
-        });
+        let of_plane = plane
+            .as_ref()
+            .is_some_and(|plane| contradicts((&on_plane, plane), (&turned, rotation), options));
         let general = general.as_ref().ok();
-        of_plane || general.is_some_and(|general| {
-            contradicts((&GeneralMotion(matches), general), (&turned, rotation), options)
-        })
+        of_plane
+            || general.is_some_and(|general| {
+                contradicts((&GeneralMotion(matches), general), (&turned, rotation), options)
+            })
     };
     if let Some(rotation) = rotation.filter(|rotation| !against(rotation)) {
         return Ok(TwoViewModel::Rotation(rotation));
@@ -93,8 +94,12 @@ fn contradicts<R: Correspondences, S: Correspondences>(
 ) -> bool {
     let rich_error = richer.squared_errors(&rich.estimate, rich.gate);
     let simple_error = simpler.squared_errors(&simple.estimate, simple.gate);
-    let both: Vec<usize> =
-        simple.inliers.iter().copied().filter(|datum| rich_error(*datum, *datum) <= rich.gate).collect();
+    let both: Vec<usize> = simple
+        .inliers
+        .iter()
+        .copied()
+        .filter(|datum| rich_error(*datum, *datum) <= rich.gate)
+        .collect();
     let excess: f64 =
         both.iter().map(|datum| simple_error(*datum, *datum) - rich_error(*datum, *datum)).sum();
     let freedom = both.len() * (S::DEGREES - R::DEGREES) + R::PARAMETERS;
@@ -105,8 +110,10 @@ fn contradicts<R: Correspondences, S: Correspondences>(
         let count = simpler.count();
         let probability = 1.0 - options.false_alarms / count as f64;
         let far = chi_square_quantile(probability, S::DEGREES).unwrap_or(f64::INFINITY);
-        let off: Vec<usize> = (0..count).filter(|datum| simple_error(*datum, *datum) > far).collect();
-        let explained = off.iter().filter(|datum| rich_error(**datum, **datum) <= rich.gate).count();
+        let off: Vec<usize> =
+            (0..count).filter(|datum| simple_error(*datum, *datum) > far).collect();
+        let explained =
+            off.iter().filter(|datum| rich_error(**datum, **datum) <= rich.gate).count();
         let chance = chance_of_agreement(count, rich.gate, &rich_error);
         false_alarms(off.len(), explained, FITTED, chance) <= options.false_alarms
     }

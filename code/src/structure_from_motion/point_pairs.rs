@@ -34,11 +34,7 @@ impl Correspondences for PointPairs<'_> {
         }
     }
 
-    fn squared_errors(
-        &self,
-        similarity: &Similarity,
-        _gate: f64,
-    ) -> impl Fn(usize, usize) -> f64 {
+    fn squared_errors(&self, similarity: &Similarity, _gate: f64) -> impl Fn(usize, usize) -> f64 {
         let (similarity, variance) = (*similarity, self.sigma * self.sigma);
         move |here, there| {
             (similarity.point(&self.pairs[here].0) - self.pairs[there].1).norm_squared() / variance

@@ -34,7 +34,8 @@ pub fn linear_pose(
     let size = (square / count).sqrt();
     let mut rows = DMatrix::zeros((2 * points.len()).max(ENTRIES), ENTRIES);
     for (k, (point, pixel)) in points.iter().zip(pixels).enumerate() {
-        let (point, slopes) = (((point - centre) / size).push(1.0), back_project(camera, pixel, 1.0));
+        let (point, slopes) =
+            (((point - centre) / size).push(1.0), back_project(camera, pixel, 1.0));
         for axis in 0..2 {
             let mut row = rows.row_mut(2 * k + axis);
             row.columns_mut(4 * axis, 4).copy_from(&point.transpose());
@@ -108,7 +109,8 @@ pub(super) fn of_points(
     for (point, pixel) in data {
         let landmark = problem.add_variable(point);
         let factor = PixelByCamera { camera: pose, landmark, pixel, inverse_sigma: 1.0 / sigma };
-        let added = problem.hold(landmark).and_then(|()| problem.add_factor(factor, Kernel::Squared));
+        let added =
+            problem.hold(landmark).and_then(|()| problem.add_factor(factor, Kernel::Squared));
         added.expect("the variables are the problem's own");
     }
     Ok((problem, pose))

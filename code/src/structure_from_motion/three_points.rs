@@ -68,7 +68,8 @@ impl Triangle {
         if sides[0].cross(&sides[1]).norm() <= FLAT * longest * longest {
             return Err(ThreePointError::Collinear);
         }
-        if let Some(side) = SIDES.iter().position(|(a, b)| rays[*a].cross(&rays[*b]).norm() <= FLAT) {
+        if let Some(side) = SIDES.iter().position(|(a, b)| rays[*a].cross(&rays[*b]).norm() <= FLAT)
+        {
             let (first, second) = SIDES[side];
             return Err(ThreePointError::SameDirection { first, second });
         }
@@ -88,9 +89,8 @@ impl Triangle {
     // ANCHOR: distances
     /// The distances of the points in front.
     fn distances(&self) -> Candidates<Vector3<f64>, 4> {
-        let conic = |side: usize| {
-            self.squares[0] * self.side(side) - self.squares[side] * self.side(0)
-        };
+        let conic =
+            |side: usize| self.squares[0] * self.side(side) - self.squares[side] * self.side(0);
         let conics = [conic(1), conic(2)];
         let mut found = Candidates::none(Vector3::zeros());
         for line in lines(&conics).unwrap_or_default() {
@@ -112,7 +112,9 @@ impl Triangle {
         let mut distances = start;
         for _ in 0..STEPS {
             let rows = [0, 1, 2].map(|side| (self.side(side) * distances).transpose());
-            let off = Vector3::from_fn(|side, _| rows[side].dot(&distances.transpose()) - self.squares[side]);
+            let off = Vector3::from_fn(|side, _| {
+                rows[side].dot(&distances.transpose()) - self.squares[side]
+            });
             let Some(inverse) = (2.0 * Matrix3::from_rows(&rows)).try_inverse() else { break };
             let step = inverse * off;
             // A step as long as this does not come from rounding.

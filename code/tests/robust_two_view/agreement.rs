@@ -74,12 +74,8 @@ fn local_optimization_saves_draws() {
         let pixels = pixels(&mut random, &truth, World::Deep, 100, 100);
         let matches = matches(&pixels);
         let draws = |local_optimization| {
-            let options = ConsensusOptions {
-                local_optimization,
-                seed,
-                least_draws: 0,
-                ..Default::default()
-            };
+            let options =
+                ConsensusOptions { local_optimization, seed, least_draws: 0, ..Default::default() };
             consensus(&GeneralMotion(&matches), &options).unwrap().draws as f64
         };
         with += draws(true);

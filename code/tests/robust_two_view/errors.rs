@@ -58,9 +58,8 @@ fn the_derivatives_of_the_factors_are_those_of_their_residuals() {
         let pixels = pixels(&mut random, &pose, World::Deep, 1, 0);
         let matches = Matches::new([&CAMERA, &CAMERA], &pixels, 1.0).unwrap();
         let (first, second) = matches.rays()[0];
-        let sigmas = [CAMERA; 2].map(|camera| {
-            nalgebra::Vector2::new(1.0 / camera.fx, 1.0 / camera.fy)
-        });
+        let sigmas =
+            [CAMERA; 2].map(|camera| nalgebra::Vector2::new(1.0 / camera.fx, 1.0 / camera.fy));
         let mut problem = Problem::new();
 
         // Far from where the residual vanishes, so that no term hides.
@@ -93,8 +92,8 @@ fn a_transferred_pixel_misses_by_its_own_noise_and_that_of_the_first() {
     let mut random = random(23);
     let pose = small_motion(&mut random);
     let plane = Vector3::new(0.3, -0.2, 1.0) / 4.0;
-    let homography =
-        pose.rotation.to_rotation_matrix().into_inner() + pose.translation.vector * plane.transpose();
+    let homography = pose.rotation.to_rotation_matrix().into_inner()
+        + pose.translation.vector * plane.transpose();
     let count = 4000;
     let pixels = pixels(&mut random, &pose, World::Flat, count, 0);
     let matches = Matches::new([&CAMERA, &CAMERA], &pixels, 1.0).unwrap();
@@ -113,8 +112,7 @@ fn the_covariance_is_that_of_the_errors() {
     for seed in 0..scenes {
         let options = ConsensusOptions { seed, ..ConsensusOptions::default() };
         let mut pose = small_motion(&mut random);
-        let pixels_of = |random: &mut _, pose: &_| pixels(random, pose, World::Deep, 100, 30);
-        let pixels = pixels_of(&mut random, &pose);
+        let pixels = pixels(&mut random, &pose, World::Deep, 100, 0);
         let matches = Matches::new([&CAMERA, &CAMERA], &pixels, 1.0).unwrap();
         let found = consensus(&GeneralMotion(&matches), &options).unwrap();
         let mut error = SVector::<f64, 5>::zeros();
@@ -123,7 +121,7 @@ fn the_covariance_is_that_of_the_errors() {
         general.push((error.transpose() * information * error)[0]);
 
         pose.translation.vector = Vector3::zeros();
-        let pixels = pixels_of(&mut random, &pose);
+        let pixels = super::scenes::pixels(&mut random, &pose, World::Deep, 100, 30);
         let matches = Matches::new([&CAMERA, &CAMERA], &pixels, 1.0).unwrap();
         let found = consensus(&OnlyTurned(&matches), &options).unwrap();
         let mut error = SVector::<f64, 3>::zeros();
@@ -133,7 +131,6 @@ fn the_covariance_is_that_of_the_errors() {
     }
     // Half of what has five degrees of freedom stays below 4.35, and 95 % below 11.1.
     general.sort_by(f64::total_cmp);
-    println!("{general:?}");
     let half = general[scenes as usize / 2];
     let beyond = general.iter().filter(|square| **square > 11.1).count() as f64 / scenes as f64;
     assert!((3.5..5.3).contains(&half) && beyond < 0.12, "{half}, {beyond}");

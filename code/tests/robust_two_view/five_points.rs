@@ -89,9 +89,7 @@ fn counted_by_eigenvalues(pairs: &[RayPair; 5]) -> (usize, f64) {
         None => 0.0,
     });
     let null = equations.svd(false, true).v_t.unwrap();
-    let basis = [5, 6, 7, 8].map(|row| {
-        Matrix3::from_row_iterator(null.row(row).iter().copied())
-    });
+    let basis = [5, 6, 7, 8].map(|row| Matrix3::from_row_iterator(null.row(row).iter().copied()));
     let mut values = SMatrix::<f64, 20, 20>::zeros();
     let mut forms = SMatrix::<f64, 20, 10>::zeros();
     for row in 0..20 {

@@ -96,7 +96,8 @@ fn the_motion_of_a_plane_is_one_of_two() {
         let truth = RelativeMotion::of(&pose).unwrap();
         let is_true = |found: &vislam::robust_two_view::PlaneMotion| {
             (found.motion.rotation.matrix() - truth.rotation.matrix()).amax() < 1e-6
-                && (found.motion.direction.into_inner() - truth.direction.into_inner()).amax() < 1e-6
+                && (found.motion.direction.into_inner() - truth.direction.into_inner()).amax()
+                    < 1e-6
                 && (found.normal.into_inner() - NORMAL.normalize()).amax() < 1e-6
                 && (found.baseline - 0.5 * NORMAL.norm()).abs() < 1e-6
         };

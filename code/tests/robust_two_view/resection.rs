@@ -12,7 +12,10 @@ use vislam::structure_from_motion::{
 use super::scenes::{CAMERA, any_pixel, motion, normal, random, seen_point, vector};
 
 /// Points in the picture of a camera at a random pose, and their pixels without noise.
-fn seen(random: &mut rand_chacha::ChaCha8Rng, count: usize) -> (Isometry3<f64>, Vec<Vector3<f64>>, Vec<Vector2<f64>>) {
+fn seen(
+    random: &mut rand_chacha::ChaCha8Rng,
+    count: usize,
+) -> (Isometry3<f64>, Vec<Vector3<f64>>, Vec<Vector2<f64>>) {
     let mut pose = motion(random);
     pose.translation.vector += 4.0 * vector(random);
     let world_from_camera = pose.inverse();
@@ -165,7 +168,10 @@ fn worlds_that_leave_the_similarity_open_are_refused_by_name() {
     assert_eq!(of(&line), Err(OrientationError::Rotation));
     assert_eq!(of(&[step; 5]), Err(OrientationError::OnePlace));
     assert_eq!(of(&line[..2]), Err(OrientationError::TooFew { count: 2 }));
-    assert_eq!(of(&[step, step, Vector3::repeat(f64::NAN)]), Err(OrientationError::NotFinite { pair: 2 }));
+    assert_eq!(
+        of(&[step, step, Vector3::repeat(f64::NAN)]),
+        Err(OrientationError::NotFinite { pair: 2 })
+    );
     // A regular octahedron and its mirror image: several turns do as well.
     let corners: Vec<_> = (0..6)
         .map(|k| if k < 3 { Vector3::ith(k, 1.0) } else { Vector3::ith(k - 3, -1.0) })
@@ -183,7 +189,8 @@ fn points_of_two_worlds_may_be_wrong_too() {
         .map(|k| {
             let point = 3.0 * vector(&mut random);
             let noise = Vector3::from_fn(|_, _| 0.05 * normal(&mut random));
-            let there = if k < 30 { truth.point(&point) + noise } else { 20.0 * vector(&mut random) };
+            let there =
+                if k < 30 { truth.point(&point) + noise } else { 20.0 * vector(&mut random) };
             (point, there)
         })
         .collect();
