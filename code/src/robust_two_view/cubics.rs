@@ -88,9 +88,10 @@ fn half_trace_removed(e: &[[Linear; 3]; 3]) -> [[Quadratic; 3]; 3] {
             gram[column][row] = gram[row][column];
         }
     }
-    for monomial in 0..10 {
-        let trace: f64 = (0..3).map(|row| gram[row][row][monomial]).sum();
-        (0..3).for_each(|row| gram[row][row][monomial] -= 0.5 * trace);
+    let trace: Quadratic =
+        std::array::from_fn(|monomial| (0..3).map(|row| gram[row][row][monomial]).sum());
+    for (row, entries) in gram.iter_mut().enumerate() {
+        entries[row].iter_mut().zip(&trace).for_each(|(entry, trace)| *entry -= 0.5 * trace);
     }
     gram
 }

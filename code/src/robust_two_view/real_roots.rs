@@ -107,8 +107,9 @@ impl<const N: usize> Chain<N> {
         let mut values = [0.0; N];
         // The degree falls by one or more from each polynomial to the next.
         for power in (0..N).rev() {
-            for polynomial in 0..N - power {
-                values[polynomial] = values[polynomial] * z + self.powers[power][polynomial];
+            let coefficients = &self.powers[power][..N - power];
+            for (value, coefficient) in values.iter_mut().zip(coefficients) {
+                *value = *value * z + coefficient;
             }
         }
         values

@@ -6,8 +6,8 @@ use thiserror::Error;
 use super::chance::{chance_of_agreement, false_alarms};
 use super::consensus::{Consensus, ConsensusError, ConsensusOptions, Correspondences, consensus};
 use super::{
-    Candidates, GeneralMotion, Matches, OnePlane, OnlyTurned, PlaneMotion, RelativeMotion,
-    general_motion, plane_motions,
+    GeneralMotion, Matches, OnePlane, OnlyTurned, PlaneMotion, RelativeMotion, general_motion,
+    plane_motions,
 };
 use crate::filtering::{chi_square_below, chi_square_quantile};
 
@@ -22,7 +22,7 @@ pub enum TwoViewModel {
         /// The homography.
         plane: Consensus<Matrix3<f64>>,
         /// The motions.
-        motions: Candidates<PlaneMotion, 2>,
+        motions: Vec<PlaneMotion>,
     },
     /// Points at many depths.
     General(Consensus<RelativeMotion>),
@@ -75,7 +75,7 @@ pub fn select_model(
         let rays: Vec<Vector3<f64>> =
             plane.inliers.iter().map(|datum| matches.rays[*datum].0).collect();
         if let Ok(motions) = plane_motions(&plane.estimate, &rays) {
-            return Ok(TwoViewModel::Plane { plane, motions });
+            return Ok(TwoViewModel::Plane { plane, motions: motions.to_vec() });
         }
     }
     general.map(TwoViewModel::General)
@@ -167,7 +167,7 @@ pub enum NoMotion {
     )]
     Plane {
         /// The motions.
-        motions: Candidates<PlaneMotion, 2>,
+        motions: Vec<PlaneMotion>,
     },
     /// There is no evidence for anything.
     #[error(transparent)]
