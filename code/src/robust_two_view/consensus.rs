@@ -142,8 +142,9 @@ const MOST_ROUNDS: usize = 20;
 ///
 /// An estimate through a minimal sample is worth the sum of the squared errors of all data, each of
 /// them counted as at most the gate. Samples are drawn until, for the share of inliers that the best
-/// estimate has, one without a wrong datum has been among them with the wanted confidence. The best
-/// estimate is refined from its inliers until they stay the same. It is refused when as many
+/// estimate has, one without a wrong datum has been among them with the wanted confidence, and some
+/// times longer: [`ConsensusOptions::patience`]. Whatever is better than all before it is refined from
+/// its inliers until they stay the same. It is refused when as many
 /// would agree by chance.
 ///
 /// The result does not depend on units, on the number of processors or on the time of day. It
