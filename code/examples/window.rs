@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::ops::Range;
 
-use nalgebra::{DVector, Isometry3, SMatrix, SVector, Vector1, Vector2, Vector3};
+use nalgebra::{DVector, Isometry3, Vector1, Vector2, Vector3};
 use vislam::datasets::tracks::Picture;
 use vislam::factors::{CombinedInertialFactor, PixelByBody, Prior};
 use vislam::inertial::{
@@ -174,10 +174,13 @@ impl Window {
     /// Adds what is known beforehand.
     pub fn add_priors(&mut self, known: &Known) -> Result<(), Box<dyn Error>> {
         let (problem, CameraImu { body_from_camera, time_offset }) = (&mut self.problem, known.rig);
-        near(problem, self.states[0], known.state, STATE)?;
-        near(problem, self.biases[0], known.bias, BIAS)?;
-        near(problem, self.extrinsics, body_from_camera, EXTRINSICS)?;
-        near(problem, self.time_offset, Vector1::new(time_offset), TIME_OFFSET)
+        let offset = Prior::near(self.time_offset, Vector1::new(time_offset), TIME_OFFSET);
+        let extrinsics = Prior::near(self.extrinsics, body_from_camera, EXTRINSICS);
+        problem.add_factor(Prior::near(self.states[0], known.state, STATE), Kernel::Squared)?;
+        problem.add_factor(Prior::near(self.biases[0], known.bias, BIAS), Kernel::Squared)?;
+        problem.add_factor(extrinsics, Kernel::Squared)?;
+        problem.add_factor(offset, Kernel::Squared)?;
+        Ok(())
     }
     // ANCHOR_END: priors
 
@@ -263,20 +266,6 @@ pub fn tracks(sensors: &Sensors) -> BTreeMap<usize, Vec<(usize, Vector2<f64>)>> 
     }
     tracks
 }
-
-// ANCHOR: near
-/// Keeps a variable near an anchor.
-fn near<V: Manifold, const N: usize>(
-    problem: &mut Problem,
-    variable: Key<V>,
-    anchor: V,
-    sigmas: [f64; N],
-) -> Result<(), Box<dyn Error>> {
-    let sqrt_information = SMatrix::from_diagonal(&SVector::from(sigmas).map(f64::recip));
-    problem.add_factor(Prior { variable, anchor, sqrt_information }, Kernel::Squared)?;
-    Ok(())
-}
-// ANCHOR_END: near
 
 /// The readings from each picture to the next, by the time on the camera's clock.
 pub fn intervals(sensors: &Sensors) -> Result<Vec<Vec<StampedSample>>, WindowError> {

@@ -21,6 +21,7 @@ pub mod factors;
 pub mod filtering;
 pub mod inertial;
 pub mod least_squares;
+pub mod loop_closure;
 pub mod manifold;
 pub mod marginalization;
 pub mod msckf;

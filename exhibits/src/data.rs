@@ -23,23 +23,28 @@ pub enum NotMade {
 }
 
 impl DataFile {
-    /// The text of the file, if it is there and the one that is meant.
+    /// The text of the file below the folder of the data, if it is there and the one that is meant.
     pub fn read(&self) -> Result<String, NotMade> {
-        self.read_below(std::env::var_os("VISLAM_DATA").map(PathBuf::from))
+        self.read_from("VISLAM_DATA")
     }
 
-    pub fn read_below(&self, folder: Option<PathBuf>) -> Result<String, NotMade> {
+    /// The same below the folder that a variable of the environment names.
+    pub fn read_from(&self, variable: &str) -> Result<String, NotMade> {
+        self.read_below(variable, std::env::var_os(variable).map(PathBuf::from))
+    }
+
+    pub fn read_below(&self, variable: &str, folder: Option<PathBuf>) -> Result<String, NotMade> {
         let path = self.path;
         let folder = folder.ok_or_else(|| {
             NotMade::DataAbsent(format!(
-                "VISLAM_DATA is not set; let it name the folder that holds {path}"
+                "{variable} is not set; let it name the folder that holds {path}"
             ))
         })?;
         let file = folder.join(path);
         if !file.is_file() {
             let folder = folder.display();
             return Err(NotMade::DataAbsent(format!(
-                "there is no {path} in {folder}, which VISLAM_DATA names; put the file there"
+                "there is no {path} in {folder}, which {variable} names; put the file there"
             )));
         }
         let bytes = std::fs::read(&file).map_err(|error| failed(path, &error.to_string()))?;

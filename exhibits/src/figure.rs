@@ -22,6 +22,23 @@ pub struct Figure {
     pub columns: Vec<&'static str>,
     /// The data, as text.
     pub rows: Vec<Vec<String>>,
+    /// The rectangles that lead to another place of the book.
+    pub links: Vec<Link>,
+}
+
+/// A rectangle of a figure that leads to another place of the book. The press makes a link of it and writes the name
+/// of the place at its lower edge.
+pub struct Link {
+    /// What the rectangle stands for.
+    pub name: String,
+    /// The label of the place, such as `sec:msckf`.
+    pub to: &'static str,
+    /// What is written before the name of the place.
+    pub before: &'static str,
+    /// Left and upper edge, in units of the view box.
+    pub corner: (i32, i32),
+    /// Width and height, in the same units.
+    pub size: (i32, i32),
 }
 
 /// A column of a figure's data: its name with the unit, and a cell for every row.
@@ -34,7 +51,12 @@ impl Figure {
         let length = cells.iter().map(Vec::len).max().unwrap_or(0);
         let row = |index| cells.iter().filter_map(move |column| column.get(index).cloned());
         let rows = (0..length).map(|index| row(index).collect()).collect();
-        Self { svg: draw(height, paint), columns, rows }
+        Self { svg: draw(height, paint), columns, rows, links: Vec::new() }
+    }
+
+    /// The same figure with rectangles that lead somewhere.
+    pub fn with_links(self, links: Vec<Link>) -> Self {
+        Self { links, ..self }
     }
 }
 
@@ -82,7 +104,7 @@ const MEANING: [(RGBColor, &str); 10] = [
 ];
 
 /// Width of every figure in units of its view box. A page shows it at a quarter to a half of that.
-const WIDTH: u32 = 1280;
+pub const WIDTH: u32 = 1280;
 
 /// Height of letters in the same units.
 const LETTERS: f64 = 36.0;
@@ -248,8 +270,13 @@ where
 
 /// Text that begins at its place.
 pub fn letters(colour: RGBColor) -> TextStyle<'static> {
+    letters_of(LETTERS, colour)
+}
+
+/// Text of this height that begins at its place.
+pub fn letters_of(height: f64, colour: RGBColor) -> TextStyle<'static> {
     // The backend divides the size of a font by this number.
-    ("sans-serif", LETTERS * 1.24).into_font().color(&colour)
+    ("sans-serif", height * 1.24).into_font().color(&colour)
 }
 
 /// Text that stands to the right of its place, halfway up.

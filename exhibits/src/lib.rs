@@ -1,15 +1,21 @@
 //! What the book shows and a program computes: checks of its equations, its numbers, figures and
 //! records.
 
+pub mod algorithms;
 pub mod bearing;
 pub mod bundle_adjustment;
 pub mod chapter;
 pub mod comparison;
+pub mod counter;
 pub mod data;
+pub mod diagram;
+pub mod factrs;
 pub mod figure;
 pub mod filtering;
+pub mod gtsam;
 pub mod inertial;
 pub mod least_squares;
+pub mod loop_closure;
 pub mod manifold;
 pub mod marginalization;
 pub mod msckf;
@@ -21,6 +27,7 @@ pub mod record;
 pub mod report;
 pub mod reprojection;
 pub mod scene;
+pub mod systems;
 pub mod two_views;
 
 use std::path::Path;
@@ -47,6 +54,10 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("algorithms", algorithms::exhibits, no_records),
+    ("factrs", factrs::exhibits, factrs::records),
+    ("loop_closure", loop_closure::exhibits, loop_closure::records),
+    ("systems", systems::exhibits, no_records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}

@@ -12,7 +12,7 @@ pub mod flights;
 mod outlier;
 mod passing;
 mod rank;
-mod rotations;
+pub mod rotations;
 mod step;
 mod track;
 mod windows;

@@ -9,7 +9,7 @@ use crate::chapter::{
     Chapter, Counterexample, Equation, NamedFigure, counterexample_failure, text,
 };
 use crate::data::{NotMade, files_read};
-use crate::figure::Figure;
+use crate::figure::{Figure, Link};
 use crate::record::Record;
 
 /// The chapters and the names of their records.
@@ -124,8 +124,19 @@ fn figure(named: &NamedFigure, drawn: &Figure) -> Value {
         "name": named.name,
         "columns": drawn.columns,
         "rows": drawn.rows,
+        "links": drawn.links.iter().map(link).collect::<Vec<_>>(),
         "file": named.place.file,
         "line": named.place.line,
+    })
+}
+
+fn link(link: &Link) -> Value {
+    json!({
+        "name": link.name,
+        "to": link.to,
+        "before": link.before,
+        "corner": link.corner,
+        "size": link.size,
     })
 }
 

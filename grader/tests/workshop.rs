@@ -403,6 +403,7 @@ fn with_a_new_exercise() -> PathBuf {
         "code",
         "exercises",
         "exhibits",
+        "factrs",
         "grader",
         "press",
         "recordings",

@@ -40,6 +40,8 @@ pub enum Kind {
     Close,
     /// `- [ ] …`, or `- [x] …` for the right one, in a prediction.
     Choice { right: bool, text: String },
+    /// `1. What is done. {.step code="…"}`: a line of an algorithm.
+    Step { number: usize, text: String, attributes: Attributes },
     /// Something that was opened and never closed, in a few words.
     Unclosed(&'static str),
 }
@@ -80,6 +82,9 @@ impl Reader<'_> {
             self.heading();
         } else if start.starts_with("- [ ] ") || start.starts_with("- [x] ") {
             self.choice();
+        } else if let Some((step, length)) = self.step() {
+            self.push(self.at, step);
+            self.at += length;
         } else if line.starts_with("    ") && self.after_blank() && !self.in_list() {
             let code = line.to_owned();
             self.push(self.at, Kind::IndentedCode(code));
@@ -268,6 +273,23 @@ impl Reader<'_> {
         }
     }
 
+    /// A line of an algorithm, and how many lines of the chapter it takes.
+    fn step(&self) -> Option<(Kind, usize)> {
+        let (number, text) = numbered(self.lines[self.at])?;
+        let ends = |line: &&str| {
+            let start = line.trim();
+            start.is_empty() || start.starts_with(":::") || numbered(start).is_some()
+        };
+        let rest = &self.lines[self.at + 1..];
+        let more = rest.iter().position(ends).unwrap_or(rest.len());
+        let rest = rest[..more].iter().map(|line| line.trim());
+        let text = [text.trim()].into_iter().chain(rest).collect::<Vec<_>>().join("\n");
+        let at = text.rfind("{.step")?;
+        let (attributes, length) = Attributes::parse(&text[at..])?;
+        let text = (at + length == text.len()).then(|| text[..at].trim().to_owned())?;
+        Some((Kind::Step { number, text, attributes }, more + 1))
+    }
+
     fn choice(&mut self) {
         let first = self.at;
         let start = self.lines[first].trim_start();
@@ -281,6 +303,12 @@ impl Reader<'_> {
         }
         self.push(first, Kind::Choice { right, text });
     }
+}
+
+/// The number at the start of a line, and what follows it.
+fn numbered(line: &str) -> Option<(usize, &str)> {
+    let (number, text) = line.trim_start().split_once(". ")?;
+    Some((number.parse().ok()?, text))
 }
 
 /// The text between a pair of brackets at the start of `text`, and what follows the closing one.
@@ -332,6 +360,19 @@ mod tests {
         };
         assert_eq!(caption, "Rays [of two\ncameras](x) meet");
         assert_eq!((path.as_str(), attributes.value("alt")), ("bearing/rays.svg", "a b"));
+    }
+
+    #[test]
+    fn a_line_of_an_algorithm_names_its_code_and_other_numbered_lines_stay_text() {
+        let found = blocks(
+            "1. one\n   two\n   {.step code=\"if x {\"}\n   2. inside {.step code=\"y\" of=\"A::b\"}\n\n1. text\n",
+        );
+        let Kind::Step { number: 1, text, attributes } = &found[0].kind else {
+            panic!("{:?}", found[0])
+        };
+        assert_eq!((text.as_str(), attributes.value("code")), ("one\ntwo", "if x {"));
+        assert_eq!((found[1].line, found[1].indent.as_str()), (4, "   "));
+        assert!(matches!(&found[2].kind, Kind::Text(text) if text == "\n1. text\n"));
     }
 
     #[test]

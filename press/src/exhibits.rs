@@ -117,10 +117,28 @@ pub struct Drawing {
     pub columns: Vec<String>,
     /// The rows of its data.
     pub rows: Vec<Vec<String>>,
+    /// Its rectangles that lead to another place of the book.
+    #[serde(default)]
+    pub links: Vec<Link>,
     /// Where it is drawn.
     pub file: String,
     /// The line of that.
     pub line: usize,
+}
+
+/// A rectangle of a figure that leads to another place of the book.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Link {
+    /// What it stands for.
+    pub name: String,
+    /// The label of the place.
+    pub to: String,
+    /// What is written before the name of the place.
+    pub before: String,
+    /// Left and upper edge, in units of the view box.
+    pub corner: (i32, i32),
+    /// Width and height, in the same units.
+    pub size: (i32, i32),
 }
 
 /// What a record is made from.

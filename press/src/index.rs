@@ -99,18 +99,16 @@ pub fn index(here: &Page, pages: &[Page], known: &Known<'_>, found: &Found<'_>) 
     )
 }
 
-/// The items of the library that listings print.
+/// The items of the library that listings print and algorithms tell.
 fn printed(here: &Page, known: &Known<'_>, found: &Found<'_>) -> Markup {
-    let listing = |(page, id, number): &(PathBuf, String, String)| {
-        link(here, page, id, format!("Listing {number}"))
-    };
+    let place = |(page, id, name): &(PathBuf, String, String)| link(here, page, id, name);
     html! {
         div.index { ul {
             @for (path, places) in &found.printed {
                 @if let Some(item) = known.library.item(path) {
                     li {
                         (item_link(here, known.library, item, html! { code { (path) } })) ", "
-                        (listed(places.iter().map(listing)))
+                        (listed(places.iter().map(place)))
                     } "\n"
                 }
             }

@@ -44,8 +44,9 @@ pub enum Mark<'a> {
 }
 
 /// A label that a comment in code names, as in `Implements {eq:projection}`.
-pub static NAMED_LABEL: LazyLock<Regex> =
-    LazyLock::new(|| Regex::new(r"\{((?:eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern"));
+pub static NAMED_LABEL: LazyLock<Regex> = LazyLock::new(|| {
+    Regex::new(r"\{((?:alg|eq|fig|lst|sec|thm):[\w-]+)\}").expect("a valid pattern")
+});
 
 /// Works that a comment in code names, as in `[@triggs2000]` or `([@a; @b])`, with the parenthesis before them.
 pub static NAMED_WORKS: LazyLock<Regex> = LazyLock::new(|| {
@@ -53,7 +54,7 @@ pub static NAMED_WORKS: LazyLock<Regex> = LazyLock::new(|| {
 });
 
 /// The kinds of labels that can be referred to.
-pub const LABEL_KINDS: [&str; 5] = ["eq:", "fig:", "lst:", "sec:", "thm:"];
+pub const LABEL_KINDS: [&str; 6] = ["alg:", "eq:", "fig:", "lst:", "sec:", "thm:"];
 
 /// Splits a paragraph into its marks.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {

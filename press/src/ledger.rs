@@ -10,7 +10,7 @@ use crate::bibliography::Work;
 use crate::blocks::Kind;
 use crate::exhibits::Exhibits;
 use crate::pages::Page;
-use crate::prose::{Found, Known, REFERENCES, link, listed, source, table};
+use crate::prose::{Found, Known, REFERENCES, Told, item_link, link, listed, source, table};
 use crate::recordings;
 
 /// A table of the ledger.
@@ -28,7 +28,7 @@ impl Table {
     }
 }
 
-/// The ledger: every equation, number, figure, listing and record with what stands behind it.
+/// The ledger: every equation, number, figure, record and algorithm with what stands behind it.
 pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<'_>) -> String {
     let (equations, definitions) = equations(here, pages, known.exhibits, found);
     let tables = [
@@ -39,7 +39,9 @@ pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<
         figures(here, pages, known.exhibits, found),
         records(here, known.exhibits, found),
         unverified(here, known),
+        algorithms(here, known, found),
     ];
+    let lines = found.algorithms.iter().map(|told| told.lines).sum();
     let states: usize = known
         .exhibits
         .chapters
@@ -48,7 +50,7 @@ pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<
         .map(|check| check.states)
         .sum();
     let head = format!(
-        "<p class=\"ledger-summary\">{} checked over {}, {}, {} with {}, each dropped in a counterexample, {}, {}, {}, {} of which {} could not be verified.</p>\n\n",
+        "<p class=\"ledger-summary\">{} checked over {}, {}, {} with {}, each dropped in a counterexample, {}, {}, {}, {} with {} that lead to the code, {} of which {} could not be verified.</p>\n\n",
         counted(tables[0].rows.len(), "equation"),
         counted(states, "state"),
         counted(tables[1].rows.len(), "definition"),
@@ -57,6 +59,8 @@ pub fn ledger(here: &Page, pages: &[Page], known: &Known<'_>, found: &mut Found<
         counted(tables[3].rows.len(), "computed number"),
         counted(tables[4].rows.len(), "figure"),
         counted(tables[5].rows.len(), "record"),
+        counted(tables[7].rows.len(), "algorithm"),
+        counted(lines, "line"),
         counted(known.bibliography.sorted().len(), "cited work"),
         tables[6].rows.len(),
     );
@@ -262,6 +266,21 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
         columns: &["Record", "Values", "Made by", "When and on what", "Inputs"],
         rows,
     }
+}
+
+fn algorithms(here: &Page, known: &Known<'_>, found: &Found<'_>) -> Table {
+    let row = |told: &Told| {
+        let name = format!("Algorithm {}", told.number);
+        let item = known.library.item(&told.item);
+        html! {
+            td { (link(here, &told.page, &told.id, name)) }
+            td { @if let Some(item) = item { (item_link(here, known.library, item, html! { code { (item.path) } })) } }
+            td { (told.lines) }
+        }
+    };
+    let columns = &["Algorithm", "Item", "Lines that lead to the code"];
+    let rows = found.algorithms.iter().map(row).collect();
+    Table { id: "algorithms", title: "Algorithms", columns, rows }
 }
 
 fn unverified(here: &Page, known: &Known<'_>) -> Table {

@@ -85,7 +85,7 @@ impl Page {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for block in &mut self.blocks {
             let Some(kind) = counted(&block.kind) else { continue };
-            // Outside the count of chapters, listings, figures and theorems are counted by themselves.
+            // Outside the count of chapters, listings, figures, theorems and algorithms are counted by themselves.
             if chapter.is_none() && matches!(kind, "sec:" | "eq:") {
                 continue;
             }
@@ -130,6 +130,7 @@ fn counted(kind: &Kind) -> Option<&'static str> {
         Kind::Equation { attributes, .. } => (attributes, "eq:"),
         Kind::Figure { attributes, .. } => (attributes, "fig:"),
         Kind::Fence { attributes, .. } => (attributes, "lst:"),
+        Kind::Open(attributes) if attributes.has("algorithm") => (attributes, "alg:"),
         Kind::Open(attributes) => (attributes, "thm:"),
         _ => return None,
     };

@@ -138,6 +138,7 @@ fn press(
         terms: Terms::default(),
         symbols: Symbols::default(),
         printed: BTreeMap::new(),
+        algorithms: Vec::new(),
         sources: BTreeSet::new(),
         generated: scripts.into_iter().chain(recordings.files.clone()).collect(),
         lint: Lint::new(&settings.allow),

@@ -72,14 +72,30 @@ pub struct Found<'a> {
     pub terms: Terms,
     /// What its letters mean.
     pub symbols: Symbols,
-    /// The items of the library that listings print: page, anchor and number of the listing.
+    /// The items of the library that listings and algorithms show: page, anchor and name of each.
     pub printed: BTreeMap<String, Vec<(PathBuf, String, String)>>,
+    /// The algorithms whose lines lead to the library.
+    pub algorithms: Vec<Told>,
     /// The source files that pages link to.
     pub sources: BTreeSet<String>,
     /// Files for mdBook to copy, by path below `src/generated`.
     pub generated: BTreeMap<PathBuf, Vec<u8>>,
     /// Typed numbers and the permissions for them.
     pub lint: Lint<'a>,
+}
+
+/// An algorithm that a page tells.
+pub struct Told {
+    /// The page.
+    pub page: PathBuf,
+    /// Its label.
+    pub id: String,
+    /// Its number.
+    pub number: String,
+    /// The item of the library that does it.
+    pub item: String,
+    /// How many lines it has.
+    pub lines: usize,
 }
 
 /// A stretch of prose on a page.
@@ -114,6 +130,36 @@ impl Prose<'_> {
             }
         }
         out
+    }
+
+    /// Where a label leads to from here. It may lead into depth: what asks for it is a pointer, and not a step of the
+    /// main road.
+    pub fn lead(&self, label: &str, known: &Known<'_>, found: &mut Found<'_>) -> Option<Lead> {
+        let one = One { prose: self, place: (&self.page.file, self.line), known };
+        let target = one.target(label, true, found)?;
+        let plain = Prose { html: false, deep: true, ..*self };
+        let title = plain.resolve(&target.title, known, found);
+        Some(Lead { way: one.way_to(label, target), name: name_of(label, target, false), title })
+    }
+}
+
+/// A place of the book, as a link to it needs it.
+pub struct Lead {
+    /// The way to it.
+    pub way: String,
+    /// How it is called, such as `Section 3.2`.
+    pub name: String,
+    /// Its title; empty for what has none.
+    pub title: String,
+}
+
+impl Lead {
+    /// Name and title.
+    pub fn in_full(&self) -> String {
+        match self.title.as_str() {
+            title if title.is_empty() || title == self.name => self.name.clone(),
+            title => format!("{}, {title}", self.name),
+        }
     }
 }
 
@@ -439,6 +485,7 @@ pub fn name_of(label: &str, target: &Target, bare: bool) -> String {
     };
     let word = match LABEL_KINDS.iter().find(|kind| label.starts_with(**kind)) {
         _ if target.number.is_empty() => return target.title.clone(),
+        Some(&"alg:") => "Algorithm",
         Some(&"eq:") => "Equation",
         Some(&"fig:") => "Figure",
         Some(&"lst:") => "Listing",

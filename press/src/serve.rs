@@ -37,10 +37,11 @@ const NEWS: &str = "__book-news";
 const PAUSE: Duration = Duration::from_millis(80);
 
 /// What the book is made from: its pages and what they include, the program and the library, the theme.
-const WATCHED: [&str; 11] = [
+const WATCHED: [&str; 12] = [
     "src",
     "code",
     "exhibits",
+    "factrs",
     "exercises",
     "widgets",
     "recordings",

@@ -66,7 +66,7 @@ fn stops(page: &Page) -> Vec<(String, Stop)> {
 /// minute for an equation or a figure, one for a listing.
 pub fn seconds(blocks: &[Block]) -> [f64; 2] {
     let of = |block: &Block| match &block.kind {
-        Kind::Text(text) | Kind::Choice { text, .. } => {
+        Kind::Text(text) | Kind::Choice { text, .. } | Kind::Step { text, .. } => {
             text.split_whitespace().count() as f64 * 0.3
         }
         Kind::Equation { .. } | Kind::Figure { .. } => 30.0,

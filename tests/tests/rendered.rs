@@ -124,7 +124,7 @@ fn every_figure_has_a_text_a_caption_data_and_a_program() {
     for (name, page) in pages() {
         for figure in all(&page, "figure.exhibit") {
             let drawn =
-                [".plot[role=img][aria-label] svg", "figcaption", "details table", "a[download]"];
+                [".plot[role][aria-label] svg", "figcaption", "details table", "a[download]"];
             // A scene in three dimensions has a command in the place of data.
             let scene =
                 [".plot img[alt]", "figcaption", ".recording-note code", ".recording-note a[href]"];
@@ -137,6 +137,19 @@ fn every_figure_has_a_text_a_caption_data_and_a_program() {
         }
     }
     assert!(figures > 0, "the book has lost its figures");
+}
+
+#[test]
+fn every_block_of_a_diagram_is_a_link_with_a_name() {
+    let mut blocks = 0;
+    for (name, page) in pages() {
+        for block in all(&page, ".plot.diagram svg a") {
+            assert!(block.attr("href").is_some_and(|address| address.contains('#')), "{name}");
+            assert!(block.attr("aria-label").is_some_and(|text| text.contains(": ")), "{name}");
+            blocks += 1;
+        }
+    }
+    assert!(blocks > 0, "the book has lost its diagrams");
 }
 
 #[test]
@@ -208,6 +221,26 @@ fn a_listing_of_the_library_leads_to_its_items_and_an_item_to_its_equation() {
     assert_eq!(all(item, ".book-source a[href*='generated/source/code/src/bearing.rs']").len(), 1);
     let module = page("api/vislam/bearing/index.html");
     assert_eq!(all(module, ".book-source a[href='../../../bearing.html']").len(), 1);
+}
+
+#[test]
+fn every_line_of_an_algorithm_leads_to_a_line_of_code() {
+    let mut lines = 0;
+    for (name, page) in pages() {
+        for line in all(&page, ".algorithm .steps > li") {
+            let link = Selector::parse("a.step-number").expect("a selector");
+            let href = line.select(&link).next().and_then(|link| link.attr("href"));
+            let (file, number) = href
+                .and_then(|href| href.split_once("generated/source/")?.1.split_once(".html#L"))
+                .unwrap_or_else(|| panic!("{name}: line {:?} leads nowhere", line.attr("value")));
+            let number: usize = number.parse().expect("a number");
+            let source = files::read(&root().join(file)).expect("a source");
+            let code = source.lines().nth(number - 1).unwrap_or_default().trim();
+            assert!(!code.is_empty() && !code.starts_with("//"), "{name}: {file}, line {number}");
+            lines += 1;
+        }
+    }
+    assert!(lines > 50, "the book has lost its algorithms");
 }
 
 #[test]

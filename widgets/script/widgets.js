@@ -135,7 +135,10 @@
         // Margins, and how the coordinates lie between them.
         measure() {
             const { face, width, view: [x0, x1, y0, y1] } = this;
-            const height = Math.round(width * face.aspect) + (face.x.label ? 34 : 0);
+            // A plot as wide as the page would be a strip on a telephone, and its legend would fill it.
+            const strip = face.span === 6 && !face.equal && width < 480;
+            const aspect = strip ? Math.max(face.aspect, 0.66) : face.aspect;
+            const height = Math.round(width * aspect) + (face.x.label ? 34 : 0);
             const left = face.y.label ? 46 : 6;
             const bottom = face.x.label ? 38 : 6;
             const inside = { x: left, y: 6, width: width - left - 8, height: height - bottom - 6 };

@@ -1,10 +1,12 @@
-//! Where recorded data come from: readings, feature tracks and ground truth in text files.
+//! Where recorded data come from: readings, feature tracks, ground truth and pose
+//! graphs in text files.
 //!
 //! Text goes in and values come out. Nothing here opens a file, so whoever does adds its name to
 //! the error, which says line, column and what to do. Times are integers of nanoseconds.
 
 pub mod bal;
 pub mod euroc;
+pub mod pose_graph;
 pub mod recording;
 mod table;
 pub mod tracks;

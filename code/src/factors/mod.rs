@@ -2,6 +2,8 @@
 //! measurement in standard deviations, and its derivatives. One file a measurement, and the
 //! derivatives stand here and nowhere else.
 
+mod between_poses;
+mod chordal_pose;
 mod epipolar;
 mod inertial;
 mod pixel_by_body;
@@ -9,8 +11,11 @@ mod pixel_by_camera;
 mod prior;
 mod relative_pose;
 mod stereo;
+mod switched;
 mod transfer;
 
+pub use between_poses::{BetweenPoses, GraphPose, LinearizedError};
+pub use chordal_pose::ChordalPose;
 pub use epipolar::Epipolar;
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};
@@ -18,4 +23,5 @@ pub use pixel_by_camera::{MovingCamera, PixelByCamera};
 pub use prior::Prior;
 pub use relative_pose::RelativePose;
 pub use stereo::StereoByPose;
+pub use switched::Switched;
 pub use transfer::{Transfer, Transferred, transfer_covariance};

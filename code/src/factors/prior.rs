@@ -17,6 +17,15 @@ pub struct Prior<V, const N: usize> {
     pub sqrt_information: SMatrix<f64, N, N>,
 }
 
+impl<V: Manifold, const N: usize> Prior<V, N> {
+    /// A variable whose coordinates are known with these standard deviations, independently. An infinite
+    /// one says nothing.
+    pub fn near(variable: Key<V>, anchor: V, sigmas: [f64; N]) -> Self {
+        let sqrt_information = SMatrix::from_diagonal(&SVector::from(sigmas).map(f64::recip));
+        Self { variable, anchor, sqrt_information }
+    }
+}
+
 impl<V: Manifold, const N: usize> Factor<N> for Prior<V, N> {
     type Variables = (V,);
     type Jacobians = (SMatrix<f64, N, N>,);

@@ -21,7 +21,7 @@
 mod belief;
 mod chi_square;
 mod correction;
-mod metrics;
+pub(crate) mod metrics;
 mod transition;
 mod update;
 

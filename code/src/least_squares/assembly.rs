@@ -156,6 +156,7 @@ fn add_product(into: &mut [f64], stride: usize, left: Part, right: Part) {
     match right.3 {
         9 => add_product_of::<9>(into, stride, left, right),
         6 => add_product_of::<6>(into, stride, left, right),
+        4 => add_product_of::<4>(into, stride, left, right),
         3 => add_product_of::<3>(into, stride, left, right),
         _ => (0..right.3).for_each(|column| {
             let right = (right.0, right.1, right.2 + column, 1);

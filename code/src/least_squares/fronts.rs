@@ -309,7 +309,7 @@ impl LinearSystem for Fronts {
 
 /// What the elimination of a front changes: the columns that it leaves, by the fronts that eliminate
 /// them.
-fn updates_of(tree: &Tree, number: usize) -> Vec<Update> {
+pub(super) fn updates_of(tree: &Tree, number: usize) -> Vec<Update> {
     let node = &tree.nodes[number];
     let (mut updates, mut at) = (Vec::new(), 0);
     while let Some(first) = node.rest.get(at) {

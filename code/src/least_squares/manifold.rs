@@ -1,8 +1,8 @@
 //! What a problem can move.
 
-use nalgebra::{Isometry3, Rotation3, SMatrix, SVector, Vector3, Vector6};
+use nalgebra::{Isometry2, Isometry3, Rotation3, SMatrix, SVector, Vector3, Vector6};
 
-use crate::manifold::{se3, so3};
+use crate::manifold::{se2, se3, so3};
 
 // ANCHOR: manifold
 /// A point that is moved by a small vector.
@@ -86,3 +86,23 @@ impl Manifold for Isometry3<f64> {
     }
 }
 // ANCHOR_END: rotation
+
+/// Moved on the right, T exp(ξ), by a translation in metres and then an angle in radians.
+impl Manifold for Isometry2<f64> {
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn retract(&self, step: &[f64]) -> Self {
+        se2::retract(self, &Vector3::from_column_slice(step))
+    }
+
+    fn local(&self, to: &Self, step: &mut [f64]) {
+        step.copy_from_slice(se2::local(self, to).as_slice());
+    }
+
+    fn local_jacobian(&self, to: &Self, into: &mut [f64]) {
+        let xi = se2::local(self, to);
+        into.copy_from_slice(se2::right_jacobian_inverse(&xi).as_slice());
+    }
+}

@@ -17,6 +17,7 @@
 
 mod assembly;
 mod blocks;
+mod cholesky;
 mod covariance;
 mod elimination_tree;
 mod factor;
@@ -43,6 +44,7 @@ mod tiles;
 mod values;
 mod whitening;
 
+pub use cholesky::SparseCholesky;
 pub use covariance::Covariance;
 pub use factor::{Factor, Jacobians, Variables};
 pub use fronts::Fronts;

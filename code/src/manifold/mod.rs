@@ -1,7 +1,7 @@
 //! Rotations and rigid motions as points of a curved space, and the small vectors by
 //! which an estimator moves on it.
 //!
-//! [`so3`] treats rotations, [`se3`] poses. A tangent vector of a pose, a *twist*, is
+//! [`so3`] treats rotations, [`se3`] poses, [`se2`] poses in the plane. A tangent vector of a pose, a *twist*, is
 //! ξ = (ρ, φ): translation first. A state is moved by `retract(x, δ) = x exp(δ)`, on the
 //! right, so δ is written in the frame of the moving body; `local` undoes it. These are the
 //! conventions of @sola2018.
@@ -21,5 +21,6 @@
 //! NaN in gives NaN out. Nothing here panics or allocates.
 
 pub(crate) mod coefficients;
+pub mod se2;
 pub mod se3;
 pub mod so3;

@@ -222,9 +222,7 @@ impl Simulated {
         }
         let noise = Vector6::from_fn(|_, _| sigma * normal(&mut self.random));
         let anchor = se3::retract(&self.problem.values()[variable], &noise);
-        let sqrt_information = Matrix6::identity() / sigma;
-        let prior = Prior { variable, anchor, sqrt_information };
-        self.problem.add_factor(prior, Kernel::Squared)?;
+        self.problem.add_factor(Prior::near(variable, anchor, [sigma; 6]), Kernel::Squared)?;
         Ok(())
     }
 

@@ -1,11 +1,9 @@
 //! The window of `examples/window.rs`: what it says of itself, what it costs, and a flight of a
 //! minute as one problem.
 
-use std::fmt::Write;
-use std::process::Command;
 use std::time::Instant;
 
-use nalgebra::{DVector, Isometry3, Vector1};
+use nalgebra::{DVector, Vector1};
 use vislam::filtering::{chi_square_band, nees};
 use vislam::inertial::{CameraImu, Gravity, ImuSample, NavState};
 use vislam::least_squares::{
@@ -17,6 +15,7 @@ use vislam::simulation::FlightRecording;
 use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
+use crate::gtsam::{Exported, Python, pose_numbers, state_numbers};
 use crate::random::Random;
 use crate::record::RecordValue;
 
@@ -232,15 +231,12 @@ const RUNS: usize = 20;
 
 /// The window with what GTSAM's factors take as known held, here and there in turn.
 fn speed() -> Result<Vec<RecordValue>, NotMade> {
-    let absent = "VISLAM_GTSAM is not set; let it name a Python that has gtsam";
-    let python = std::env::var("VISLAM_GTSAM").map_err(|_| NotMade::DataAbsent(absent.into()))?;
+    let python = Python::with_gtsam()?;
     let (recording, mut window) = example_window();
     window.problem.hold(window.extrinsics).expect("a variable");
     window.problem.hold(window.time_offset).expect("a variable");
     window.problem.hold(window.gravity).expect("a variable");
-    let file = std::env::temp_dir().join(format!("window-{}.csv", std::process::id()));
-    let failed = |error: &dyn std::fmt::Display| NotMade::Failed(format!("{python}: {error}"));
-    std::fs::write(&file, exported(&window, &recording)).map_err(|error| failed(&error))?;
+    let graph = exported(&window, &recording);
 
     let problem = &window.problem;
     let order = Fronts::order_along(problem, &window.tiles().concat()).expect("they exist");
@@ -251,13 +247,12 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
             least(problem, || Fronts::new(problem).expect("a problem")),
             least(problem, || Fronts::in_order(problem, &order).expect("they exist")),
             least(problem, || window.landmarks_first().expect("pixels see one state each")),
-            theirs(&python, &file).map_err(|error| failed(&error))?,
+            theirs(&python, &graph)?,
         ];
         for (best, [time, cost]) in best.iter_mut().zip(turn) {
             *best = [best[0].min(time), cost];
         }
     }
-    std::fs::remove_file(&file).map_err(|error| failed(&error))?;
     let [dense, fronts, along, landmarks_first, theirs] = best;
     let value =
         |name, value, unit, decimals, within| RecordValue::new(name, value, unit, decimals, within);
@@ -276,45 +271,35 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
 
 const TURNS: usize = 3;
 
-/// What GTSAM says of the window in a file.
-fn theirs(python: &str, file: &std::path::Path) -> Result<[f64; 2], String> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../code/examples/window_gtsam.py");
-    let output = Command::new(python).arg(script).arg(file).output().map_err(|e| e.to_string())?;
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    let numbers: Vec<f64> = said.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
-    <[f64; 2]>::try_from(numbers).map_err(|_| complaint)
+/// The least time of an iteration, and twice the cost at the end.
+fn theirs(python: &Python, graph: &Exported) -> Result<[f64; 2], NotMade> {
+    let said = python.says("window_gtsam.py", graph)?.concat();
+    let shape =
+        |said| NotMade::Failed(format!("window_gtsam.py prints {said:?}; two numbers are due"));
+    said.try_into().map_err(shape)
 }
 
 /// The window as `window_gtsam.py` reads it.
-fn exported(window: &Window, recording: &FlightRecording) -> String {
+fn exported(window: &Window, recording: &FlightRecording) -> Exported {
     let (sensors, values) = (Sensors::from(recording), window.problem.values());
-    let mut lines = String::new();
-    let mut line = |kind: &str, numbers: &[f64]| {
-        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
-        writeln!(lines, "{kind},{}", numbers.join(",")).expect("a string takes it");
-    };
-    let pose = |pose: &Isometry3<f64>| {
-        let (q, t) = (pose.rotation, pose.translation);
-        [q.w, q.i, q.j, q.k, t.x, t.y, t.z]
-    };
+    let mut lines = Exported::default();
     for state in window.states.iter().map(|key| &values[*key]) {
-        line("state", &[pose(&state.pose()).as_slice(), state.velocity.as_slice()].concat());
+        lines.line("state", &state_numbers(state));
     }
     let bias = values[window.biases[0]];
-    line("bias", bias.vector().as_slice());
-    line("extrinsics", &pose(&values[window.extrinsics]));
+    lines.line("bias", bias.vector().as_slice());
+    lines.line("extrinsics", &pose_numbers(&values[window.extrinsics]));
     let noise = &sensors.noise;
     let densities = [noise.gyro, noise.accelerometer, noise.gyro_walk, noise.accelerometer_walk];
-    line("noise", &densities);
+    lines.line("noise", &densities);
     let camera = sensors.camera;
-    line("camera", &[camera.fx, camera.fy, camera.cx, camera.cy, sensors.pixel_sigma]);
-    line("sigmas", &[STATE.as_slice(), &BIAS].concat());
+    lines.line("camera", &[camera.fx, camera.fy, camera.cx, camera.cy, sensors.pixel_sigma]);
+    lines.line("sigmas", &[STATE.as_slice(), &BIAS].concat());
     let seen = tracks(&sensors);
     for (number, (track, landmark)) in window.landmarks.iter().enumerate() {
-        line("landmark", values[*landmark].as_slice());
+        lines.line("landmark", values[*landmark].as_slice());
         for (state, pixel) in &seen[track] {
-            line("pixel", &[*state as f64, number as f64, pixel.x, pixel.y]);
+            lines.line("pixel", &[*state as f64, number as f64, pixel.x, pixel.y]);
         }
     }
     for (interval, readings) in intervals(&sensors).expect("covered").iter().enumerate() {
@@ -325,7 +310,7 @@ fn exported(window: &Window, recording: &FlightRecording) -> String {
             let turn = so3::exp(&(0.5 * dt * mean.corrected(&bias).gyro));
             let force = turn * mean.accelerometer;
             let [gyro, force] = [mean.gyro.as_slice(), force.as_slice()];
-            line("reading", &[&[interval as f64, dt], gyro, force].concat());
+            lines.line("reading", &[&[interval as f64, dt], gyro, force].concat());
         }
     }
     lines

@@ -6,6 +6,7 @@ mod bundle_adjustment;
 mod chapter;
 mod comparison;
 mod data;
+mod diagram;
 mod least_squares;
 mod program;
 mod random;

@@ -43,6 +43,33 @@ pub struct File {
     scan: Arc<Scan>,
 }
 
+/// The code of a function, or of anything else that has a name, whether public or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Code<'a> {
+    /// Its path below the crate, through the modules that its file lies in: `reprojection::pinhole::Pinhole::project`.
+    pub path: String,
+    /// The file it stands in, below the root.
+    pub file: &'a str,
+    /// The line of its name.
+    pub first: usize,
+    /// The line that it ends on.
+    pub last: usize,
+    /// Whether it is a function.
+    is_function: bool,
+    /// The lines of the file.
+    text: &'a str,
+}
+
+impl Code<'_> {
+    /// The lines that have a text, those of comments excepted.
+    pub fn lines_with(&self, text: &str) -> Vec<usize> {
+        let numbered = (1..).zip(self.text.lines());
+        let own = numbered.skip(self.first - 1).take(self.last + 1 - self.first);
+        let has = |line: &str| line.contains(text) && !line.trim_start().starts_with("//");
+        own.filter(|(_, line)| has(line)).map(|(number, _)| number).collect()
+    }
+}
+
 /// The library as the book sees it.
 #[derive(Debug, Default)]
 pub struct Library {
@@ -96,6 +123,38 @@ impl Library {
     pub fn described(&self, file: &str, line: usize) -> Option<&Item> {
         let has = |item: &&Item| item.file == file && (item.first..item.line).contains(&line);
         self.items.values().find(|item| item.whole && has(item))
+    }
+
+    /// The code that a path means: a public item's, or that of everything whose path ends in this one.
+    pub fn code(&self, path: &str) -> Vec<Code<'_>> {
+        let public = self.item(path);
+        let means = |code: &Code<'_>| match public {
+            Some(item) => (code.file, code.first) == (item.file.as_str(), item.line),
+            None => code.path == path || code.path.ends_with(&format!("::{path}")),
+        };
+        self.all_code().filter(means).collect()
+    }
+
+    /// The functions that have a text.
+    pub fn functions_with(&self, text: &str) -> Vec<Code<'_>> {
+        self.all_code()
+            .filter(|code| code.is_function && !code.lines_with(text).is_empty())
+            .collect()
+    }
+
+    fn all_code(&self) -> impl Iterator<Item = Code<'_>> {
+        self.files.iter().flat_map(|file| {
+            let module = file.module.join("::");
+            file.scan.entries.iter().map(move |entry| {
+                let owner = entry.owner.as_deref().unwrap_or_default();
+                let path = [module.as_str(), owner, &entry.name];
+                let path = path.iter().filter(|part| !part.is_empty()).copied().collect::<Vec<_>>();
+                let path = path.join("::");
+                let (first, last) = (entry.line, entry.last);
+                let is_function = ["fn", "method", "tymethod"].contains(&entry.word);
+                Code { path, file: &file.name, first, last, is_function, text: &file.text }
+            })
+        })
     }
 
     /// The path that resembles one that is not there.
@@ -223,7 +282,10 @@ impl<'a> Survey<'a> {
             return near;
         }
         let end = format!("::{name}");
-        items.keys().find(|path| *path == name || path.ends_with(&end)).cloned()
+        // A variant may bear the name of a type, and has no members.
+        let is_it =
+            |(path, item): &(&String, &Item)| item.whole && (*path == name || path.ends_with(&end));
+        items.iter().find(is_it).map(|(path, _)| path.clone())
     }
 }
 
@@ -296,5 +358,17 @@ mod tests {
         for unseen in ["a::Given::own", "hidden::unseen", "a::inner::kept", "hidden", "a::inner"] {
             assert_eq!(page(unseen), None, "{unseen}");
         }
+    }
+
+    #[test]
+    fn a_variant_with_the_name_of_a_type_has_none_of_its_methods() {
+        let items = library(&[
+            ("lib.rs", "pub mod a;\npub mod b;\n"),
+            ("a.rs", "pub enum Fault {\n    Given,\n}\n"),
+            ("b/mod.rs", "mod more;\npub struct Given;\n"),
+            ("b/more.rs", "impl Given {\n    pub fn hold() {}\n}\n"),
+        ]);
+        assert!(items.contains_key("b::Given::hold"), "{:?}", items.keys());
+        assert!(items.contains_key("a::Fault::Given"), "{:?}", items.keys());
     }
 }

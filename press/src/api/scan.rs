@@ -19,6 +19,8 @@ pub struct Entry {
     pub first: usize,
     /// The line of its name.
     pub line: usize,
+    /// The line that it ends on.
+    pub last: usize,
     /// The name of its type or trait.
     pub owner: Option<String>,
 }
@@ -72,15 +74,15 @@ impl Scan {
             Item::Use(item) if is_public(&item.vis) => return self.hand_on(&item.tree, &[]),
             _ => return,
         };
-        self.add(word, attributes, is_public(vis), name, None);
+        self.add(word, attributes, is_public(vis), name, None, item);
         match item {
             Item::Struct(item) => self.take_fields(&item.fields, name),
             Item::Union(item) => self.take_fields(&item.fields.named, name),
             Item::Enum(item) => item.variants.iter().for_each(|variant| {
-                self.add("variant", &variant.attrs, true, &variant.ident, Some(name));
+                self.add("variant", &variant.attrs, true, &variant.ident, Some(name), variant);
             }),
-            Item::Trait(item) => item.items.iter().for_each(|inner| {
-                let (word, attributes, inner) = match inner {
+            Item::Trait(item) => item.items.iter().for_each(|member| {
+                let (word, attributes, inner) = match member {
                     TraitItem::Fn(inner) => {
                         let word = if inner.default.is_some() { "method" } else { "tymethod" };
                         (word, &inner.attrs, &inner.sig.ident)
@@ -89,7 +91,7 @@ impl Scan {
                     TraitItem::Type(inner) => ("associatedtype", &inner.attrs, &inner.ident),
                     _ => return,
                 };
-                self.add(word, attributes, true, inner, Some(name));
+                self.add(word, attributes, true, inner, Some(name), member);
             }),
             _ => {}
         }
@@ -107,14 +109,16 @@ impl Scan {
                 ImplItem::Type(inner) => ("associatedtype", &inner.attrs, &inner.vis, &inner.ident),
                 _ => continue,
             };
-            self.add(word, attributes, item.trait_.is_some() || is_public(vis), name, of);
+            let public = item.trait_.is_some() || is_public(vis);
+            self.add(word, attributes, public, name, of, inner);
         }
     }
 
     fn take_fields<'a>(&mut self, fields: impl IntoIterator<Item = &'a Field>, of: &Ident) {
         for field in fields {
             if let Some(name) = &field.ident {
-                self.add("structfield", &field.attrs, is_public(&field.vis), name, Some(of));
+                let public = is_public(&field.vis);
+                self.add("structfield", &field.attrs, public, name, Some(of), field);
             }
         }
     }
@@ -138,11 +142,13 @@ impl Scan {
         public: bool,
         name: &Ident,
         owner: Option<&Ident>,
+        whole: &impl Spanned,
     ) {
         let line = name.span().start().line;
         let first = attributes.first().map_or(line, |first| first.span().start().line);
+        let last = whole.span().end().line;
         let (name, owner) = (name.to_string(), owner.map(Ident::to_string));
-        self.entries.push(Entry { word, name, public, first, line, owner });
+        self.entries.push(Entry { word, name, public, first, line, last, owner });
     }
 }
 
@@ -182,14 +188,17 @@ pub mod so3;
         let found: Vec<_> = scan
             .entries
             .iter()
-            .map(|entry| (entry.word, entry.name.as_str(), entry.first, entry.line, entry.public))
+            .map(|entry| {
+                let lines = [entry.first, entry.line, entry.last];
+                (entry.word, entry.name.as_str(), lines, entry.public)
+            })
             .collect();
         assert_eq!(
             found,
             [
-                ("fn", "hat", 3, 6, true),
-                ("constant", "TABLE", 15, 15, true),
-                ("fn", "hidden", 19, 19, false),
+                ("fn", "hat", [3, 6, 13], true),
+                ("constant", "TABLE", [15, 15, 18], true),
+                ("fn", "hidden", [19, 19, 19], false),
             ]
         );
         assert_eq!(scan.modules, ["so3"]);

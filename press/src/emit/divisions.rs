@@ -3,6 +3,7 @@
 use maud::{PreEscaped, html};
 
 use super::Emitter;
+use super::algorithms::Algorithm;
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::emit::equations::unit;
@@ -19,6 +20,8 @@ pub(super) struct Division {
     right_choices: usize,
     in_choices: bool,
     reveals: usize,
+    /// What an algorithm has so far.
+    pub(super) algorithm: Option<Algorithm>,
 }
 
 impl Emitter<'_, '_> {
@@ -48,6 +51,7 @@ impl Emitter<'_, '_> {
                 )
             }
             "counterexample" => self.counterexample(block, attributes),
+            "algorithm" => self.algorithm(block, attributes),
             "proof" => "<div class=\"proof\">\n<p class=\"proof-title\">Proof.</p>\n".to_owned(),
             "hint" => {
                 let title = self.said(block.line, attributes, "title");
@@ -56,7 +60,7 @@ impl Emitter<'_, '_> {
             }
             "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
             other => {
-                let known = "opening, predict, reveal, theorem, proof, counterexample, hint, note";
+                let known = "opening, predict, reveal, theorem, proof, counterexample, algorithm, hint, note";
                 self.fault(
                     block.line,
                     other,
@@ -69,6 +73,8 @@ impl Emitter<'_, '_> {
         self.out.push('\n');
         self.out.push_str(&html);
         self.out.push('\n');
+        let algorithm =
+            (class == "algorithm").then(|| Algorithm::of(attributes.value("item"), &block.number));
         self.open.push(Division {
             line: block.line,
             class,
@@ -76,6 +82,7 @@ impl Emitter<'_, '_> {
             right_choices: 0,
             in_choices: false,
             reveals: 0,
+            algorithm,
         });
     }
 
@@ -188,6 +195,10 @@ impl Emitter<'_, '_> {
                     self.fault(division.line, &division.id, format!("a prediction has one right choice and one reveal, and this one has {} and {}", division.right_choices, division.reveals), "write the choices as `- [ ] …`, the right one as `- [x] …`, and the answer in ::: reveal");
                 }
                 "</div>".to_owned()
+            }
+            "algorithm" => {
+                let algorithm = division.algorithm.unwrap_or_default();
+                self.end_algorithm(division.line, &division.id, &algorithm)
             }
             "theorem" | "proof" | "counterexample" | "note" => "</div>".to_owned(),
             _ => String::new(),

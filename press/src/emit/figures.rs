@@ -7,13 +7,13 @@ use maud::{Markup, PreEscaped, html};
 use super::Emitter;
 use crate::attributes::Attributes;
 use crate::blocks::Block;
-use crate::exhibits::Drawing;
+use crate::exhibits::{Drawing, Link};
 use crate::files;
-use crate::prose::table;
+use crate::prose::{Lead, table};
 use crate::recordings;
 
 /// The rows of a figure's data that the page shows; the CSV file has all.
-const ROWS_SHOWN: usize = 40;
+const ROWS_SHOWN: usize = 30;
 
 impl Emitter<'_, '_> {
     pub(super) fn figure(
@@ -64,14 +64,15 @@ impl Emitter<'_, '_> {
                 );
             }
         };
-        let data = self.data(block, name, drawing, csv);
+        let links = self.links(block.line, &drawing.links);
+        let data = self.data(block, name, drawing, csv, &links);
         let svg: String = svg
             .lines()
             .map(str::trim)
             .filter(|line| !line.is_empty() && !line.starts_with("<?xml"))
             .collect::<Vec<_>>()
             .join(" ");
-        let plot = html! { div.plot role="img" aria-label=(alt) { (PreEscaped(svg)) } };
+        let plot = plot(&alt, &svg, &links);
         let (marks, note) = self.widget(block, attributes);
         let html = format!(
             "<figure class=\"exhibit\" id=\"{id}\"{marks}>\n{}\n{note}<figcaption>\n\n**Figure {}.** {}\n\n</figcaption>\n{data}\n</figure>\n",
@@ -80,6 +81,13 @@ impl Emitter<'_, '_> {
             caption.replace('\n', " "),
         );
         self.lines(&block.indent, &html);
+    }
+
+    /// The rectangles of a figure that lead somewhere, with where they lead.
+    fn links<'d>(&mut self, line: usize, links: &'d [Link]) -> Vec<(&'d Link, Lead)> {
+        let prose = self.prose(line, false);
+        let lead = |link: &'d Link| Some((link, prose.lead(&link.to, self.known, self.found)?));
+        links.iter().filter_map(lead).collect()
     }
 
     /// What marks a figure as one to take hold of, and what it says while it stands still.
@@ -110,12 +118,27 @@ impl Emitter<'_, '_> {
     }
 
     /// The data of a figure as a fold with a table, its CSV file and the program that drew it.
-    fn data(&mut self, block: &Block, name: &str, drawing: &Drawing, csv: String) -> String {
+    fn data(
+        &mut self,
+        block: &Block,
+        name: &str,
+        drawing: &Drawing,
+        csv: String,
+        links: &[(&Link, Lead)],
+    ) -> String {
         let path = PathBuf::from(format!("{name}.csv"));
         let file = self.page.way_to(&Path::new("generated").join(&path));
         self.found.generated.insert(path, csv.into_bytes());
         let program = self.source(&drawing.file, drawing.line);
-        let row = |cells: &Vec<String>| html! { @for cell in cells { td { (cell) } } };
+        let led = |cell: &str| links.iter().find(|(link, _)| link.to == cell);
+        let row = |cells: &Vec<String>| {
+            html! { @for cell in cells { td {
+                @match led(cell) {
+                    Some((_, lead)) => a href=(lead.way) { (lead.in_full()) },
+                    None => (cell),
+                }
+            } } }
+        };
         let rows: Vec<Markup> = drawing.rows.iter().take(ROWS_SHOWN).map(row).collect();
         let more = drawing.rows.len() - rows.len();
         let data = html! {
@@ -129,5 +152,35 @@ impl Emitter<'_, '_> {
             }
         };
         data.into_string()
+    }
+}
+
+/// The drawing itself. One that leads nowhere is a picture; of one that does, the links are read, and not the letters
+/// that are drawn in it.
+fn plot(alt: &str, svg: &str, links: &[(&Link, Lead)]) -> Markup {
+    let inside = svg.split_once('>').zip(svg.rfind("</svg>"));
+    let Some(((opening, _), end)) = inside.filter(|_| !links.is_empty()) else {
+        return html! { div.plot role="img" aria-label=(alt) { (PreEscaped(svg)) } };
+    };
+    let drawn = &svg[opening.len() + 1..end];
+    html! {
+        div.plot.diagram role="group" aria-label=(alt) {
+            (PreEscaped(opening)) (PreEscaped(">"))
+            g aria-hidden="true" { (PreEscaped(drawn)) }
+            @for (link, lead) in links { (linked(link, lead)) }
+            (PreEscaped("</svg>"))
+        }
+    }
+}
+
+/// A rectangle that can be pressed, with the name of what it leads to at its lower edge.
+fn linked(Link { name, before, corner, size, .. }: &Link, lead: &Lead) -> Markup {
+    let label = format!("{name}: {before}{}", lead.in_full());
+    html! {
+        a href=(lead.way) aria-label=(label) {
+            title { (lead.in_full()) }
+            rect x=(corner.0) y=(corner.1) width=(size.0) height=(size.1) {}
+            text x=(corner.0 + 24) y=(corner.1 + size.1 - 28) { (before) tspan { (lead.name) } }
+        }
     }
 }

@@ -168,8 +168,7 @@ impl Emitter<'_, '_> {
         let library = self.known.library;
         let shown = library.shown(file, first, last);
         for item in &shown {
-            let place = (self.page.path.clone(), id.to_owned(), block.number.clone());
-            self.found.printed.entry(item.path.clone()).or_default().push(place);
+            self.shows(item, id, format!("Listing\u{a0}{}", block.number));
         }
         let link = |item: &&Item| {
             let name = item.path.rsplit("::").next().unwrap_or_default();
@@ -177,6 +176,12 @@ impl Emitter<'_, '_> {
         };
         let links = html! { " " span.source { "API:\u{a0}" (listed(shown.iter().map(link))) } };
         if shown.is_empty() { String::new() } else { links.into_string() }
+    }
+
+    /// Notes for the index that something with a label shows an item.
+    pub(super) fn shows(&mut self, item: &Item, id: &str, name: String) {
+        let place = (self.page.path.clone(), id.to_owned(), name);
+        self.found.printed.entry(item.path.clone()).or_default().push(place);
     }
 
     /// Looks up the labels that printed code names, as in `Implements {eq:projection}`; those in descriptions of the

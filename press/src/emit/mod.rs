@@ -1,5 +1,6 @@
 //! Writes a chapter for mdBook: its blocks as Markdown and HTML, with everything resolved.
 
+mod algorithms;
 mod depth;
 mod divisions;
 mod equations;
@@ -77,7 +78,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     fn block(&mut self, block: &Block) {
         let line = block.line;
+        if !self.fits_algorithm(block) {
+            return;
+        }
         match &block.kind {
+            Kind::Text(text) if self.in_algorithm().is_some() => self.parts(line, text),
             Kind::Text(text) => {
                 let text = self.resolve(line, text);
                 self.out.push_str(&text);
@@ -97,6 +102,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             Kind::Open(attributes) => self.open(block, attributes),
             Kind::Close => self.close(line),
             Kind::Choice { right, text } => self.choice(line, *right, text),
+            Kind::Step { number, text, attributes } => self.step(block, *number, text, attributes),
             Kind::IndentedCode(code) => {
                 self.fault(
                     line,

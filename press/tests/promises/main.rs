@@ -1,5 +1,7 @@
 //! The press at work on a small book: every promise broken once, and the book served.
 
+mod algorithms;
+mod diagrams;
 mod faults;
 mod library;
 mod new;

@@ -169,3 +169,12 @@ impl SmallBook {
         text
     }
 }
+
+/// Asserts that the report holds each of the texts and speaks of one broken promise.
+#[track_caller]
+pub fn says(report: &str, texts: &[&str]) {
+    for text in texts {
+        assert!(report.contains(text), "{text:?} is not in the report:\n{report}");
+    }
+    assert!(report.contains("breaks one promise"), "more than the planted fault:\n{report}");
+}

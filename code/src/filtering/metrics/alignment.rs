@@ -95,7 +95,7 @@ pub(super) fn align_one(
 /// better than another by more than `undecided`.
 ///
 /// By the angle θ the trace is c cos θ + s sin θ and a rest without θ.
-fn yaw_towards(moment: &Matrix3<f64>, undecided: f64) -> Option<Rotation3<f64>> {
+pub(crate) fn yaw_towards(moment: &Matrix3<f64>, undecided: f64) -> Option<Rotation3<f64>> {
     let (sine, cosine) = (moment.m21 - moment.m12, moment.m11 + moment.m22);
     let yaw = sine.atan2(cosine);
     (sine.hypot(cosine) > undecided).then(|| so3::exp(&Vector3::new(0.0, 0.0, yaw)))

@@ -8,6 +8,7 @@ mod trajectory;
 
 pub(crate) use alignment::rotation_towards;
 pub use alignment::{AlignmentError, Freedom, align, aligned};
+pub(crate) use alignment::{rotation_towards, yaw_towards};
 pub use band::{BandError, NeesBand};
 pub use normalized::{BlockNees, NeesError, nees, nis};
 pub use state_error::{RootMeanSquares, StateError, attitude_in_world};

@@ -1,8 +1,6 @@
 //! How many products of two numbers a step of the covariance takes, counted while it is computed.
 
-use std::cell::Cell;
-
-use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use vislam::inertial::{ImuBias, ImuNoise};
 use vislam::manifold::so3;
 use vislam::preintegration::{Matrix9, Preintegrated, Preintegrator, Rule, error_dynamics};
@@ -10,41 +8,8 @@ use vislam::preintegration::{Matrix9, Preintegrated, Preintegrator, Rule, error_
 use super::oracle::readings;
 use super::runs::DT;
 use crate::chapter::Chapter;
+use crate::counter::Counter;
 use crate::random::Random;
-
-/// Computes and counts. Adding and transposing are free.
-#[derive(Default)]
-struct Counter(Cell<usize>);
-
-impl Counter {
-    fn count(&self, products: usize) {
-        self.0.set(self.0.get() + products);
-    }
-
-    fn times<const R: usize, const K: usize, const C: usize>(
-        &self,
-        a: &SMatrix<f64, R, K>,
-        b: &SMatrix<f64, K, C>,
-    ) -> SMatrix<f64, R, C> {
-        self.count(R * K * C);
-        a * b
-    }
-
-    fn scaled<const R: usize, const C: usize>(
-        &self,
-        factor: f64,
-        matrix: &SMatrix<f64, R, C>,
-    ) -> SMatrix<f64, R, C> {
-        self.count(R * C);
-        factor * matrix
-    }
-
-    /// Each entry of the product with c^ has two products.
-    fn times_hat(&self, a: &Matrix3<f64>, c: &Vector3<f64>) -> Matrix3<f64> {
-        self.count(18);
-        a * so3::hat(c)
-    }
-}
 
 /// Second moments of (θ, v, p).
 #[derive(Default, Clone, Copy)]
@@ -148,7 +113,7 @@ fn counted() -> (usize, usize, f64) {
         let difference = other - library.covariance;
         difference.component_div(&(scale * scale.transpose())).amax()
     };
-    let per_step = |counter: &Counter| counter.0.get() / samples.len();
+    let per_step = |counter: &Counter| counter.products() / samples.len();
     (per_step(&by_matrices), per_step(&by_blocks), against(&found).max(against(&dense)))
 }
 

@@ -1,0 +1,58 @@
+//! The flight from above, with its errors drawn larger than they are.
+
+use nalgebra::{Isometry3, Vector2, Vector3};
+use vislam::filtering::{Freedom, aligned};
+
+use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, decimals, letters_right_of};
+use crate::loop_closure::flight::example::states;
+use crate::loop_closure::flight::shown;
+
+/// How many times as long an error is drawn.
+const LARGER: f64 = 10.0;
+/// One keyframe in so many has a row of data.
+const ROWS: usize = 4;
+
+/// Positions less the true ones, once yaw and translation are aligned.
+fn off(poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
+    let truth = &shown().keyframes.truth;
+    let aligned = aligned(&states(poses), truth, Freedom::Four).expect("it goes somewhere");
+    aligned.iter().zip(truth).map(|(state, truth)| state.position - truth.position).collect()
+}
+
+pub fn hall() -> Figure {
+    let closed = shown();
+    let truth: Vec<Vector3<f64>> =
+        closed.keyframes.truth.iter().map(|state| state.position).collect();
+    let errors = [off(&closed.graph.poses), off(&closed.four)];
+    let [odometry, four] = [0, 1].map(|way: usize| -> Vec<Vector2<f64>> {
+        let pairs = truth.iter().zip(&errors[way]);
+        pairs.map(|(truth, error)| truth.xy() + LARGER * error.xy()).collect()
+    });
+    let lengths = |way: usize| {
+        decimals(1, errors[way].iter().step_by(ROWS).map(|error| 100.0 * error.norm()))
+    };
+    let columns = vec![
+        ("x (m)", decimals(2, truth.iter().step_by(ROWS).map(|place| place.x))),
+        ("y (m)", decimals(2, truth.iter().step_by(ROWS).map(|place| place.y))),
+        ("error of odometry (cm)", lengths(0)),
+        ("after closing loops (cm)", lengths(1)),
+    ];
+    let pair = |place: &Vector2<f64>| (place.x, place.y);
+    Figure::new(980, columns, |drawing| {
+        let axes = [("x (m)", -44.0..44.0, 9), ("y (m)", -33.0..33.0, 7)];
+        let [x_axis, y_axis] = axes;
+        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        chart.line(truth.iter().map(|place| (place.x, place.y)), GRID, 9)?;
+        chart.line(odometry.iter().map(pair), SERIES[1], 4)?;
+        chart.line(four.iter().map(pair), SERIES[0], 4)?;
+        let every = |places: &[Vector2<f64>]| -> Vec<(f64, f64)> {
+            places.iter().step_by(17).map(pair).collect()
+        };
+        chart.marks(every(&odometry), 1)?;
+        chart.marks(every(&four), 0)?;
+        chart.key(1, "odometry", (-14.0, 6.0), -12.0)?;
+        chart.key(0, "loops closed", (-14.0, 1.0), -12.0)?;
+        chart.write("thick: the truth", (-15.0, -4.0), letters_right_of(INK))?;
+        chart.write("errors ten times as long", (-15.0, -9.0), letters_right_of(INK))
+    })
+}
