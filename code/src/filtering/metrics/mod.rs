@@ -6,7 +6,6 @@ mod normalized;
 mod state_error;
 mod trajectory;
 
-pub(crate) use alignment::rotation_towards;
 pub use alignment::{AlignmentError, Freedom, align, aligned};
 pub(crate) use alignment::{rotation_towards, yaw_towards};
 pub use band::{BandError, NeesBand};
