@@ -112,19 +112,27 @@ fn microseconds<T>(samples: &[[RayPair; 5]], solve: impl Fn(&[RayPair; 5]) -> T)
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let count = arguments.next().map_or(Ok(1000), |count| count.parse::<usize>())?;
+    for (name, value) in measured(count, arguments.next().as_deref())? {
+        println!("{name} {value:.4}");
+    }
+    Ok(())
+}
+
+/// What is measured in so many scenes, here and in the PoseLib of an interpreter: names and numbers. Errors are in
+/// degrees; `median` and `most` are what half and 95 % of them stay below.
+pub fn measured(count: usize, python: Option<&str>) -> Result<Vec<(String, f64)>, Box<dyn Error>> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let scenes: Vec<Scene> = (0..count).map(|_| Scene::new(&mut random)).collect();
-
     let mut samples = Vec::new();
     for scene in &scenes {
         let matches = scene.matches()?;
         samples.push(std::array::from_fn(|datum| matches.rays()[datum]));
     }
-    let all = microseconds(&samples, five_points);
-    println!(
-        "five points: {all:.2} us for all matrices, {:.2} us for the motions in front",
-        microseconds(&samples, motions_of_five)
-    );
+    let mut said = vec![
+        ("scenes", count as f64),
+        ("ours.all_us", microseconds(&samples, five_points)),
+        ("ours.front_us", microseconds(&samples, motions_of_five)),
+    ];
 
     let (mut ours, mut oracle, mut seconds, mut draws) = (Vec::new(), Vec::new(), 0.0, 0);
     let mut gate = 0.0;
@@ -141,18 +149,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         oracle.push(scene.degrees_off(&best.ok_or("no minimum near the truth")?));
     }
     let ([median, most], [oracle_median, oracle_most]) = (quantiles(ours), quantiles(oracle));
-    println!("oracle: median {oracle_median:.4}, 95 % {oracle_most:.4} degrees");
-    println!(
-        "ours: median {median:.4}, 95 % {most:.4} degrees, {:.3} and {:.3} of the oracle's; {:.2} ms, {} draws",
-        median / oracle_median,
-        most / oracle_most,
-        1e3 * seconds / count as f64,
-        draws / count
-    );
-    if let Some(python) = arguments.next() {
-        println!("{}", beside_poselib(&python, &scenes, &samples, gate)?.trim_end());
+    said.extend([
+        ("oracle.median", oracle_median),
+        ("oracle.most", oracle_most),
+        ("ours.median", median),
+        ("ours.most", most),
+        ("ours.ms", 1e3 * seconds / count as f64),
+        ("ours.draws", draws as f64 / count as f64),
+    ]);
+    let mut said: Vec<(String, f64)> =
+        said.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    if let Some(python) = python {
+        for line in beside_poselib(python, &scenes, &samples, gate)?.lines() {
+            let (name, value) = line.split_once(' ').ok_or("a line without a value")?;
+            said.push((name.to_owned(), value.parse()?));
+        }
     }
-    Ok(())
+    Ok(said)
 }
 
 /// What PoseLib does with the same samples and scenes at the same gate.
@@ -184,7 +197,8 @@ fn beside_poselib(
     }
     let file = std::env::temp_dir().join(format!("robust_two_view_{}.txt", std::process::id()));
     std::fs::write(&file, text)?;
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robust_two_view_poselib.py");
+    let script =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../code/examples/robust_two_view_poselib.py");
     let output = Command::new(python).arg(script).arg(&file).output();
     std::fs::remove_file(&file)?;
     let output = output?;

@@ -55,8 +55,9 @@ def degrees_off(pose, q, t):
 
 # A solver that does next to nothing: what the call itself costs.
 call = microseconds(lambda first, second: poselib.relpose_upright_planar_2pt(first, second))
-print(f"PoseLib five points: {microseconds(poselib.essential_matrix_5pt):.2f} us for all matrices, "
-      f"{microseconds(poselib.relpose_5pt):.2f} us for the motions in front; {call:.2f} us of a call is Python")
+print(f"poselib.call_us {call}")
+print(f"poselib.all_us {microseconds(poselib.essential_matrix_5pt)}")
+print(f"poselib.front_us {microseconds(poselib.relpose_5pt)}")
 model = {"model": "PINHOLE", "width": 640, "height": 480, "params": list(camera)}
 errors, seconds, draws = [], 0.0, 0
 for seed, (q, t, first, second) in enumerate(scenes):
@@ -69,5 +70,7 @@ for seed, (q, t, first, second) in enumerate(scenes):
     seconds, draws = seconds + least, draws + info["iterations"]
     errors.append(degrees_off(pose, q, t))
 median, most = np.quantile(errors, [0.5, 0.95])
-print(f"PoseLib: median {median:.4f}, 95 % {most:.4f} degrees; "
-      f"{1e3 * seconds / len(scenes):.2f} ms, {draws // len(scenes)} draws")
+print(f"poselib.median {median}")
+print(f"poselib.most {most}")
+print(f"poselib.ms {1e3 * seconds / len(scenes)}")
+print(f"poselib.draws {draws / len(scenes)}")

@@ -29,7 +29,10 @@ pub(super) fn chance_of_agreement(
 /// How many estimates, of all that there are through samples of `sample` out of `count` wrong data,
 /// would find `agree` data or more within their gates, each of them with probability `chance`: a
 /// bound of the mean [@moisan2004]. Where it is far below one, the agreement is no accident.
-pub(super) fn false_alarms(count: usize, agree: usize, sample: usize, chance: f64) -> f64 {
+///
+/// Implements {eq:false-alarms}. Infinite when nothing beyond the sample agrees.
+// ANCHOR: counted
+pub fn false_alarms(count: usize, agree: usize, sample: usize, chance: f64) -> f64 {
     if agree <= sample {
         return f64::INFINITY;
     }
@@ -37,4 +40,5 @@ pub(super) fn false_alarms(count: usize, agree: usize, sample: usize, chance: f6
     let ways = ((n - m) as f64).ln() + ln_binomial(n, k) + ln_binomial(k, m);
     (ways + (k - m) as f64 * chance.ln()).exp()
 }
+// ANCHOR_END: counted
 // ANCHOR_END: false_alarms

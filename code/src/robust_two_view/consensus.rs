@@ -181,10 +181,7 @@ pub fn consensus<C: Correspondences>(
         };
         if best.as_ref().is_none_or(|best| better.score < best.score) {
             let inliers = inliers(data, &better.estimate, gate).len();
-            let needed = draws_needed(inliers, data.count(), C::SAMPLE, options.confidence);
-            wanted = ((options.patience * needed as f64) as usize)
-                .max(options.least_draws)
-                .min(options.most_draws);
+            wanted = draws_wanted::<C>(inliers, data.count(), options);
             best = Some(better);
         }
     }
@@ -192,6 +189,17 @@ pub fn consensus<C: Correspondences>(
     concluded(data, best, gate, draws, options)
 }
 // ANCHOR_END: consensus
+
+/// After how many draws to stop, when so many of the data are taken for right.
+fn draws_wanted<C: Correspondences>(
+    inliers: usize,
+    count: usize,
+    options: &ConsensusOptions,
+) -> usize {
+    let needed = draws_needed(inliers, count, C::SAMPLE, options.confidence);
+    let wanted = (options.patience * needed as f64) as usize;
+    wanted.max(options.least_draws).min(options.most_draws)
+}
 
 /// An estimate and its score.
 #[derive(Clone)]
@@ -222,6 +230,7 @@ fn inliers<C: Correspondences>(data: &C, estimate: &C::Estimate, gate: f64) -> V
 }
 
 // ANCHOR: local_optimization
+// ANCHOR: settled
 /// The estimate after rounds of refining it from its inliers, for as long as the score falls.
 fn settled<C: Correspondences>(
     data: &C,
@@ -245,6 +254,7 @@ fn settled<C: Correspondences>(
     }
     best
 }
+// ANCHOR_END: settled
 
 /// Local optimization: the estimate is refined from its inliers, and again from those of other gates,
 /// wider or narrower by these factors, on the way to its own. With one gate it would stay near the
@@ -303,7 +313,7 @@ fn concluded<C: Correspondences>(
 // ANCHOR: draws_needed
 /// How many samples have to be drawn so that, with the probability `confidence`, one of them holds
 /// right data alone, when `right` of `count` are: the number of @fischler1981, for samples without
-/// repetition. It takes every such sample to give the right estimate, which noise does not grant.
+/// repetition {eq:draws}. It takes every such sample to give the right estimate, which noise does not grant.
 pub fn draws_needed(right: usize, count: usize, sample: usize, confidence: f64) -> usize {
     if right < sample || count < sample {
         return usize::MAX;

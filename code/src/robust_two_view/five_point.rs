@@ -205,6 +205,7 @@ fn difference(with: &[f64; 10], without: &[f64; 10]) -> Row {
 }
 
 // ANCHOR: five_determinant
+// ANCHOR: determinant
 /// The determinant of three rows: a polynomial of degree ten.
 fn determinant(rows: &[Row; 3]) -> [f64; 11] {
     let mut determinant = [0.0; 11];
@@ -217,6 +218,7 @@ fn determinant(rows: &[Row; 3]) -> [f64; 11] {
     }
     determinant
 }
+// ANCHOR_END: determinant
 
 /// Adds so many times the product of two polynomials.
 #[inline(always)]

@@ -34,7 +34,7 @@ impl Correspondences for GeneralMotion<'_> {
     // ANCHOR_END: general_motion
 
     // ANCHOR: epipolar_error
-    /// The square of the Sampson distance; infinite for two rays that meet behind a camera by more
+    /// The square of the Sampson distance {eq:epipolar-square}; infinite for two rays that meet behind a camera by more
     /// than their noise.
     fn squared_errors(&self, motion: &RelativeMotion, gate: f64) -> impl Fn(usize, usize) -> f64 {
         let Matches { rays, scaled, sigmas } = self.0;

@@ -100,8 +100,8 @@ pub struct PlaneMotion {
 const TURNED: f64 = 1e-12;
 
 // ANCHOR: plane_motions
-/// The motions and planes, at most two, whose homography R + s t nᵀ a matrix is, up to scale, with all
-/// rays of the first camera meeting the plane in front of it [@ma2004].
+/// The motions and planes, at most two, whose homography R + s t nᵀ {eq:plane-homography} a matrix is,
+/// up to scale, with all rays of the first camera meeting the plane in front of it [@ma2004].
 ///
 /// With the scale that makes its second singular value one, R + s t nᵀ changes no length in the plane
 /// that is orthogonal to n. Two planes of directions keep their lengths: those spanned by the middle

@@ -24,6 +24,7 @@ mod rotation;
 mod selection;
 
 pub use candidates::Candidates;
+pub use chance::false_alarms;
 pub use consensus::{
     Consensus, ConsensusError, ConsensusOptions, Correspondences, Effort, consensus, draws_needed,
 };

@@ -23,7 +23,7 @@ pub struct OnlyTurned<'a>(pub &'a Matches);
 
 // ANCHOR: transfer_error
 /// The squared error of the transferred slopes less the measured ones, by the covariance of their
-/// difference.
+/// difference {eq:transfer-square}.
 fn squared_errors(matches: &Matches, matrix: Matrix3<f64>) -> impl Fn(usize, usize) -> f64 + '_ {
     let [first, second] = matches.sigmas.map(|sigma| Matrix3::from_diagonal(&sigma.push(1.0)));
     // In units of the noise: x, y go to X/Z, Y/Z.

@@ -94,6 +94,7 @@ fn contradicts<R: Correspondences, S: Correspondences>(
 ) -> bool {
     let rich_error = richer.squared_errors(&rich.estimate, rich.gate);
     let simple_error = simpler.squared_errors(&simple.estimate, simple.gate);
+    // ANCHOR: excess
     let both: Vec<usize> = simple
         .inliers
         .iter()
@@ -105,6 +106,7 @@ fn contradicts<R: Correspondences, S: Correspondences>(
     let freedom = both.len() * (S::DEGREES - R::DEGREES) + R::PARAMETERS;
     let is_excessive = freedom > S::PARAMETERS
         && chi_square_below(excess, freedom - S::PARAMETERS) > 1.0 - options.false_alarms;
+    // ANCHOR_END: excess
     is_excessive || {
         // Farther off than the farthest of as many right ones.
         let count = simpler.count();
