@@ -46,8 +46,8 @@ fn all_right() -> f64 {
 }
 
 /// The probability that one of so many samples does.
-pub fn predicted(draws: usize) -> f64 {
-    1.0 - (1.0 - all_right()).powi(draws as i32)
+pub fn predicted(draws: f64) -> f64 {
+    1.0 - (1.0 - all_right()).powf(draws)
 }
 
 fn gate() -> f64 {

@@ -24,7 +24,7 @@ pub fn agree() -> Figure {
         let mut chart = figure::axes(drawing, ("", 0.4..4.6, 0), axis)?;
         for (pair, judged) in all.iter().enumerate() {
             let middle = (pair + 1) as f64;
-            chart.write(NAMES[pair], (middle, 108.0), letters_around(INK))?;
+            chart.write(NAMES[pair], (middle, 114.0), letters_around(INK))?;
             for (model, part) in judged.right.into_iter().enumerate() {
                 let at = (middle + 0.24 * (model as f64 - 1.0), 100.0 * part);
                 chart.line([(at.0, 0.0), at], SERIES[model], 8)?;
@@ -39,6 +39,6 @@ pub fn agree() -> Figure {
             chart.key(model, name, (x, 130.0), x + 0.07)?;
         }
         chart.draw_series([Circle::new((3.55, 130.0), 20, INK.stroke_width(4))])?;
-        chart.write("chosen", (3.63, 130.0), letters_right_of(INK))
+        chart.write("chosen", (3.68, 130.0), letters_right_of(INK))
     })
 }

@@ -29,7 +29,7 @@ pub fn shares() -> Figure {
             let points: Vec<(f64, f64)> = points.collect();
             chart.line(points.iter().copied(), SERIES[series], 3)?;
             chart.marks(points, series)?;
-            let y = 600.0 / 1.55_f64.powi(series as i32);
+            let y = 650.0 / 1.75_f64.powi(series as i32);
             chart.key(series, name, (2.0, y), 4.0)?;
         }
         Ok(())

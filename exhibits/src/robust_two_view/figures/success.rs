@@ -19,7 +19,7 @@ pub fn success() -> Figure {
     };
     let columns = vec![
         ("draws", plain(AFTER)),
-        ("predicted (%)", decimals(0, AFTER.map(|draws| 100.0 * predicted(draws)))),
+        ("predicted (%)", decimals(0, AFTER.map(|draws| 100.0 * predicted(draws as f64)))),
         ("without noise (%)", percent(&measured[0])),
         ("a pixel of noise (%)", percent(&measured[1])),
         ("noise, with local optimization (%)", percent(&measured[2])),
@@ -28,7 +28,7 @@ pub fn success() -> Figure {
         let x_axis = ("draws", (8.0..3200.0).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, ("right motion (%)", 0.0..112.0, 6))?;
         let draws = geometric(8.0, 400.0, 80);
-        chart.line(draws.map(|n| (n, 100.0 * predicted(n.round() as usize))), INK, 5)?;
+        chart.line(draws.map(|n| (n, 100.0 * predicted(n))), INK, 5)?;
         for (series, parts) in measured.iter().enumerate() {
             let points: Vec<(f64, f64)> =
                 AFTER.iter().zip(parts).map(|(n, part)| (*n as f64, 100.0 * part)).collect();
