@@ -29,5 +29,7 @@ pub mod observability;
 pub mod preintegration;
 mod registers;
 pub mod reprojection;
+pub mod robust_two_view;
 pub mod simulation;
+pub mod structure_from_motion;
 pub mod two_views;

@@ -26,6 +26,7 @@ pub mod real_flights;
 pub mod record;
 pub mod report;
 pub mod reprojection;
+pub mod robust_two_view;
 pub mod scene;
 pub mod systems;
 pub mod two_views;
@@ -46,6 +47,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("least_squares", least_squares::exhibits, least_squares::records),
     ("reprojection", reprojection::exhibits, no_records),
     ("two_views", two_views::exhibits, no_records),
+    ("robust_two_view", robust_two_view::exhibits, robust_two_view::records),
     ("bundle_adjustment", bundle_adjustment::exhibits, bundle_adjustment::records),
     ("inertial", inertial::exhibits, inertial::records),
     ("preintegration", preintegration::exhibits, preintegration::records),

@@ -10,6 +10,7 @@ pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
+pub mod robust_motion;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod square_root_prior;
@@ -47,6 +48,7 @@ pub fn answers() -> Vec<Answers> {
     answers![
         left_perturbation,
         along_or_across,
+        robust_motion,
         scale_null_space,
         outlier_rescue,
         stereo_gauge,

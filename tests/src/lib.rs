@@ -12,6 +12,7 @@ pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
+pub mod robust_motion;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod square_root_prior;
@@ -26,6 +27,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     match slug {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
         "along_or_across" => Some(along_or_across::checks(seed)),
+        "robust_motion" => Some(robust_motion::checks(seed)),
         "scale_null_space" => Some(scale_null_space::checks(seed)),
         "outlier_rescue" => Some(outlier_rescue::checks(seed)),
         "stereo_gauge" => Some(stereo_gauge::checks(seed)),

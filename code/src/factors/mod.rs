@@ -4,6 +4,7 @@
 
 mod between_poses;
 mod chordal_pose;
+mod epipolar;
 mod inertial;
 mod pixel_by_body;
 mod pixel_by_camera;
@@ -11,9 +12,11 @@ mod prior;
 mod relative_pose;
 mod stereo;
 mod switched;
+mod transfer;
 
 pub use between_poses::{BetweenPoses, GraphPose, LinearizedError};
 pub use chordal_pose::ChordalPose;
+pub use epipolar::Epipolar;
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};
 pub use pixel_by_camera::{MovingCamera, PixelByCamera};
@@ -21,3 +24,4 @@ pub use prior::Prior;
 pub use relative_pose::RelativePose;
 pub use stereo::StereoByPose;
 pub use switched::Switched;
+pub use transfer::{Transfer, Transferred, transfer_covariance};

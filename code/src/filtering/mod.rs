@@ -30,6 +30,7 @@ pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_squa
 pub use correction::{
     Correction, CorrectionError, Form, carry_root, correct, correct_root, innovation_squared,
 };
+pub(crate) use metrics::rotation_towards;
 pub use metrics::{
     AlignmentError, BandError, BlockNees, Freedom, NeesBand, NeesError, RootMeanSquares,
     StateError, TrajectoryError, absolute_trajectory_error, align, aligned, attitude_in_world,

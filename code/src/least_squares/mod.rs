@@ -57,6 +57,7 @@ pub use manifold::Manifold;
 pub use normal_equations::{Dense, NormalEquations, Step};
 pub use null_space::{NullSpace, NullSpaceError, RANK_TOLERANCE, SingularSystem};
 pub use problem::{Columns, Problem, ProblemError};
+pub(crate) use singular::right_singular;
 pub use solver::{
     Iteration, LinearSystem, Method, Options, Prediction, Report, Search, Solution, SolveError,
     Stop,

@@ -18,6 +18,7 @@ pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
+pub mod robust_motion;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod square_root_prior;
@@ -33,6 +34,7 @@ pub use checking::{Exercise, answer, check, draw, picture};
 pub const EXERCISES: &[&Exercise] = &[
     &left_perturbation::EXERCISE,
     &along_or_across::EXERCISE,
+    &robust_motion::EXERCISE,
     &scale_null_space::EXERCISE,
     &outlier_rescue::EXERCISE,
     &stereo_gauge::EXERCISE,

@@ -8,6 +8,7 @@ pub mod noise_growth;
 pub mod null_space;
 pub mod outlier_rescue;
 pub mod residual_jacobian;
+pub mod robust_motion;
 pub mod scale_and_gravity;
 pub mod scale_null_space;
 pub mod square_root_prior;

@@ -1,0 +1,19 @@
+//! A camera's pose from points that are known, and the similarity between two worlds: what joins
+//! one picture after another to a map.
+//!
+//! [`poses_of_three`] finds the poses from which three points are seen in given directions, [`resect`]
+//! the most likely pose for many, with its covariance; [`Sightings`] are data for
+//! [`consensus`](crate::robust_two_view::consensus) over both. [`absolute_orientation`] is for points
+//! that are known in two worlds, and [`PointPairs`] for those of which some are wrong.
+
+mod absolute_orientation;
+mod point_pairs;
+mod resection;
+mod sightings;
+mod three_points;
+
+pub use absolute_orientation::{OrientationError, ScaleFreedom, absolute_orientation};
+pub use point_pairs::PointPairs;
+pub use resection::{Resected, ResectionError, linear_pose, resect};
+pub use sightings::Sightings;
+pub use three_points::{ThreePointError, poses_of_three};
