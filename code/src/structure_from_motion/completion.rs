@@ -1,0 +1,155 @@
+//! What is still to be explained once the cameras are known.
+
+use super::map::{Map, Track};
+
+/// The last rounds change hardly anything.
+const MOST_ROUNDS: usize = 10;
+/// A round that lowers the truncated cost by less is the last.
+const LEAST_DECREASE: f64 = 1e-4;
+
+impl Map<'_> {
+    // ANCHOR: complete
+    /// Rounds of explaining more pixels and of adjusting everything, until the truncated cost does
+    /// not fall any more.
+    pub(super) fn complete(&mut self) {
+        let mut before = self.truncated_cost();
+        for _ in 0..MOST_ROUNDS {
+            self.explain_more();
+            self.adjust_all();
+            self.filter_all(0.0);
+            let now = self.truncated_cost();
+            let is_lower = now < (1.0 - LEAST_DECREASE) * before;
+            if !is_lower {
+                break;
+            }
+            before = now;
+        }
+    }
+    // ANCHOR_END: complete
+
+    /// Half the sum of squared errors of all keypoints that are matched, in pixels, each counted as
+    /// at most the gate.
+    fn truncated_cost(&self) -> f64 {
+        let known = self.tracks.iter().filter_map(|track| Some((track, track.point?)));
+        let explained: f64 = known
+            .flat_map(|(track, point)| track.sightings().map(move |k| (k, point)))
+            .map(|(keypoint, point)| self.squared_error(keypoint, &point) - self.gate)
+            .sum();
+        0.5 * (explained + self.gate * self.arranged.count() as f64)
+    }
+
+    // ANCHOR: explain_more
+    /// Looks for the points that tracks still lack, with the known cameras alone and whatever their
+    /// parallax: what a point leaves over of its track becomes another one, and matches that were
+    /// refused between two pictures are tried with the poses of all.
+    fn explain_more(&mut self) {
+        for track in 0..self.tracks.len() {
+            if self.tracks[track].point.is_none() {
+                self.triangulate(track, 0.0);
+            }
+        }
+        for track in 0..self.tracks.len() {
+            self.split(track);
+        }
+        let explained = self.explained();
+        let mut open = Vec::new();
+        for &[a, b] in self.arranged.pairs.values().flatten() {
+            match (explained[a], explained[b]) {
+                (Some(track), None) => self.extend(track, b),
+                (None, Some(track)) => self.extend(track, a),
+                (None, None) => open.push([a, b]),
+                (Some(_), Some(_)) => {}
+            }
+        }
+        self.join_open(&open);
+    }
+    // ANCHOR_END: explain_more
+
+    /// The track whose point explains a keypoint.
+    fn explained(&self) -> Vec<Option<usize>> {
+        let mut explained = vec![None; self.arranged.count()];
+        for (index, track) in self.tracks.iter().enumerate().filter(|(_, t)| t.point.is_some()) {
+            track.sightings().for_each(|keypoint| explained[keypoint] = Some(index));
+        }
+        explained
+    }
+
+    /// Makes a track of what the point of another one leaves over, when two or more pixels of that
+    /// show one point.
+    fn split(&mut self, track: usize) {
+        let Track { keypoints, fits, point } = &self.tracks[track];
+        let left = keypoints.iter().zip(fits).filter(|(k, fits)| !**fits && self.is_posed(**k));
+        let left: Vec<usize> = left.map(|(keypoint, _)| *keypoint).collect();
+        if point.is_none() || left.len() < 2 {
+            return;
+        }
+        if let Some((point, fits)) = self.triangulated(&left, 0.0) {
+            let showing = left.iter().zip(fits).filter(|(_, fits)| *fits).map(|(k, _)| *k);
+            self.add(showing.collect(), point);
+        }
+    }
+
+    /// Takes keypoints from whatever tracks they are in, and makes one of them.
+    fn add(&mut self, keypoints: Vec<usize>, point: nalgebra::Vector3<f64>) {
+        for keypoint in &keypoints {
+            self.take(*keypoint);
+            self.track_of[*keypoint] = Some(self.tracks.len());
+        }
+        let fits = vec![true; keypoints.len()];
+        self.tracks.push(Track { keypoints, fits, point: Some(point) });
+    }
+
+    /// Takes a keypoint from its track.
+    fn take(&mut self, keypoint: usize) {
+        let Some(track) = self.track_of[keypoint].take() else { return };
+        let track = &mut self.tracks[track];
+        if let Ok(at) = track.keypoints.binary_search(&keypoint) {
+            track.keypoints.remove(at);
+            track.fits.remove(at);
+        }
+    }
+
+    /// Adds a keypoint to a track when its point explains it, and no other keypoint of the picture
+    /// is explained by it.
+    fn extend(&mut self, track: usize, keypoint: usize) {
+        let Some(point) = self.tracks[track].point else { return };
+        let picture = self.arranged.picture_of[keypoint];
+        let in_picture = |k: &usize| self.arranged.picture_of[*k] == picture;
+        let own = self.tracks[track].keypoints.iter().position(in_picture);
+        let is_free = own.is_none_or(|at| !self.tracks[track].fits[at]);
+        if !is_free || self.squared_error(keypoint, &point) > self.gate {
+            return;
+        }
+        if let Some(at) = own {
+            let other = self.tracks[track].keypoints[at];
+            self.take(other);
+        }
+        self.take(keypoint);
+        self.track_of[keypoint] = Some(track);
+        let track = &mut self.tracks[track];
+        let at = track.keypoints.partition_point(|k| *k < keypoint);
+        track.keypoints.insert(at, keypoint);
+        track.fits.insert(at, true);
+    }
+
+    /// Makes tracks of matches of which neither keypoint is explained, those that fit best first.
+    fn join_open(&mut self, open: &[[usize; 2]]) {
+        let mut found: Vec<(f64, [usize; 2], nalgebra::Vector3<f64>)> = Vec::new();
+        for &pair in open {
+            if let Some((point, _)) = self.triangulated(&pair, 0.0) {
+                let error: f64 = pair.iter().map(|k| self.squared_error(*k, &point)).sum();
+                found.push((error, pair, point));
+            }
+        }
+        found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        let mut is_taken = vec![false; self.arranged.count()];
+        let explained = self.explained();
+        for (_, pair, point) in found {
+            let is_free = pair.iter().all(|k| !is_taken[*k] && explained[*k].is_none());
+            if is_free {
+                pair.iter().for_each(|keypoint| is_taken[*keypoint] = true);
+                self.add(pair.to_vec(), point);
+            }
+        }
+    }
+}
