@@ -16,7 +16,9 @@
 //! the camera centres are off after a similarity, in percent of their extent, and the seconds of the
 //! reconstruction. Costs are halves of sums of squares in the file's pixels. The truncated one counts no
 //! observation for more than 4 pixels, those of points that were not found for 4, and leaves out the points
-//! that lie behind all cameras that see them at the file's own optimum.
+//! that lie behind all cameras that see them at the file's own optimum. A point of the file is where the map
+//! has the one to which most of its keypoints belong. Centres are compared with those of the optimum of the
+//! truncated cost that the file's own start leads to; the lines before the last say how far that is.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -40,6 +42,9 @@ const USAGE: &str =
     "usage: reconstruct FILE [--wrong SHARE] [--seed N] [--ply FILE] [--matches FILE]";
 /// No observation counts for more, in the truncated cost, in pixels.
 const MOST_PIXELS: f64 = 4.0;
+
+/// Rounds of choosing the observations within it.
+const MOST_ROUNDS: usize = 20;
 
 type Failure = Box<dyn Error>;
 type Problem = TinyBa<BalCamera, 6>;
@@ -65,7 +70,7 @@ fn main() -> Result<(), Failure> {
     let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
     let mut random = ChaCha8Rng::seed_from_u64(options.seed);
     let is_list = text.lines().any(|line| line.trim_start().starts_with("camera"));
-    let (mut pictures, mut matches, truth) = if is_list {
+    let (pictures, mut matches, truth) = if is_list {
         let (pictures, matches) =
             read_matches(&text).map_err(|error| format!("{file}: {error}"))?;
         (pictures, matches, None)
@@ -105,16 +110,14 @@ fn main() -> Result<(), Failure> {
     let registered = found.cameras.iter().flatten().count();
     let [truncated, cost, centres] = match &truth {
         Some(truth) => truth.judge(&found)?,
-        None => {
-            pictures.iter_mut().for_each(|picture| picture.keypoints.shrink_to_fit());
-            [f64::NAN, plain_cost(&pictures, &found), f64::NAN]
-        }
+        None => [f64::NAN, plain_cost(&pictures, &found), f64::NAN],
     };
-    println!(
+    let line = format!(
         "registered {registered}  of {}  truncated {truncated:.2}  cost {cost:.2}  centres_percent \
          {centres:.4}  seconds {seconds:.2}",
         pictures.len()
     );
+    println!("{}", line.replace("NaN", "nan"));
     Ok(())
 }
 
@@ -175,35 +178,37 @@ impl Truth {
     }
 
     // ANCHOR: judge
-    /// The truncated cost, the plain one, and how far the centres are off, in percent; the first two lines
-    /// that it prints are those of the optimum which the file's own start leads to.
+    /// The truncated cost, the plain one, and how far the centres are off, in percent.
+    ///
+    /// It prints the same of two references that the file's own start leads to: the optimum of the plain
+    /// cost, and from there that of the truncated one, with which centres are compared.
     fn judge(&self, found: &Reconstruction) -> Result<[f64; 3], Failure> {
         let mut optimum = self.problem.clone();
         optimum.fixed[0] = true;
-        let report = optimum.solve(&Options::large_problem())?;
+        optimum.solve(&Options::large_problem())?;
         let is_judged = judged(&optimum);
-        let known: Vec<Option<Vector3<f64>>> = optimum.points.iter().copied().map(Some).collect();
-        let cameras: Vec<Option<BalCamera>> = optimum.cameras.iter().copied().map(Some).collect();
-        let [least, _] = self.costs(&cameras, &known, &is_judged);
-        println!("the file's optimum: truncated {least:.2}  cost {:.2}", report.cost);
-
-        let cameras: Vec<Option<BalCamera>> = found
-            .cameras
-            .iter()
-            .zip(&self.problem.cameras)
-            .map(|(pose, camera)| Some(as_bal(pose.as_ref().ok()?, camera)))
-            .collect();
+        let robust = truncated_optimum(&optimum, &is_judged)?;
+        let posed = |pose: &Result<_, _>, camera| Some(as_bal(pose.as_ref().ok()?, camera));
+        let both = found.cameras.iter().zip(&self.problem.cameras);
+        let cameras: Vec<_> = both.map(|(pose, camera)| posed(pose, camera)).collect();
         let [truncated, cost] = self.costs(&cameras, &self.places(found), &is_judged);
-        println!("truncated {:+.3} % beside it", 100.0 * (truncated / least - 1.0));
-        let percent = |other: &Problem| {
-            let pairs = cameras.iter().zip(&other.cameras);
-            let pairs: Vec<_> = pairs
-                .filter_map(|(own, other)| Some((centre(own.as_ref()?), centre(other))))
-                .collect();
-            percent_off(&pairs)
-        };
-        println!("centres {:.4} % off those of the file's start", percent(&self.problem));
-        Ok([truncated, cost, percent(&optimum)])
+        let mut percent = f64::NAN;
+        for (name, reference) in [("plain", optimum), ("truncated", robust)] {
+            let known: Vec<_> = reference.cameras.iter().copied().map(Some).collect();
+            let points: Vec<_> = reference.points.iter().copied().map(Some).collect();
+            let [least, plain] = self.costs(&known, &points, &is_judged);
+            let centres = cameras.iter().zip(&reference.cameras);
+            let centres: Vec<_> =
+                centres.filter_map(|(a, b)| Some((centre(&(*a)?), centre(b)))).collect();
+            let [largest, mean_square] = percent_off(&centres);
+            println!(
+                "beside the optimum of the {name} cost, truncated {least:.2}  cost {plain:.2}: truncated \
+                 {:+.2} %, centres {largest:.4} % off, {mean_square:.4} % as a root mean square",
+                100.0 * (truncated / least - 1.0)
+            );
+            percent = largest;
+        }
+        Ok([truncated, cost, percent])
     }
     // ANCHOR_END: judge
 
@@ -248,6 +253,27 @@ impl Truth {
     }
 }
 
+/// Where the truncated cost of the observations that are judged is least, near a start: what is beyond the
+/// truncation is left out, until that does not change any more.
+fn truncated_optimum(start: &Problem, is_judged: &[bool]) -> Result<Problem, Failure> {
+    let (mut optimum, mut before) = (start.clone(), Vec::new());
+    for _ in 0..MOST_ROUNDS {
+        let is_near = |factor: &ReprojFactor| {
+            let pixel = optimum.cameras[factor.keyframe].project(&optimum.points[factor.point]);
+            pixel.is_some_and(|pixel| (pixel - factor.pixel).norm() <= MOST_PIXELS)
+        };
+        let judged = start.factors.iter().zip(is_judged).filter(|(_, is_judged)| **is_judged);
+        let near: Vec<_> = judged.map(|(f, _)| *f).filter(is_near).collect();
+        if near == before {
+            break;
+        }
+        optimum.factors = near.clone();
+        optimum.solve(&Options::large_problem())?;
+        before = near;
+    }
+    Ok(optimum)
+}
+
 /// For each observation, that its point lies in front of some camera that sees it.
 fn judged(problem: &Problem) -> Vec<bool> {
     let mut is_in_front = vec![false; problem.points.len()];
@@ -270,13 +296,17 @@ fn centre(camera: &BalCamera) -> Vector3<f64> {
     -(camera.rotation.inverse() * camera.translation)
 }
 
-/// The largest distance between centres after the best similarity, in percent of the largest between
-/// those of the truth.
-fn percent_off(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
-    let Ok(similarity) = absolute_orientation(pairs, ScaleFreedom::Free) else { return f64::NAN };
-    let off = pairs.iter().map(|(own, other)| (similarity.point(own) - other).norm());
+/// The largest distance between centres after the best similarity, and the root of the mean square, in
+/// percent of the largest distance between those of the truth.
+fn percent_off(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> [f64; 2] {
+    let Ok(similarity) = absolute_orientation(pairs, ScaleFreedom::Free) else {
+        return [f64::NAN; 2];
+    };
+    let off = || pairs.iter().map(|(own, other)| (similarity.point(own) - other).norm());
     let apart = pairs.iter().flat_map(|(_, a)| pairs.iter().map(move |(_, b)| (a - b).norm()));
-    100.0 * off.fold(0.0, f64::max) / apart.fold(0.0, f64::max)
+    let percent = 100.0 / apart.fold(0.0, f64::max);
+    let square = off().map(|off| off * off).sum::<f64>() / pairs.len() as f64;
+    [percent * off().fold(0.0, f64::max), percent * square.sqrt()]
 }
 
 /// For each pair of pictures matches of random keypoints, so many that they are a share of all.

@@ -44,21 +44,18 @@ impl Map<'_> {
     /// refused between two pictures are tried with the poses of all.
     fn explain_more(&mut self) {
         for track in 0..self.tracks.len() {
-            if self.tracks[track].point.is_none() {
-                self.triangulate(track, 0.0);
-            }
+            self.improve(track);
         }
         for track in 0..self.tracks.len() {
             self.split(track);
         }
-        let explained = self.explained();
         let mut open = Vec::new();
         for &[a, b] in self.arranged.pairs.values().flatten() {
-            match (explained[a], explained[b]) {
+            match (self.explaining(a), self.explaining(b)) {
                 (Some(track), None) => self.extend(track, b),
                 (None, Some(track)) => self.extend(track, a),
                 (None, None) => open.push([a, b]),
-                (Some(_), Some(_)) => {}
+                (Some(one), Some(other)) => self.merge(one, other),
             }
         }
         self.join_open(&open);
@@ -66,12 +63,54 @@ impl Map<'_> {
     // ANCHOR_END: explain_more
 
     /// The track whose point explains a keypoint.
-    fn explained(&self) -> Vec<Option<usize>> {
-        let mut explained = vec![None; self.arranged.count()];
-        for (index, track) in self.tracks.iter().enumerate().filter(|(_, t)| t.point.is_some()) {
-            track.sightings().for_each(|keypoint| explained[keypoint] = Some(index));
+    fn explaining(&self, keypoint: usize) -> Option<usize> {
+        let index = self.track_of[keypoint]?;
+        let Track { keypoints, fits, point } = &self.tracks[index];
+        let at = keypoints.binary_search(&keypoint).ok()?;
+        (point.is_some() && fits[at]).then_some(index)
+    }
+
+    /// Looks for a point that explains more of a track.
+    fn improve(&mut self, index: usize) {
+        let track = &self.tracks[index];
+        let posed = || track.keypoints.iter().copied().filter(|keypoint| self.is_posed(*keypoint));
+        if track.point.is_some() && track.sightings().count() == posed().count() {
+            return;
         }
-        explained
+        let before = track.point.map_or(f64::INFINITY, |point| self.cost_of(posed(), &point));
+        let found = self.triangulated(&track.keypoints, 0.0);
+        if let Some((point, fits)) =
+            found.filter(|(point, _)| self.cost_of(posed(), point) < before)
+        {
+            (self.tracks[index].point, self.tracks[index].fits) = (Some(point), fits);
+        }
+    }
+
+    /// Makes one track of two between which there is a match, when one point explains all that the two
+    /// explain.
+    fn merge(&mut self, one: usize, other: usize) {
+        let explained = |track: usize| {
+            let track = &self.tracks[track];
+            track.point.iter().flat_map(|_| track.sightings()).collect::<Vec<usize>>()
+        };
+        let mut all = [explained(one), explained(other)].concat();
+        all.sort_unstable();
+        let is_one_point = all
+            .windows(2)
+            .all(|two| self.arranged.picture_of[two[0]] != self.arranged.picture_of[two[1]]);
+        if one == other || !is_one_point || explained(one).is_empty() || explained(other).is_empty()
+        {
+            return;
+        }
+        if let Some((point, fits)) = self.triangulated(&all, 0.0)
+            && fits.iter().all(|fits| *fits)
+        {
+            self.add(all, point);
+            for track in [one, other] {
+                self.tracks[track].point = None;
+                self.tracks[track].fits.fill(false);
+            }
+        }
     }
 
     /// Makes a track of what the point of another one leaves over, when two or more pixels of that
@@ -142,12 +181,8 @@ impl Map<'_> {
             }
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
-        let mut is_taken = vec![false; self.arranged.count()];
-        let explained = self.explained();
         for (_, pair, point) in found {
-            let is_free = pair.iter().all(|k| !is_taken[*k] && explained[*k].is_none());
-            if is_free {
-                pair.iter().for_each(|keypoint| is_taken[*keypoint] = true);
+            if pair.iter().all(|keypoint| self.explaining(*keypoint).is_none()) {
                 self.add(pair.to_vec(), point);
             }
         }

@@ -6,7 +6,7 @@ use super::ReconstructionOptions;
 use super::pictures::Arranged;
 use crate::bearing::parallax;
 use crate::manifold::se3;
-use crate::two_views::{TriangulationError, View, triangulate};
+use crate::two_views::{TriangulationError, View, triangulate, triangulate_nonlinear};
 
 // ANCHOR: track
 /// Keypoints that are said to show one point.
@@ -114,9 +114,9 @@ impl<'a> Map<'a> {
     }
 
     // ANCHOR: triangulated_track
-    /// The point that most of some keypoints show, when two or more do, and which do: of the points
-    /// of two views each the one with the least truncated cost, and that of all views that agree
-    /// with it where it explains as many.
+    /// The point with the least truncated cost that some keypoints give, and which of them show it, when
+    /// two or more do. It is the best of the points of two views each, improved by all views that agree
+    /// with it; or, where some do not, that of all views together.
     ///
     /// Without a least parallax, a point whose rays do not meet in front is put far away.
     pub(super) fn triangulated(
@@ -126,37 +126,35 @@ impl<'a> Map<'a> {
     ) -> Option<(Vector3<f64>, Vec<bool>)> {
         let seen: Vec<(usize, View)> =
             keypoints.iter().filter_map(|k| Some((*k, self.view(*k)?))).collect();
-        let count = seen.len();
-        let cost = |point: &Vector3<f64>| -> f64 {
-            seen.iter().map(|(k, _)| self.squared_error(*k, point).min(self.gate)).sum()
-        };
-        let mut best: Option<(f64, Vector3<f64>)> = None;
-        for ahead in 1..count {
-            if count > FEW_VIEWS && ahead != count / 2 {
-                continue;
-            }
-            for at in 0..count - ahead {
-                let views = [seen[at].1, seen[at + ahead].1];
-                let Some(point) = point_of_two(&views, least_parallax) else { continue };
-                let cost = cost(&point);
-                if best.is_none_or(|(least, _)| cost < least) {
-                    best = Some((cost, point));
-                }
-            }
-        }
-        let (least, point) = best?;
-        let agreeing = |point: &Vector3<f64>| {
+        let cost = |point: &Vector3<f64>| self.cost_of(seen.iter().map(|(k, _)| *k), point);
+        let pairs = pairs_of(seen.len())
+            .filter_map(|[one, other]| point_of_two(&[seen[one].1, seen[other].1], least_parallax));
+        let mut best = least(pairs, cost)?;
+        let agree = |point: &Vector3<f64>| {
             let within = |(k, _): &&(usize, View)| self.squared_error(*k, point) <= self.gate;
             seen.iter().filter(within).map(|(_, view)| *view).collect::<Vec<View>>()
         };
-        let views = agreeing(&point);
-        let of_all = triangulate(&views, least_parallax).ok();
-        let point = of_all.filter(|better| cost(better) < least).unwrap_or(point);
+        if seen.len() > 2 {
+            let all: Vec<View> = seen.iter().map(|(_, view)| *view).collect();
+            let agreeing = agree(&best);
+            let of_all = (agreeing.len() < all.len()).then(|| point_of_many(&all, least_parallax));
+            let of_agreeing = triangulate(&agreeing, least_parallax).ok();
+            best = least(of_all.flatten().into_iter().chain(of_agreeing).chain([best]), cost)?;
+        }
         let fits: Vec<bool> =
-            keypoints.iter().map(|k| self.squared_error(*k, &point) <= self.gate).collect();
-        (fits.iter().filter(|fits| **fits).count() >= 2).then_some((point, fits))
+            keypoints.iter().map(|k| self.squared_error(*k, &best) <= self.gate).collect();
+        (fits.iter().filter(|fits| **fits).count() >= 2).then_some((best, fits))
     }
     // ANCHOR_END: triangulated_track
+
+    /// The sum of squared errors of keypoints, each counted as at most the gate, in pixels squared.
+    pub(super) fn cost_of(
+        &self,
+        keypoints: impl Iterator<Item = usize>,
+        point: &Vector3<f64>,
+    ) -> f64 {
+        keypoints.map(|keypoint| self.squared_error(keypoint, point).min(self.gate)).sum()
+    }
 
     /// Looks for the point of a track.
     pub(super) fn triangulate(&mut self, track: usize, least_parallax: f64) {
@@ -202,6 +200,28 @@ fn widest(point: &Vector3<f64>, centres: &[Vector3<f64>]) -> f64 {
         .enumerate()
         .flat_map(|(at, one)| centres[..at].iter().map(move |other| parallax(point, one, other)));
     pairs.fold(0.0, f64::max)
+}
+
+/// The pairs of views with which a track is tried: all of a few, and of many those that are far apart
+/// in the list.
+fn pairs_of(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    let apart = if count > FEW_VIEWS { count / 2..count / 2 + 1 } else { 1..count };
+    apart.flat_map(move |apart| (0..count - apart).map(move |at| [at, at + apart]))
+}
+
+/// The point with the least cost.
+fn least(
+    points: impl Iterator<Item = Vector3<f64>>,
+    cost: impl Fn(&Vector3<f64>) -> f64,
+) -> Option<Vector3<f64>> {
+    let costs = points.map(|point| (cost(&point), point));
+    costs.min_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, point)| point)
+}
+
+/// The most likely point of many views.
+fn point_of_many(views: &[View], least_parallax: f64) -> Option<Vector3<f64>> {
+    let start = triangulate(views, least_parallax).ok()?;
+    Some(triangulate_nonlinear(views, &start).map_or(start, |found| found.point))
 }
 
 /// The point of two views.
