@@ -3,26 +3,28 @@
 use super::map::{Map, Track};
 
 /// The last rounds change hardly anything.
-const MOST_ROUNDS: usize = 10;
-/// A round that lowers the truncated cost by less is the last.
-const LEAST_DECREASE: f64 = 1e-4;
+const MOST_ROUNDS: usize = 12;
+/// So many rounds that lower the truncated cost by less than this part are the last: one alone may raise
+/// it, when it makes one point of two.
+const IDLE_ROUNDS: usize = 2;
+const LEAST_DECREASE: f64 = 3e-4;
 
 impl Map<'_> {
     // ANCHOR: complete
     /// Rounds of explaining more pixels and of adjusting everything, until the truncated cost does
     /// not fall any more.
     pub(super) fn complete(&mut self) {
-        let mut before = self.truncated_cost();
+        let (mut least, mut idle) = (self.truncated_cost(), 0);
         for _ in 0..MOST_ROUNDS {
             self.explain_more();
             self.adjust_all();
             self.filter_all(0.0);
             let now = self.truncated_cost();
-            let is_lower = now < (1.0 - LEAST_DECREASE) * before;
-            if !is_lower {
+            idle = if now < (1.0 - LEAST_DECREASE) * least { 0 } else { idle + 1 };
+            if idle == IDLE_ROUNDS {
                 break;
             }
-            before = now;
+            least = least.min(now);
         }
     }
     // ANCHOR_END: complete

@@ -6,7 +6,8 @@
 //! [`consensus`](crate::robust_two_view::consensus) over both. [`absolute_orientation`] is for points
 //! that are known in two worlds, and [`PointPairs`] for those of which some are wrong.
 //!
-//! [`reconstruct`] makes a map of [`Picture`]s and their matches with all of them.
+//! [`reconstruct`] makes a map of [`Picture`]s and their matches with all of them. It begins with what
+//! [`verify`] and [`join_matches`] do: matches are tried pair by pair, and joined to tracks.
 
 mod absolute_orientation;
 mod adjustment;
@@ -34,3 +35,5 @@ pub use reconstruction::{
 pub use resection::{Resected, ResectionError, linear_pose, resect};
 pub use sightings::Sightings;
 pub use three_points::{ThreePointError, poses_of_three};
+pub use tracks::{Tracks, join_matches};
+pub use verification::verify;

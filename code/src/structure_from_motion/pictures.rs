@@ -104,6 +104,11 @@ impl Arranged {
         self.pictures[picture].keypoints[keypoint - self.first[picture]]
     }
 
+    /// The picture and the keypoint as they were given.
+    pub(super) fn given(&self, keypoint: usize) -> [usize; 2] {
+        [self.given_picture[self.picture_of[keypoint]], self.given_keypoint[keypoint]]
+    }
+
     /// How many keypoints there are.
     pub(super) fn count(&self) -> usize {
         self.picture_of.len()

@@ -143,7 +143,7 @@ pub fn reconstruct(
     let arranged = Arranged::new(pictures, matches)?;
     let pairs = verified_pairs(&arranged, options);
     let agreeing: Vec<[usize; 2]> = pairs.iter().flat_map(|pair| &pair.matches).copied().collect();
-    let tracks = tracks(&arranged, &agreeing);
+    let (tracks, _) = tracks(&arranged, &agreeing);
     let verified = Verified {
         pairs: arranged.pairs.len(),
         verified_pairs: pairs.len(),
@@ -152,14 +152,18 @@ pub fn reconstruct(
         tracks: tracks.len(),
     };
     let candidates = first_pairs(&arranged, &pairs, options);
+    let narrow = pairs.len() - candidates.len();
     let mut reasons = [0; 3];
     let (mut best, mut starts): (Option<Grown>, usize) = (None, 0);
     for index in candidates {
         let is_known = |grown: &Grown| {
             pairs[index].pictures.iter().all(|picture| grown.map.poses[*picture].is_some())
         };
-        if starts == options.most_starts || best.as_ref().is_some_and(is_known) {
+        if best.as_ref().is_some_and(is_known) {
             continue;
+        }
+        if starts == options.most_starts || reasons.iter().sum::<usize>() == MOST_REFUSED {
+            break;
         }
         let mut map = Map::new(&arranged, options, gate, &tracks);
         if let Err(reason) = map.begin(&pairs[index]) {
@@ -179,12 +183,16 @@ pub fn reconstruct(
     let none = ReconstructionError::NoFirstPair {
         pairs: verified.pairs,
         verified: verified.verified_pairs,
+        narrow,
         rotations,
         planes,
     };
     Ok(best.ok_or(none)?.told(verified))
 }
 // ANCHOR_END: reconstruct
+
+/// After so many pairs that are no beginning, others are not tried.
+const MOST_REFUSED: usize = 50;
 
 /// A map that does not grow any more.
 struct Grown<'a> {
@@ -235,11 +243,9 @@ impl<'a> Grown<'a> {
             cameras[*given] = map.poses[picture].ok_or_else(refusal);
         }
         let known = map.tracks.iter().filter_map(|track| Some((track, track.point?)));
-        let points = known.map(|(track, place)| {
-            let given = |k: usize| {
-                [arranged.given_picture[arranged.picture_of[k]], arranged.given_keypoint[k]]
-            };
-            MapPoint { place, sightings: track.sightings().map(given).collect() }
+        let points = known.map(|(track, place)| MapPoint {
+            place,
+            sightings: track.sightings().map(|k| arranged.given(k)).collect(),
         });
         let points = points.collect();
         let given = |one: Joined| Joined { picture: arranged.given_picture[one.picture], ..one };
@@ -352,15 +358,17 @@ pub enum ReconstructionError {
     /// No two pictures give a beginning.
     #[error(
         "no two pictures give a beginning: {verified} of {pairs} pairs have a motion behind their \
-         matches; of those with enough parallax {rotations} are turns and {planes} show a plane: give \
-         pictures of a scene with depth, from places farther apart"
+         matches, {narrow} of them have too little parallax, {rotations} are turns and {planes} show a \
+         plane; give pictures of a scene with depth, from places farther apart"
     )]
     NoFirstPair {
         /// Pairs that have matches.
         pairs: usize,
         /// Those with evidence for a motion.
         verified: usize,
-        /// Of those with parallax, how many a rotation explains.
+        /// Of those, how many have too few matches with parallax.
+        narrow: usize,
+        /// Of the others that were tried, how many a rotation explains.
         rotations: usize,
         /// How many a plane explains.
         planes: usize,

@@ -1,24 +1,49 @@
 //! From matches of two pictures to tracks through many.
 
-use super::pictures::Arranged;
+use super::ReconstructionError;
+use super::pictures::{Arranged, Picture, PictureMatch};
 
 // ANCHOR: tracks
+/// Keypoints that are joined by matches.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tracks {
+    /// The picture and number of each keypoint of a track: two or more, of different pictures.
+    pub tracks: Vec<Vec<[usize; 2]>>,
+    /// How many matches were refused, because they would have put two keypoints of one picture into a
+    /// track.
+    pub refused: usize,
+}
+
+/// The tracks that matches make of keypoints, all matches taken for right that do not contradict others.
+///
+/// # Errors
+///
+/// [`ReconstructionError`] when the input is none.
+pub fn join_matches(
+    pictures: &[Picture],
+    matches: &[PictureMatch],
+) -> Result<Tracks, ReconstructionError> {
+    let arranged = Arranged::new(pictures, matches)?;
+    let all: Vec<[usize; 2]> = arranged.pairs.values().flatten().copied().collect();
+    let (tracks, refused) = tracks(&arranged, &all);
+    let given = |track: &Vec<usize>| track.iter().map(|k| arranged.given(*k)).collect();
+    Ok(Tracks { tracks: tracks.iter().map(given).collect(), refused })
+}
+
 /// The keypoints that are joined by matches, each group ascending: at most one keypoint of each
-/// picture, and two or more.
+/// picture, and two or more. Second, how many matches were refused.
 ///
 /// Matches that close triangles are joined first, those that close more of them before: three
 /// pictures that agree are harder to bring about by accident than two. A match that would put two
 /// keypoints of one picture into a track is refused.
-pub(super) fn tracks(arranged: &Arranged, matches: &[[usize; 2]]) -> Vec<Vec<usize>> {
+pub(super) fn tracks(arranged: &Arranged, matches: &[[usize; 2]]) -> (Vec<Vec<usize>>, usize) {
     let neighbours = neighbours(arranged.count(), matches);
     let mut order: Vec<(usize, [usize; 2])> =
         matches.iter().map(|&[a, b]| (common(&neighbours[a], &neighbours[b]), [a, b])).collect();
     order.sort_by(|one, other| other.0.cmp(&one.0).then(one.1.cmp(&other.1)));
     let mut groups = Groups::new(arranged);
-    for (_, [a, b]) in order {
-        groups.join(a, b);
-    }
-    groups.tracks()
+    let refused = order.into_iter().filter(|(_, [a, b])| !groups.join(*a, *b)).count();
+    (groups.tracks(), refused)
 }
 // ANCHOR_END: tracks
 
@@ -71,11 +96,11 @@ impl<'a> Groups<'a> {
         at
     }
 
-    /// Joins the groups of two keypoints, unless a picture would be in the result twice.
-    fn join(&mut self, a: usize, b: usize) {
+    /// Joins the groups of two keypoints, unless a picture would be in the result twice: `false`.
+    fn join(&mut self, a: usize, b: usize) -> bool {
         let (one, other) = (self.root(a), self.root(b));
         if one == other {
-            return;
+            return true;
         }
         let (small, large) = match self.members[one].len() < self.members[other].len() {
             true => (one, other),
@@ -86,12 +111,13 @@ impl<'a> Groups<'a> {
             self.members[large].binary_search_by_key(&picture(keypoint), picture).is_ok()
         };
         if self.members[small].iter().any(has) {
-            return;
+            return false;
         }
         let moved = std::mem::take(&mut self.members[small]);
         self.members[large].extend(moved);
         self.members[large].sort_unstable();
         self.towards[small] = large;
+        true
     }
 
     fn tracks(self) -> Vec<Vec<usize>> {

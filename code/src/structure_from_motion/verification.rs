@@ -1,10 +1,35 @@
 //! Which matches of two pictures agree with one motion between them.
 
-use super::ReconstructionOptions;
-use super::pictures::Arranged;
+use super::pictures::{Arranged, Picture, PictureMatch};
+use super::{ReconstructionError, ReconstructionOptions};
 use crate::robust_two_view::{
     ConsensusOptions, Matches, NoMotion, RelativeMotion, general_motion, motion_of_matches,
 };
+
+// ANCHOR: verify
+/// The matches that agree with a motion between their two pictures, ascending; whatever their order was.
+///
+/// # Errors
+///
+/// [`ReconstructionError`] when the input is none.
+pub fn verify(
+    pictures: &[Picture],
+    matches: &[PictureMatch],
+    options: &ReconstructionOptions,
+) -> Result<Vec<PictureMatch>, ReconstructionError> {
+    let arranged = Arranged::new(pictures, matches)?;
+    let pairs = verified_pairs(&arranged, options);
+    let given = |pair: &[usize; 2]| {
+        let mut ends = pair.map(|keypoint| arranged.given(keypoint));
+        ends.sort_unstable();
+        let [[a, i], [b, j]] = ends;
+        PictureMatch { pictures: [a, b], keypoints: [i, j] }
+    };
+    let mut agreeing: Vec<_> = pairs.iter().flat_map(|pair| &pair.matches).map(given).collect();
+    agreeing.sort_unstable();
+    Ok(agreeing)
+}
+// ANCHOR_END: verify
 
 // ANCHOR: verified_pair
 /// Two pictures between which a motion was found, and the matches that agree with it.
