@@ -34,7 +34,7 @@ use vislam::least_squares::Options;
 use vislam::manifold::se3;
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential, ReprojFactor};
 use vislam::structure_from_motion::{
-    Picture, PictureMatch, Reconstruction, ReconstructionOptions, ScaleFreedom,
+    Joined, Picture, PictureMatch, Reconstruction, ReconstructionOptions, ScaleFreedom, Verified,
     absolute_orientation, reconstruct,
 };
 
@@ -52,13 +52,12 @@ type Problem = TinyBa<BalCamera, 6>;
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().ok_or(USAGE)?;
-    let (mut wrong, mut ply, mut list) = (0.0, None, None);
-    let mut options = ReconstructionOptions::default();
+    let (mut wrong, mut seed, mut ply, mut list) = (0.0, 0, None, None);
     while let Some(argument) = arguments.next() {
         let value = arguments.next().ok_or(USAGE)?;
         match argument.as_str() {
             "--wrong" => wrong = value.parse()?,
-            "--seed" => options.seed = value.parse()?,
+            "--seed" => seed = value.parse()?,
             "--ply" => ply = Some(value),
             "--matches" => list = Some(value),
             unknown => return Err(format!("{unknown} is not an option; {USAGE}").into()),
@@ -68,57 +67,114 @@ fn main() -> Result<(), Failure> {
         return Err(format!("--wrong is {wrong}; give a share of all matches, below 1").into());
     }
     let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
-    let mut random = ChaCha8Rng::seed_from_u64(options.seed);
-    let is_list = text.lines().any(|line| line.trim_start().starts_with("camera"));
-    let (pictures, mut matches, truth) = if is_list {
-        let (pictures, matches) =
-            read_matches(&text).map_err(|error| format!("{file}: {error}"))?;
-        (pictures, matches, None)
-    } else {
-        let problem = read_bal::<6>(&text).map_err(|error| format!("{file}: {error}"))?;
-        let truth = Truth::new(problem, &mut random);
-        let (pictures, matches) = truth.matches()?;
-        (pictures, matches, Some(truth))
-    };
-    let wrong_ones = wrong_matches(&pictures, &matches, wrong, &mut random);
+    let input = Input::new(&text, wrong, seed).map_err(|error| format!("{file}: {error}"))?;
     println!(
-        "{} pictures, {} matches, and {} wrong ones",
-        pictures.len(),
-        matches.len(),
-        wrong_ones.len()
+        "{} pictures, {} matches, {} wrong ones among them",
+        input.pictures.len(),
+        input.matches.len(),
+        input.wrong
     );
-    matches.extend(wrong_ones);
-    shuffle(&mut matches, &mut random);
     if let Some(list) = list {
-        std::fs::write(list, matches_as_text(&pictures, &matches)?)?;
+        std::fs::write(list, matches_as_text(&input.pictures, &input.matches)?)?;
     }
     let start = Instant::now();
-    let found = reconstruct(&pictures, &matches, &options)?;
+    let found = input.reconstruct(seed)?;
     let seconds = start.elapsed().as_secs_f64();
-    println!("{:?}", found.verified);
-    for joined in &found.joined {
-        println!("{joined:?}");
-    }
-    for (picture, camera) in found.cameras.iter().enumerate() {
-        if let Err(refused) = camera {
-            println!("picture {picture}: {refused}");
-        }
-    }
+    tell(&found);
     if let Some(ply) = ply {
         std::fs::write(ply, as_ply(&found)?)?;
     }
     let registered = found.cameras.iter().flatten().count();
-    let [truncated, cost, centres] = match &truth {
-        Some(truth) => truth.judge(&found)?,
-        None => [f64::NAN, plain_cost(&pictures, &found), f64::NAN],
+    let [truncated, cost, centres] = match &input.truth {
+        Some(truth) => truth.judge(&found)?.told(),
+        None => [f64::NAN, plain_cost(&input.pictures, &found), f64::NAN],
     };
     let line = format!(
         "registered {registered}  of {}  truncated {truncated:.2}  cost {cost:.2}  centres_percent \
          {centres:.4}  seconds {seconds:.2}",
-        pictures.len()
+        input.pictures.len()
     );
     println!("{}", line.replace("NaN", "nan"));
     Ok(())
+}
+
+/// What is left of matches and how the map grew.
+fn tell(found: &Reconstruction) {
+    let Verified { pairs, verified_pairs, matches, verified_matches, tracks } = found.verified;
+    println!(
+        "verified: {verified_pairs} of {pairs} pairs, {verified_matches} of {matches} matches; \
+         {tracks} tracks"
+    );
+    for Joined { picture, seen, inliers, points } in &found.joined {
+        println!(
+            "picture {picture:3} joined: {inliers:4} of {seen:4} points agree, {points:5} points"
+        );
+    }
+    for (picture, camera) in found.cameras.iter().enumerate() {
+        if let Err(refused) = camera {
+            println!("picture {picture:3} refused: {refused}");
+        }
+    }
+    println!("{} points", found.points.len());
+}
+
+/// What is to be reconstructed.
+struct Input {
+    pictures: Vec<Picture>,
+    /// In no order.
+    matches: Vec<PictureMatch>,
+    /// How many of them were mixed in.
+    wrong: usize,
+    truth: Option<Truth>,
+}
+
+impl Input {
+    fn new(text: &str, wrong: f64, seed: u64) -> Result<Self, Failure> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let is_list = text.lines().any(|line| line.trim_start().starts_with("camera"));
+        let (pictures, mut matches, truth) = if is_list {
+            let (pictures, matches) = read_matches(text)?;
+            (pictures, matches, None)
+        } else {
+            let truth = Truth::new(read_bal::<6>(text)?, &mut random);
+            let (pictures, matches) = truth.matches()?;
+            (pictures, matches, Some(truth))
+        };
+        let mixed_in = wrong_matches(&pictures, &matches, wrong, &mut random);
+        let wrong = mixed_in.len();
+        matches.extend(mixed_in);
+        shuffle(&mut matches, &mut random);
+        Ok(Self { pictures, matches, wrong, truth })
+    }
+
+    fn reconstruct(&self, seed: u64) -> Result<Reconstruction, Failure> {
+        let options = ReconstructionOptions { seed, ..ReconstructionOptions::default() };
+        Ok(reconstruct(&self.pictures, &self.matches, &options)?)
+    }
+}
+
+/// A map beside two optima that the file's own start leads to.
+struct Judged {
+    truncated: f64,
+    plain: f64,
+    /// That of the plain cost, and from there that of the truncated one.
+    beside: [Beside; 2],
+}
+
+/// A map beside an optimum.
+#[derive(Clone, Copy)]
+struct Beside {
+    /// The truncated cost of the optimum.
+    truncated: f64,
+    /// By how much centres are off at most, in percent of their extent.
+    largest: f64,
+}
+
+impl Judged {
+    /// What the last line says.
+    fn told(&self) -> [f64; 3] {
+        [self.truncated, self.plain, self.beside[1].largest]
+    }
 }
 
 /// A problem with its numbers shuffled, and where the keypoints come from.
@@ -178,11 +234,9 @@ impl Truth {
     }
 
     // ANCHOR: judge
-    /// The truncated cost, the plain one, and how far the centres are off, in percent.
-    ///
-    /// It prints the same of two references that the file's own start leads to: the optimum of the plain
-    /// cost, and from there that of the truncated one, with which centres are compared.
-    fn judge(&self, found: &Reconstruction) -> Result<[f64; 3], Failure> {
+    /// The costs of a map, and how it stands to the optima that the file's own start leads to, which it
+    /// prints.
+    fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
         let mut optimum = self.problem.clone();
         optimum.fixed[0] = true;
         optimum.solve(&Options::large_problem())?;
@@ -191,9 +245,8 @@ impl Truth {
         let posed = |pose: &Result<_, _>, camera| Some(as_bal(pose.as_ref().ok()?, camera));
         let both = found.cameras.iter().zip(&self.problem.cameras);
         let cameras: Vec<_> = both.map(|(pose, camera)| posed(pose, camera)).collect();
-        let [truncated, cost] = self.costs(&cameras, &self.places(found), &is_judged);
-        let mut percent = f64::NAN;
-        for (name, reference) in [("plain", optimum), ("truncated", robust)] {
+        let [truncated, plain] = self.costs(&cameras, &self.places(found), &is_judged);
+        let beside = [("plain", optimum), ("truncated", robust)].map(|(name, reference)| {
             let known: Vec<_> = reference.cameras.iter().copied().map(Some).collect();
             let points: Vec<_> = reference.points.iter().copied().map(Some).collect();
             let [least, plain] = self.costs(&known, &points, &is_judged);
@@ -202,13 +255,14 @@ impl Truth {
                 centres.filter_map(|(a, b)| Some((centre(&(*a)?), centre(b)))).collect();
             let [largest, mean_square] = percent_off(&centres);
             println!(
-                "beside the optimum of the {name} cost, truncated {least:.2}  cost {plain:.2}: truncated \
-                 {:+.2} %, centres {largest:.4} % off, {mean_square:.4} % as a root mean square",
+                "beside the optimum of the {name} cost, truncated {least:.2}  cost {plain:.2}: \
+                 truncated {:+.2} %, centres {largest:.4} % off, {mean_square:.4} % as a root mean \
+                 square",
                 100.0 * (truncated / least - 1.0)
             );
-            percent = largest;
-        }
-        Ok([truncated, cost, percent])
+            Beside { truncated: least, largest }
+        });
+        Ok(Judged { truncated, plain, beside })
     }
     // ANCHOR_END: judge
 
@@ -388,4 +442,28 @@ fn as_ply(found: &Reconstruction) -> Result<String, Failure> {
         writeln!(text, "{} {} {} {red} {green} {blue}", p.x, p.y, p.z)?;
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "needs the BAL problem in the folder that VISLAM_DATA names"]
+    fn real_pixels_with_a_fifth_of_wrong_matches_give_all_cameras() {
+        let folder =
+            std::env::var("VISLAM_DATA").expect("VISLAM_DATA names the folder of the data");
+        let text = std::fs::read_to_string(format!("{folder}/bal/problem-49-7776-pre.txt"));
+        let text = text.expect("the file");
+        for seed in 0..3 {
+            let input = Input::new(&text, 0.2, seed).unwrap();
+            let found = input.reconstruct(seed).unwrap();
+            assert_eq!(found.cameras.iter().flatten().count(), 49);
+            let judged = input.truth.as_ref().unwrap().judge(&found).unwrap();
+            for Beside { truncated, .. } in judged.beside {
+                assert!(judged.truncated < 1.01 * truncated, "{} {truncated}", judged.truncated);
+            }
+            assert!(judged.beside[1].largest < 0.5, "{}", judged.beside[1].largest);
+        }
+    }
 }

@@ -9,11 +9,23 @@ const MOST_ROUNDS: usize = 12;
 const IDLE_ROUNDS: usize = 2;
 const LEAST_DECREASE: f64 = 3e-4;
 
+/// Gates of the first rounds, in squares of the gate: what a wrong place of a camera keeps outside can
+/// pull it back.
+const WIDER: [f64; 3] = [9.0, 4.0, 2.0];
+
 impl Map<'_> {
     // ANCHOR: complete
-    /// Rounds of explaining more pixels and of adjusting everything, until the truncated cost does
-    /// not fall any more.
+    /// Rounds of explaining more pixels and of adjusting everything: first with wider gates, then until
+    /// the truncated cost does not fall any more.
     pub(super) fn complete(&mut self) {
+        let gate = self.gate;
+        for factor in WIDER {
+            self.gate = factor * gate;
+            self.explain_more();
+            self.adjust_all();
+        }
+        self.gate = gate;
+        self.filter_all(0.0);
         let (mut least, mut idle) = (self.truncated_cost(), 0);
         for _ in 0..MOST_ROUNDS {
             self.explain_more();

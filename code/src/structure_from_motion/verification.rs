@@ -61,6 +61,8 @@ pub(super) fn verified_pairs(
 /// The least number of draws: two pictures of one scene have few wrong matches as a rule, and what
 /// a pair misses others of the same points find.
 const LEAST_DRAWS: usize = 60;
+/// So many find a motion when a third of the matches are right.
+const MOST_DRAWS: usize = 10_000;
 
 /// Options for two pictures, which have their own seed.
 fn two_views(options: &ReconstructionOptions, [a, b]: [usize; 2]) -> ConsensusOptions {
@@ -68,6 +70,7 @@ fn two_views(options: &ReconstructionOptions, [a, b]: [usize; 2]) -> ConsensusOp
     ConsensusOptions {
         inlier_probability: options.inlier_probability,
         least_draws: LEAST_DRAWS,
+        most_draws: MOST_DRAWS,
         seed,
         ..ConsensusOptions::default()
     }
