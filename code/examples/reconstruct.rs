@@ -153,7 +153,7 @@ impl Input {
     }
 }
 
-/// A map beside two optima that the file's own start leads to.
+/// A map, and how it stands to two optima that the file's own start leads to.
 struct Judged {
     truncated: f64,
     plain: f64,
@@ -161,18 +161,29 @@ struct Judged {
     beside: [Beside; 2],
 }
 
-/// A map beside an optimum.
-#[derive(Clone, Copy)]
+/// An optimum, and how the centres of a map differ from its own.
 struct Beside {
-    /// The truncated cost of the optimum.
     truncated: f64,
-    /// By how much centres are off at most, in percent of their extent.
+    plain: f64,
+    /// In percent of their extent.
     largest: f64,
+    root_mean_square: f64,
 }
 
 impl Judged {
-    /// What the last line says.
+    /// What the last line says; the lines before it are printed.
     fn told(&self) -> [f64; 3] {
+        for (name, beside) in ["plain", "truncated"].iter().zip(&self.beside) {
+            println!(
+                "the optimum of the {name} cost: truncated {:.2}  cost {:.2}; beside it truncated \
+                 {:+.2} %, centres {:.4} % off, {:.4} % as a root mean square",
+                beside.truncated,
+                beside.plain,
+                100.0 * (self.truncated / beside.truncated - 1.0),
+                beside.largest,
+                beside.root_mean_square
+            );
+        }
         [self.truncated, self.plain, self.beside[1].largest]
     }
 }
@@ -234,8 +245,7 @@ impl Truth {
     }
 
     // ANCHOR: judge
-    /// The costs of a map, and how it stands to the optima that the file's own start leads to, which it
-    /// prints.
+    /// The costs of a map, and how it stands to the optima that the file's own start leads to.
     fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
         let mut optimum = self.problem.clone();
         optimum.fixed[0] = true;
@@ -246,21 +256,15 @@ impl Truth {
         let both = found.cameras.iter().zip(&self.problem.cameras);
         let cameras: Vec<_> = both.map(|(pose, camera)| posed(pose, camera)).collect();
         let [truncated, plain] = self.costs(&cameras, &self.places(found), &is_judged);
-        let beside = [("plain", optimum), ("truncated", robust)].map(|(name, reference)| {
+        let beside = [optimum, robust].map(|reference| {
             let known: Vec<_> = reference.cameras.iter().copied().map(Some).collect();
             let points: Vec<_> = reference.points.iter().copied().map(Some).collect();
-            let [least, plain] = self.costs(&known, &points, &is_judged);
+            let [truncated, plain] = self.costs(&known, &points, &is_judged);
             let centres = cameras.iter().zip(&reference.cameras);
             let centres: Vec<_> =
                 centres.filter_map(|(a, b)| Some((centre(&(*a)?), centre(b)))).collect();
-            let [largest, mean_square] = percent_off(&centres);
-            println!(
-                "beside the optimum of the {name} cost, truncated {least:.2}  cost {plain:.2}: \
-                 truncated {:+.2} %, centres {largest:.4} % off, {mean_square:.4} % as a root mean \
-                 square",
-                100.0 * (truncated / least - 1.0)
-            );
-            Beside { truncated: least, largest }
+            let [largest, root_mean_square] = percent_off(&centres);
+            Beside { truncated, plain, largest, root_mean_square }
         });
         Ok(Judged { truncated, plain, beside })
     }

@@ -1,5 +1,9 @@
 //! What is still to be explained once the cameras are known.
 
+use std::collections::BTreeSet;
+
+use nalgebra::Vector3;
+
 use super::map::{Map, Track};
 
 /// The last rounds change hardly anything.
@@ -63,13 +67,18 @@ impl Map<'_> {
         for track in 0..self.tracks.len() {
             self.split(track);
         }
-        let mut open = Vec::new();
+        let (mut open, mut tried) = (Vec::new(), BTreeSet::new());
         for &[a, b] in self.arranged.pairs.values().flatten() {
             match (self.explaining(a), self.explaining(b)) {
                 (Some(track), None) => self.extend(track, b),
                 (None, Some(track)) => self.extend(track, a),
                 (None, None) => open.push([a, b]),
-                (Some(one), Some(other)) => self.merge(one, other),
+                (Some(one), Some(other)) if one != other => {
+                    if tried.insert([one.min(other), one.max(other)]) {
+                        self.merge(one, other);
+                    }
+                }
+                (Some(_), Some(_)) => {}
             }
         }
         self.join_open(&open);
@@ -103,17 +112,11 @@ impl Map<'_> {
     /// Makes one track of two between which there is a match, when one point explains all that the two
     /// explain.
     fn merge(&mut self, one: usize, other: usize) {
-        let explained = |track: usize| {
-            let track = &self.tracks[track];
-            track.point.iter().flat_map(|_| track.sightings()).collect::<Vec<usize>>()
-        };
-        let mut all = [explained(one), explained(other)].concat();
+        let mut all: Vec<usize> =
+            self.tracks[one].sightings().chain(self.tracks[other].sightings()).collect();
         all.sort_unstable();
-        let is_one_point = all
-            .windows(2)
-            .all(|two| self.arranged.picture_of[two[0]] != self.arranged.picture_of[two[1]]);
-        if one == other || !is_one_point || explained(one).is_empty() || explained(other).is_empty()
-        {
+        let picture = |at: usize| self.arranged.picture_of[all[at]];
+        if (1..all.len()).any(|at| picture(at) == picture(at - 1)) {
             return;
         }
         if let Some((point, fits)) = self.triangulated(&all, 0.0)
@@ -143,7 +146,7 @@ impl Map<'_> {
     }
 
     /// Takes keypoints from whatever tracks they are in, and makes one of them.
-    fn add(&mut self, keypoints: Vec<usize>, point: nalgebra::Vector3<f64>) {
+    fn add(&mut self, keypoints: Vec<usize>, point: Vector3<f64>) {
         for keypoint in &keypoints {
             self.take(*keypoint);
             self.track_of[*keypoint] = Some(self.tracks.len());
@@ -187,7 +190,7 @@ impl Map<'_> {
 
     /// Makes tracks of matches of which neither keypoint is explained, those that fit best first.
     fn join_open(&mut self, open: &[[usize; 2]]) {
-        let mut found: Vec<(f64, [usize; 2], nalgebra::Vector3<f64>)> = Vec::new();
+        let mut found: Vec<(f64, [usize; 2], Vector3<f64>)> = Vec::new();
         for &pair in open {
             if let Some((point, _)) = self.triangulated(&pair, 0.0) {
                 let error: f64 = pair.iter().map(|k| self.squared_error(*k, &point)).sum();
