@@ -46,7 +46,7 @@ const MOST_PIXELS: f64 = 4.0;
 /// Rounds of choosing the observations within it.
 const MOST_ROUNDS: usize = 20;
 
-type Failure = Box<dyn Error>;
+pub type Failure = Box<dyn Error>;
 type Problem = TinyBa<BalCamera, 6>;
 
 fn main() -> Result<(), Failure> {
@@ -119,17 +119,17 @@ fn tell(found: &Reconstruction) {
 }
 
 /// What is to be reconstructed.
-struct Input {
-    pictures: Vec<Picture>,
+pub struct Input {
+    pub pictures: Vec<Picture>,
     /// In no order.
-    matches: Vec<PictureMatch>,
+    pub matches: Vec<PictureMatch>,
     /// How many of them were mixed in.
-    wrong: usize,
-    truth: Option<Truth>,
+    pub wrong: usize,
+    pub truth: Option<Truth>,
 }
 
 impl Input {
-    fn new(text: &str, wrong: f64, seed: u64) -> Result<Self, Failure> {
+    pub fn new(text: &str, wrong: f64, seed: u64) -> Result<Self, Failure> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let is_list = text.lines().any(|line| line.trim_start().starts_with("camera"));
         let (pictures, mut matches, truth) = if is_list {
@@ -147,27 +147,27 @@ impl Input {
         Ok(Self { pictures, matches, wrong, truth })
     }
 
-    fn reconstruct(&self, seed: u64) -> Result<Reconstruction, Failure> {
+    pub fn reconstruct(&self, seed: u64) -> Result<Reconstruction, Failure> {
         let options = ReconstructionOptions { seed, ..ReconstructionOptions::default() };
         Ok(reconstruct(&self.pictures, &self.matches, &options)?)
     }
 }
 
 /// A map, and how it stands to two optima that the file's own start leads to.
-struct Judged {
-    truncated: f64,
-    plain: f64,
+pub struct Judged {
+    pub truncated: f64,
+    pub plain: f64,
     /// That of the plain cost, and from there that of the truncated one.
-    beside: [Beside; 2],
+    pub beside: [Beside; 2],
 }
 
 /// An optimum, and how the centres of a map differ from its own.
-struct Beside {
-    truncated: f64,
-    plain: f64,
+pub struct Beside {
+    pub truncated: f64,
+    pub plain: f64,
     /// In percent of their extent.
-    largest: f64,
-    root_mean_square: f64,
+    pub largest: f64,
+    pub root_mean_square: f64,
 }
 
 impl Judged {
@@ -189,7 +189,7 @@ impl Judged {
 }
 
 /// A problem with its numbers shuffled, and where the keypoints come from.
-struct Truth {
+pub struct Truth {
     problem: Problem,
     /// For each picture, in the order of its keypoints, the observations of the problem.
     observations: Vec<Vec<usize>>,
@@ -246,7 +246,7 @@ impl Truth {
 
     // ANCHOR: judge
     /// The costs of a map, and how it stands to the optima that the file's own start leads to.
-    fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
+    pub fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
         let mut optimum = self.problem.clone();
         optimum.fixed[0] = true;
         optimum.solve(&Options::large_problem())?;

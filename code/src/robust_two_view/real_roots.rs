@@ -3,16 +3,18 @@
 use super::Candidates;
 
 // ANCHOR: real_roots
-/// The real roots of the polynomial Σ c[k] zᵏ, each of them once, in no order.
+/// The real roots of the polynomial with these coefficients, the constant first, each of them once,
+/// in no order.
 ///
 /// A Sturm chain begins with the polynomial and its derivative, and goes on with the negative
-/// remainder of each pair. Between two places it loses as many changes of sign as there are roots
-///: so intervals are halved until each holds one root, and that one is found by steps
-/// of Halley that may not leave the interval. No bound of the roots is needed, since places are
+/// remainder of each pair. Between two places it loses as many changes of sign as there are roots,
+/// so intervals are halved until each holds one root, and that one is found by steps of Halley that
+/// may not leave the interval. No bound of the roots is needed, since places are
 /// counted by t in z = t / (1 − |t|), which takes all of the line to the interval from −1 to 1.
 ///
 /// Roots that lie nearer to each other than 1e-12 by t are found as one. There are none of a
 /// polynomial that has an infinite coefficient or NaN, or is zero.
+// ANCHOR: isolated
 pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N> {
     let mut roots = Candidates::none(0.0);
     let Some(chain) = Chain::of(coefficients) else { return roots };
@@ -32,6 +34,7 @@ pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N>
     }
     roots
 }
+// ANCHOR_END: isolated
 // ANCHOR_END: real_roots
 
 /// Roots that lie nearer to each other are one.

@@ -32,6 +32,7 @@ impl Map<'_> {
     /// Joins one picture after another, the best one first, until none is left that sees enough.
     pub(super) fn grow(&mut self, joined: &mut Vec<Joined>, attempts: &mut [Option<Attempt>]) {
         let mut adjusted = self.registered();
+        // ANCHOR: one_more
         while let Some((picture, seen)) = self.next_picture(attempts) {
             let found = match self.resected(picture) {
                 Ok(found) => found,
@@ -57,6 +58,7 @@ impl Map<'_> {
             let inliers = found.inliers.len();
             joined.push(Joined { picture, seen, inliers, points: self.points() });
         }
+        // ANCHOR_END: one_more
     }
     // ANCHOR_END: grow
 

@@ -96,6 +96,7 @@ impl<'a> Groups<'a> {
         at
     }
 
+    // ANCHOR: join
     /// Joins the groups of two keypoints, unless a picture would be in the result twice: `false`.
     fn join(&mut self, a: usize, b: usize) -> bool {
         let (one, other) = (self.root(a), self.root(b));
@@ -119,6 +120,7 @@ impl<'a> Groups<'a> {
         self.towards[small] = large;
         true
     }
+    // ANCHOR_END: join
 
     fn tracks(self) -> Vec<Vec<usize>> {
         let mut tracks: Vec<_> = self.members.into_iter().filter(|group| group.len() > 1).collect();
