@@ -27,6 +27,7 @@ pub mod record;
 pub mod report;
 pub mod reprojection;
 pub mod scene;
+pub mod structure_from_motion;
 pub mod systems;
 pub mod two_views;
 
@@ -47,6 +48,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("reprojection", reprojection::exhibits, no_records),
     ("two_views", two_views::exhibits, no_records),
     ("bundle_adjustment", bundle_adjustment::exhibits, bundle_adjustment::records),
+    ("structure_from_motion", structure_from_motion::exhibits, structure_from_motion::records),
     ("inertial", inertial::exhibits, inertial::records),
     ("preintegration", preintegration::exhibits, preintegration::records),
     ("real_flights", real_flights::exhibits, real_flights::records),
