@@ -28,6 +28,7 @@ pub mod report;
 pub mod reprojection;
 pub mod robust_two_view;
 pub mod scene;
+pub mod structure_from_motion;
 pub mod systems;
 pub mod two_views;
 
@@ -49,6 +50,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("two_views", two_views::exhibits, no_records),
     ("robust_two_view", robust_two_view::exhibits, robust_two_view::records),
     ("bundle_adjustment", bundle_adjustment::exhibits, bundle_adjustment::records),
+    ("structure_from_motion", structure_from_motion::exhibits, structure_from_motion::records),
     ("inertial", inertial::exhibits, inertial::records),
     ("preintegration", preintegration::exhibits, preintegration::records),
     ("real_flights", real_flights::exhibits, real_flights::records),

@@ -1,4 +1,4 @@
-//! Where recorded data come from: readings, feature tracks, ground truth and pose
+//! Where recorded data come from: readings, feature tracks, matches, ground truth and pose
 //! graphs in text files.
 //!
 //! Text goes in and values come out. Nothing here opens a file, so whoever does adds its name to
@@ -6,6 +6,7 @@
 
 pub mod bal;
 pub mod euroc;
+pub mod matches;
 pub mod pose_graph;
 pub mod recording;
 mod table;

@@ -38,6 +38,7 @@ pub fn absolute_orientation(
     let (a, b) = pairs.iter().fold((Vector3::zeros(), Vector3::zeros()), |(a, b), pair| {
         (a + pair.0 / count, b + pair.1 / count)
     });
+    // ANCHOR: closed_form
     let centred = || pairs.iter().map(|pair| (pair.0 - a, pair.1 - b));
     let squares = centred().fold((0.0, 0.0), |(one, other): (f64, f64), (a, b)| {
         (one + a.norm_squared(), other + b.norm_squared())
@@ -55,6 +56,7 @@ pub fn absolute_orientation(
         ScaleFreedom::Free => along / squares.0,
         ScaleFreedom::One => 1.0,
     };
+    // ANCHOR_END: closed_form
     if scale <= 0.0 {
         return Err(OrientationError::Scale { scale });
     }

@@ -72,6 +72,7 @@ pub struct Resected {
 ///
 /// [`ResectionError`] when there are fewer than three points, a point lies behind the camera at the
 /// start, or the points leave the pose open.
+// ANCHOR: resect
 pub fn resect(
     camera: &Pinhole,
     points: &[Vector3<f64>],
@@ -94,6 +95,7 @@ pub fn resect(
         cost: solution.report.cost,
     })
 }
+// ANCHOR_END: resect
 // ANCHOR_END: resected
 
 /// A camera that moves and landmarks that are held.

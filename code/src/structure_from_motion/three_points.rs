@@ -24,6 +24,7 @@ const STEPS: usize = 3;
 /// # Errors
 ///
 /// [`ThreePointError`] names what leaves more than a few.
+// ANCHOR: three_point_poses
 pub fn poses_of_three(
     points: &[Vector3<f64>; 3],
     directions: &[Vector3<f64>; 3],
@@ -37,6 +38,7 @@ pub fn poses_of_three(
     }
     Ok(poses)
 }
+// ANCHOR_END: three_point_poses
 // ANCHOR_END: poses_of_three
 
 /// Two of three corners, and the third.
