@@ -464,7 +464,7 @@ mod tests {
             let found = input.reconstruct(seed).unwrap();
             assert_eq!(found.cameras.iter().flatten().count(), 49);
             let judged = input.truth.as_ref().unwrap().judge(&found).unwrap();
-            for Beside { truncated, .. } in judged.beside {
+            for Beside { truncated, .. } in &judged.beside {
                 assert!(judged.truncated < 1.01 * truncated, "{} {truncated}", judged.truncated);
             }
             assert!(judged.beside[1].largest < 0.5, "{}", judged.beside[1].largest);

@@ -61,6 +61,7 @@ macro_rules! signatures {
             /// # Errors
             ///
             /// A fault when the call has no output.
+            #[allow(clippy::too_many_arguments, reason = "as many as the exercise has, and the answer")]
             pub fn $name(&self, $($argument: &$type),*) -> Result<$output, $crate::answer::Fault> {
                 $crate::answer::call(self.0, Number::$name as usize, &($($argument,)*))
             })+

@@ -27,18 +27,19 @@ pub fn exhibits(chapter: &mut Chapter) {
     chapter.equation("laid-upon", laid_upon, laid, &mutants);
 }
 
-type Pairs = [(Vector3<f64>, Vector3<f64>)];
+type Pair = (Vector3<f64>, Vector3<f64>);
+type Pairs = [Pair];
 type Laid = fn(&Pairs) -> Similarity;
 
 fn laid(pairs: &Pairs) -> Similarity {
     absolute_orientation(pairs, ScaleFreedom::Free).expect("points beside a line")
 }
 
-fn swapped(pairs: &Pairs) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+fn swapped(pairs: &Pairs) -> Vec<Pair> {
     pairs.iter().map(|pair| (pair.1, pair.0)).collect()
 }
 
-fn mean(pairs: &Pairs, of: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>) -> Vector3<f64> {
+fn mean(pairs: &Pairs, of: fn(&Pair) -> Vector3<f64>) -> Vector3<f64> {
     pairs.iter().map(of).sum::<Vector3<f64>>() / pairs.len() as f64
 }
 

@@ -419,7 +419,7 @@ impl Choice {
         let most = counts.iter().max();
         let mut places = (0..counts.len()).filter(|k| Some(&counts[*k]) == most);
         let first = places.next().unwrap_or(0);
-        if last { places.last().unwrap_or(first) } else { first }
+        if last { places.next_back().unwrap_or(first) } else { first }
     }
 
     fn alarms_of(&self, motion: usize, tried: usize) -> f64 {
