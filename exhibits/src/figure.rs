@@ -121,11 +121,29 @@ pub fn draw(height: u32, paint: impl FnOnce(&Drawing) -> Drawn) -> String {
         drawing.present().expect("a drawing in memory is always written");
     }
     let size = format!("width=\"{WIDTH}\" height=\"{height}\" ");
-    svg = svg.replacen(&size, "", 1).replace('\n', "");
+    svg = without_repeats(&svg.replacen(&size, "", 1).replace('\n', ""));
     for (RGBColor(red, green, blue), meaning) in MEANING {
         svg = svg.replace(&format!("#{red:02X}{green:02X}{blue:02X}"), meaning);
     }
     svg
+}
+
+/// The same drawing, in which no point of a line stands twice in a row: coordinates are whole numbers, and the points of
+/// a curve lie closer.
+fn without_repeats(svg: &str) -> String {
+    let mut lines = svg.split("points=\"");
+    let mut drawn = lines.next().unwrap_or("").to_owned();
+    for line in lines {
+        let (points, rest) = line.split_once('"').unwrap_or((line, ""));
+        let mut kept: Vec<&str> = points.split_whitespace().collect();
+        kept.dedup();
+        // A line of one point would not be drawn, and a round cap makes a dot of it.
+        if let [point] = kept[..] {
+            kept.push(point);
+        }
+        drawn.push_str(&format!("points=\"{}\"{rest}", kept.join(" ")));
+    }
+    drawn
 }
 
 /// Axes with a faint grid, titles with units, and at most this many ticks. A vertical axis without

@@ -96,8 +96,8 @@ fn contours(level: f64) -> Vec<Vec<(f64, f64)>> {
     let mut above: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
     // Where the two lengths are too short to meet, the contour has reached the fence.
     let mut at_fence = None;
-    for step in 0..=720 {
-        let (sine, cosine) = (f64::from(step) * 0.5).to_radians().sin_cos();
+    for step in 0..=360 {
+        let (sine, cosine) = f64::from(step).to_radians().sin_cos();
         let lengths = (first + level * cosine, second + level * sine);
         let x = (lengths.0.powi(2) - lengths.1.powi(2) + width * width) / (2.0 * width);
         let y_squared = lengths.0.powi(2) - x * x;
