@@ -13,9 +13,7 @@ use crate::random::Random;
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Untouched); 3] = [
         ("one end of a wrong match", |views, wrong| untouched(views, wrong).sqrt()),
-        ("wrong ones of all, not for each right one", |views, wrong| {
-            untouched(views, wrong / (1.0 + wrong))
-        }),
+        ("as many as views, not as pairs", |views, wrong| (-views * wrong / (1.0 - wrong)).exp()),
         ("every keypoint like the first", |views, wrong| untouched(2.0, wrong).powf(views / 2.0)),
     ];
     chapter.equation("track-survival", track_survival, untouched, &mutants);
