@@ -37,7 +37,7 @@ const USAGE: &str = "usage: loop_flight [--flights N]";
 /// Pictures from one keyframe to the next, and the picture of the first one.
 pub const SPACING: usize = 8;
 const FIRST: usize = 40;
-pub const LANDMARKS: usize = 3000;
+const LANDMARKS: usize = 3000;
 /// Metres between the two cameras.
 const BASELINE: f64 = 0.3;
 /// Keyframes are seen again from this near, in metres.
@@ -73,8 +73,13 @@ pub fn flight() -> Flight {
 
 /// What the sensors bring home.
 pub fn flown(seed: u64) -> Result<FlightRecording, FlightError> {
+    flown_in(seed, seed)
+}
+
+/// The same in the room of one seed, with the noise of another.
+pub fn flown_in(room: u64, noise: u64) -> Result<FlightRecording, FlightError> {
     let flight = flight();
-    flight.record(&flight.room(3.0, LANDMARKS, seed)?, seed)
+    flight.record(&flight.room(3.0, LANDMARKS, room)?, noise)
 }
 
 /// The keyframes of a flight.

@@ -137,6 +137,7 @@ fn press(
         citations: BTreeMap::new(),
         terms: Terms::default(),
         symbols: Symbols::default(),
+        sayings: BTreeSet::new(),
         printed: BTreeMap::new(),
         algorithms: Vec::new(),
         sources: BTreeSet::new(),

@@ -72,6 +72,8 @@ pub struct Found<'a> {
     pub terms: Terms,
     /// What its letters mean.
     pub symbols: Symbols,
+    /// The statements that have an address of their own: page and name.
+    pub sayings: BTreeSet<(PathBuf, String)>,
     /// The items of the library that listings and algorithms show: page, anchor and name of each.
     pub printed: BTreeMap<String, Vec<(PathBuf, String, String)>>,
     /// The algorithms whose lines lead to the library.
@@ -275,6 +277,11 @@ impl One<'_> {
         if id.is_empty() {
             let mend = "give it one, as in [“…”]{.saying #depth-sigma}";
             found.faults.add(self.place, text, "a saying has no name to link to", mend);
+        } else if self.prose.html
+            && !found.sayings.insert((self.prose.page.path.clone(), id.to_owned()))
+        {
+            let problem = "an earlier saying of this page has this name";
+            found.faults.add(self.place, format!("saying:{id}"), problem, "take another name");
         }
         let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
         match self.prose.html {

@@ -113,3 +113,10 @@ pub struct Refusals {
     /// The pixels contradict the belief.
     pub gated: usize,
 }
+
+impl Refusals {
+    /// How many tracks were refused, whatever the reason.
+    pub fn total(&self) -> usize {
+        self.short + self.landmark + self.rank + self.gated
+    }
+}

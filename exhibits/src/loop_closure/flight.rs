@@ -14,7 +14,7 @@ use crate::record::{RecordValue, accepted};
 #[path = "../../../code/examples/loop_flight.rs"]
 pub mod example;
 
-use example::{Keyframes, both_ways, errors, flown, keyframes, loops, with_loops};
+use example::{Keyframes, both_ways, errors, flown, flown_in, keyframes, loops, with_loops};
 
 /// A flight before and after its loops were closed.
 pub struct Closed {
@@ -65,21 +65,17 @@ impl Closed {
 /// Flies, and closes the loops.
 fn closed(seed: u64) -> Closed {
     let recording = flown(seed).expect("it can be flown");
-    closed_by(&recording, &recording, seed)
+    let keyframes = keyframes(&recording, seed).expect("it is followed");
+    closed_by(keyframes, &recording)
 }
 
-/// The same with loops from pixels that the filter never saw: other noise in the same pictures.
-fn closed_afresh(seed: u64) -> Closed {
-    let recording = flown(seed).expect("it can be flown");
-    let flight = &recording.flight;
-    let room = flight.room(3.0, example::LANDMARKS, seed).expect("it is a room");
-    let afresh = flight.record(&room, AFRESH + seed).expect("it can be flown");
-    closed_by(&recording, &afresh, seed)
+/// The same keyframes with loops from pixels that the filter never saw: other noise in pictures of the same room.
+fn closed_afresh(keyframes: Keyframes, seed: u64) -> Closed {
+    closed_by(keyframes, &flown_in(seed, AFRESH + seed).expect("it can be flown"))
 }
 
-/// A recording followed by the filter, with loops from a recording of the same flight.
-fn closed_by(recording: &FlightRecording, seen: &FlightRecording, seed: u64) -> Closed {
-    let keyframes = keyframes(recording, seed).expect("it is followed");
+/// Keyframes with the loops that a recording of the flight shows.
+fn closed_by(keyframes: Keyframes, seen: &FlightRecording) -> Closed {
     let loops = loops(seen, &keyframes).expect("landmarks are seen again");
     let graph = with_loops(&keyframes.odometry, &loops);
     let [six, four] = both_ways(&graph).expect("it has a minimum");
@@ -140,9 +136,10 @@ fn flights() -> Vec<RecordValue> {
     let all: Vec<([RootMeanSquares; 5], [f64; 3])> = (0..FLIGHTS)
         .map(|seed| {
             let closed = closed(seed);
-            let [odometry, six, four] = closed.errors();
-            let [_, _, afresh] = closed_afresh(seed).errors();
-            ([odometry, six, four, closed.levelled(), afresh], closed.squares())
+            let ([odometry, six, four], levelled) = (closed.errors(), closed.levelled());
+            let squares = closed.squares();
+            let [_, _, afresh] = closed_afresh(closed.keyframes, seed).errors();
+            ([odometry, six, four, levelled, afresh], squares)
         })
         .collect();
     let of = |way: usize, what: fn(&RootMeanSquares) -> f64| {

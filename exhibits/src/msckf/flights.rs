@@ -168,10 +168,10 @@ fn hovering(chapter: &mut Chapter) {
     chapter.number("hover_yaw_first", 1e3 * first.yaw, "mrad", 1);
     chapter.number("hover_yaw_last", 1e3 * last.yaw, "mrad", 0);
     chapter.number("start_gyro_bias", 1e3 * SIGMAS[9], "mrad/s", 0);
-    let Refusals { short, landmark, rank, gated } = refused(&adrift);
-    chapter.number("hover_apart", landmark as f64, "", 0);
-    chapter.number("hover_vague", rank as f64, "", 0);
-    chapter.number("hover_refused", (short + landmark + rank + gated) as f64, "", 0);
+    let refused = refused(&adrift);
+    chapter.number("hover_apart", refused.landmark as f64, "", 0);
+    chapter.number("hover_vague", refused.rank as f64, "", 0);
+    chapter.number("hover_refused", refused.total() as f64, "", 0);
     let last = told[told.len() - 1];
     chapter.number("rest_error", 100.0 * last.error, "cm", 1);
     chapter.number("rest_sigma", 100.0 * last.sigma, "cm", 1);
@@ -228,12 +228,8 @@ fn extrinsics(chapter: &mut Chapter) {
         let mut told = recording.clone();
         told.flight.rig.body_from_camera.rotation = turn;
         let seen = followed(&told, options(&told), 2);
-        let [used, all] = seen.iter().fold([0, 0], |[used, all], seen| {
-            let Refusals { short, landmark, rank, gated } = seen.report.refused;
-            let now = seen.report.used;
-            [used + now, all + now + short + landmark + rank + gated]
-        });
-        (100.0 * rmse(&seen), 100.0 * used as f64 / all as f64)
+        let used: usize = seen.iter().map(|seen| seen.report.used).sum();
+        (100.0 * rmse(&seen), 100.0 * used as f64 / (used + refused(&seen).total()) as f64)
     };
     let right = recording.flight.rig.body_from_camera.rotation;
     let turned = UnitQuaternion::from_scaled_axis(Vector3::x() * EXTRINSIC_OFF.to_radians());

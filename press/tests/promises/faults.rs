@@ -574,6 +574,16 @@ fn a_term_that_is_defined_twice_is_named_with_its_first_place() {
 }
 
 #[test]
+fn a_saying_has_an_address_of_its_own() {
+    let saying = |text| SmallBook::sound().with("src/one.md", "A sum, as in", text);
+    assert!(saying("[A sum]{.saying #sum}, as in").run(&["check"]).status.success());
+    let nameless = saying("[A sum]{.saying}, as in").faults();
+    says(&nameless, &["src/one.md:3: A sum: a saying has no name to link to"]);
+    let twice = saying("[A sum]{.saying #sum} and [a sum]{.saying #sum}, as in").faults();
+    says(&twice, &["src/one.md:3: saying:sum: an earlier saying of this page has this name"]);
+}
+
+#[test]
 fn a_term_that_only_depth_defines_is_not_for_the_main_road() {
     let book =
         in_depth().with("src/one.md", "An [inner link]", "A [Sum]{.defined}, and an [inner link]");

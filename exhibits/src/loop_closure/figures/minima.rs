@@ -21,7 +21,7 @@ fn ends_that_differ(ends: &[End]) -> Vec<Column> {
 }
 
 pub fn minima() -> Figure {
-    let ends = searches();
+    let ends = searches().concat();
     let columns = ends_that_differ(&ends);
     let (most, deepest) = ends.iter().fold((1.0_f64, 0.0_f64), |(most, deepest), end| {
         (most.max(end.cost), deepest.min(end.eigenvalue.unwrap_or(0.0)))
