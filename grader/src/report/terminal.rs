@@ -20,15 +20,13 @@ const WIDTH: usize = 80;
 const NAME: u16 = 20;
 /// Columns that a name has at least.
 const NARROW: u16 = 12;
-/// Columns that a number has at least.
-const NUMBER: u16 = 4;
 /// As many lines on what could not be graded or is not on the roster as one reads.
 const LINES: usize = 20;
 
 /// Makes the table of a batch, grade by grade.
 pub struct Terminal {
     exercises: Vec<&'static Exercise>,
-    table: Table,
+    rows: Vec<Vec<String>>,
     count: usize,
     graded: usize,
     earned: f64,
@@ -46,7 +44,7 @@ impl Terminal {
     /// Begins one.
     pub fn new(exercises: &[&'static Exercise]) -> Self {
         Self {
-            table: Table::new(),
+            rows: Vec::new(),
             sums: vec![(0.0, 0); exercises.len()],
             exercises: exercises.to_vec(),
             count: 0,
@@ -82,7 +80,7 @@ impl Terminal {
             }
             row.push(mark);
         }
-        self.table.add_row(row);
+        self.rows.push(row);
         if grade.is_empty() && self.empty.len() <= LINES {
             self.empty.push(name(grade));
         }
@@ -116,14 +114,15 @@ impl Terminal {
         mean.extend(self.sums.iter().map(|(sum, count)| {
             if *count > 0 { points(sum / *count as f64) } else { String::new() }
         }));
-        self.table.add_row(vec![""]).add_row(mean);
+        self.rows.extend([vec![String::new(); mean.len()], mean]);
         let of = points(self.points);
         let of = if of.len() > 3 { format!("of\n{of}") } else { format!("of {of}") };
         let mut header = vec!["Submission".to_owned(), of];
         header.extend((1..=self.exercises.len()).map(|index| index.to_string()));
-        style(&mut self.table, header);
-        fit(&mut self.table);
-        let mut text = format!("{}\n\n", self.table.trim_fmt());
+        let mut text = String::new();
+        for block in blocks(&header, &self.rows) {
+            let _ = writeln!(text, "{}\n", part(&header, &self.rows, &block).trim_fmt());
+        }
         let half = self.exercises.len().div_ceil(2);
         for index in 0..half {
             let entry = |index: usize| {
@@ -230,19 +229,55 @@ fn style(table: &mut Table, header: Vec<String>) {
     }
 }
 
-/// Gives numbers the columns that they need and names the others. A table with long numbers is
-/// wider than the terminal, and no number stands in two lines.
-fn fit(table: &mut Table) {
-    let needed = table.column_max_content_widths().into_iter().skip(1);
-    let needed: Vec<u16> = needed.map(|width| width.max(NUMBER)).collect();
-    // Between columns there is one that is empty.
-    let numbers: u16 = needed.iter().map(|width| width + 1).sum();
+/// Columns of numbers with the widths that they need, in as few tables of the terminal's width as hold
+/// them, of which none is much wider than another.
+fn blocks(header: &[String], rows: &[Vec<String>]) -> Vec<Vec<(usize, u16)>> {
+    let columns: Vec<(usize, u16)> = (1..header.len())
+        .map(|column| {
+            let cells = rows.iter().map(|row| &row[column]).chain([&header[column]]);
+            let lines = cells.flat_map(|cell| cell.lines());
+            (column, lines.map(|line| line.chars().count()).max().unwrap_or(0) as u16)
+        })
+        .collect();
+    let fewest = split(&columns, WIDTH as u16).len();
+    let narrowest = (NARROW..WIDTH as u16).find(|width| split(&columns, *width).len() == fewest);
+    split(&columns, narrowest.unwrap_or(WIDTH as u16))
+}
+
+/// The columns in turn, as many in a table of this width as fit beside the names, and one at least.
+fn split(columns: &[(usize, u16)], width: u16) -> Vec<Vec<(usize, u16)>> {
+    let mut blocks: Vec<Vec<(usize, u16)>> = Vec::new();
+    let mut taken = width;
+    for &(column, needed) in columns {
+        taken += 1 + needed;
+        if taken > width {
+            blocks.push(Vec::new());
+            taken = NARROW + 1 + needed;
+        }
+        if let Some(block) = blocks.last_mut() {
+            block.push((column, needed));
+        }
+    }
+    blocks
+}
+
+/// The table of some columns, each beside the names. Between columns there is one that is empty.
+fn part(header: &[String], rows: &[Vec<String>], block: &[(usize, u16)]) -> Table {
+    let of = |row: &[String]| -> Vec<String> {
+        let numbers = block.iter().map(|(column, _)| row[*column].clone());
+        std::iter::once(row[0].clone()).chain(numbers).collect()
+    };
+    let mut table = Table::new();
+    table.add_rows(rows.iter().map(|row| of(row)));
+    style(&mut table, of(header));
+    let numbers: u16 = block.iter().map(|(_, width)| width + 1).sum();
     let names = (WIDTH as u16).saturating_sub(numbers).clamp(NARROW, NAME);
-    table.set_width((WIDTH as u16).max(names + numbers));
-    let widths = std::iter::once(names).chain(needed);
+    table.set_width(names + numbers);
+    let widths = std::iter::once(names).chain(block.iter().map(|(_, width)| *width));
     for (column, width) in table.column_iter_mut().zip(widths) {
         column.set_padding((0, 0)).set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
     }
+    table
 }
 
 fn name(grade: &Grade) -> String {
