@@ -135,7 +135,9 @@ fn a_module_is_kept_for_the_texts_it_was_made_of_and_no_others() {
             _ => panic!("{path} does not compile"),
         }
     };
-    let kept = repository().join("target/grader/known/100000000000");
+    let taken = |slug: &str| if slug == "left_perturbation" { '1' } else { '0' };
+    let name: String = EXERCISES.iter().map(|exercise| taken(exercise.slug)).collect();
+    let kept = repository().join("target/grader/known").join(name);
     let written = || fs::metadata(&kept).and_then(|file| file.modified()).expect("a module");
     let skeleton = module("exercises/skeletons/1/left_perturbation.rs");
     let reference = module("solutions/src/left_perturbation.rs");
