@@ -24,6 +24,7 @@ pub mod preintegration;
 pub mod random;
 pub mod real_flights;
 pub mod record;
+pub mod release;
 pub mod report;
 pub mod reprojection;
 pub mod robust_two_view;

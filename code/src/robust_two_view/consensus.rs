@@ -46,6 +46,12 @@ pub trait Correspondences {
 
     /// Its covariance, when these data are right.
     fn covariance(&self, estimate: &Self::Estimate, data: &[usize]) -> Option<DMatrix<f64>>;
+
+    /// Their leverages {eq:leverage}: how much of each datum's prediction is that datum's own doing.
+    /// None where a datum that is wrong can hardly have much.
+    fn leverages(&self, _estimate: &Self::Estimate, _data: &[usize]) -> Option<Vec<f64>> {
+        None
+    }
 }
 // ANCHOR_END: correspondences
 
@@ -287,6 +293,34 @@ const ALL_WAYS: (Effort, &[&[f64]]) =
     (Effort::Converge, &[&[9.0, 4.0, 2.0], &[4.0, 2.0], &[2.0], &[0.3, 0.6], &[0.5]]);
 // ANCHOR_END: local_optimization
 
+// ANCHOR: confirmed
+/// An inlier makes the estimate when its leverage is at most so many times the mean one.
+const MOST_LEVERAGE: f64 = 4.0;
+
+/// The estimate by those of its inliers that others confirm, and these. One with much leverage draws
+/// the estimate to itself, and agrees with it even if it is wrong.
+fn confirmed<C: Correspondences>(
+    data: &C,
+    start: C::Estimate,
+    gate: f64,
+) -> (C::Estimate, Vec<usize>) {
+    let mut kept = inliers(data, &start, gate);
+    let mut estimate = start;
+    for _ in 0..MOST_ROUNDS {
+        let mut now = inliers(data, &estimate, gate);
+        let Some(leverages) = data.leverages(&estimate, &now) else { break };
+        let most = MOST_LEVERAGE * leverages.iter().sum::<f64>() / now.len() as f64;
+        let mut leverages = leverages.into_iter();
+        now.retain(|_| leverages.next().is_some_and(|leverage| leverage <= most));
+        let is_new = now.len() > C::SAMPLE && now != kept;
+        let refined = is_new.then(|| data.refined(&estimate, &now, Effort::Converge)).flatten();
+        let Some(refined) = refined else { break };
+        (estimate, kept) = (refined, now);
+    }
+    (estimate, kept)
+}
+// ANCHOR_END: confirmed
+
 /// The result, when it is more than chance.
 fn concluded<C: Correspondences>(
     data: &C,
@@ -296,7 +330,7 @@ fn concluded<C: Correspondences>(
     options: &ConsensusOptions,
 ) -> Result<Consensus<C::Estimate>, ConsensusError> {
     let ways = if options.local_optimization { ALL_WAYS } else { (Effort::Converge, &[][..]) };
-    let Scored { estimate, score } = optimized(data, best, gate, ways);
+    let estimate = optimized(data, best, gate, ways).estimate;
     let inliers = inliers(data, &estimate, gate);
     let (agree, count) = (inliers.len(), data.count());
     let chance = chance_of_agreement(count, gate, &data.squared_errors(&estimate, gate));
@@ -306,7 +340,13 @@ fn concluded<C: Correspondences>(
     if !is_evidence {
         return Err(ConsensusError::Chance { agree, count, by_chance, expected });
     }
-    let covariance = data.covariance(&estimate, &inliers);
+    let (estimate, makers) = match options.local_optimization {
+        true => confirmed(data, estimate, gate),
+        false => (estimate, inliers),
+    };
+    let covariance = data.covariance(&estimate, &makers);
+    let inliers = self::inliers(data, &estimate, gate);
+    let score = self::score(data, &estimate, gate, f64::INFINITY);
     Ok(Consensus { estimate, inliers, score, gate, draws, by_chance, covariance })
 }
 

@@ -1,6 +1,6 @@
 //! A motion between two pictures of a scene with depth.
 
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{Cholesky, DMatrix, Matrix3, SMatrix};
 
 use super::consensus::{
     Consensus, ConsensusError, ConsensusOptions, Correspondences, Effort, consensus,
@@ -8,7 +8,7 @@ use super::consensus::{
 use super::five_point::{depth_signs, motions_of_five};
 use super::{Matches, RelativeMotion};
 use crate::factors::Epipolar;
-use crate::least_squares::{Kernel, Key, Problem};
+use crate::least_squares::{Factor, Kernel, Key, Problem};
 
 // ANCHOR: general_motion
 /// Matches as data about a [`RelativeMotion`]: points at any depths, seen from two places.
@@ -76,6 +76,22 @@ impl Correspondences for GeneralMotion<'_> {
         let (problem, key) = self.problem(motion, data)?;
         problem.covariance(problem.values()).ok()?.of(key)
     }
+
+    // ANCHOR: leverages
+    /// A wrong match that fits its line by accident seems near, and what is near turns the baseline.
+    fn leverages(&self, motion: &RelativeMotion, data: &[usize]) -> Option<Vec<f64>> {
+        let key = Problem::new().add_variable(*motion);
+        let row = |datum: &usize| {
+            let (first, second) = self.0.rays[*datum];
+            let factor = Epipolar { motion: key, first, second, sigmas: self.0.sigmas };
+            factor.linearize((motion,)).map(|(_, (row,))| row)
+        };
+        let rows: Vec<SMatrix<f64, 1, 5>> = data.iter().map(row).collect::<Option<_>>()?;
+        let information: SMatrix<f64, 5, 5> = rows.iter().map(|row| row.tr_mul(row)).sum();
+        let factor = Cholesky::new(information)?;
+        Some(rows.iter().map(|row| row.tr_dot(&factor.solve(&row.transpose()))).collect())
+    }
+    // ANCHOR_END: leverages
 }
 
 // ANCHOR: general_motion_of

@@ -1,7 +1,6 @@
 //! How far off the estimates are over many seeds: the book's library here, factrs from its own program, and the bound.
 
 use std::collections::BTreeMap;
-use std::process::Command;
 use std::sync::OnceLock;
 
 use vislam::least_squares::Kernel;
@@ -10,6 +9,7 @@ use super::two_keyframes::{ASKED, Graph, HUBER, Scene, squared};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
 use crate::record::{RecordValue, accepted};
+use crate::release;
 
 pub const SEEDS: u64 = 200;
 /// How often each search is timed.
@@ -103,15 +103,7 @@ pub fn record(chapter: &mut Chapter) {
 
 /// What the program of the folder `factrs` says.
 fn said(arguments: [&str; 2]) -> Result<Vec<Vec<String>>, NotMade> {
-    let package = ["run", "--quiet", "--locked", "--release", "--package", "factrs-graph", "--"];
-    let failed =
-        |what: String| NotMade::Failed(format!("factrs-graph {}: {what}", arguments.join(" ")));
-    let mut cargo = Command::new("cargo");
-    let output = cargo.args(package).args(arguments).output().map_err(|e| failed(e.to_string()))?;
-    if !output.status.success() {
-        return Err(failed(String::from_utf8_lossy(&output.stderr).into_owned()));
-    }
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = release::said(&["--package", "factrs-graph"], &arguments)?;
     Ok(text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect())
 }
 

@@ -5,12 +5,7 @@ use std::collections::BTreeMap;
 use crate::chapter::Chapter;
 use crate::data::NotMade;
 use crate::record::{RecordValue, accepted};
-
-#[allow(dead_code)]
-#[path = "../../../code/examples/robust_two_view.rs"]
-mod example;
-
-use example::measured;
+use crate::release;
 
 const RECORD: &str = "robust_poses";
 const SCENES: usize = 1000;
@@ -50,9 +45,14 @@ fn beside_poselib() -> Result<Vec<RecordValue>, NotMade> {
         NotMade::DataAbsent(format!("{VARIABLE} is not set; let it name a Python that has poselib"))
     };
     let python = std::env::var(VARIABLE).map_err(absent)?;
-    let lines =
-        measured(SCENES, Some(&python)).map_err(|error| NotMade::Failed(error.to_string()))?;
-    let lines: BTreeMap<String, f64> = lines.into_iter().collect();
+    let scenes = SCENES.to_string();
+    let of_example = ["--package", "vislam", "--example", "robust_two_view"];
+    let said = release::said(&of_example, &[&scenes, &python])?;
+    let line = |line: &str| {
+        let (name, value) = line.split_once(' ')?;
+        Some((name.to_owned(), value.parse().ok()?))
+    };
+    let lines: BTreeMap<String, f64> = said.lines().filter_map(line).collect();
     let kept = |(name, unit, decimals, within): (&'static str, _, _, _)| {
         let value =
             lines.get(name).ok_or_else(|| NotMade::Failed(format!("nothing is said of {name}")))?;
