@@ -5,6 +5,7 @@ mod agreement;
 mod chance;
 mod figures;
 mod five_points;
+mod leverage;
 mod models;
 mod poselib;
 mod scenes;
@@ -21,6 +22,7 @@ const STATES: usize = 200;
 pub fn exhibits(chapter: &mut Chapter) {
     five_points::exhibits(chapter);
     agreement::exhibits(chapter);
+    leverage::exhibits(chapter);
     chance::exhibits(chapter);
     models::exhibits(chapter);
     success::exhibits(chapter);

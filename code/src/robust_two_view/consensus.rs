@@ -293,7 +293,6 @@ const ALL_WAYS: (Effort, &[&[f64]]) =
     (Effort::Converge, &[&[9.0, 4.0, 2.0], &[4.0, 2.0], &[2.0], &[0.3, 0.6], &[0.5]]);
 // ANCHOR_END: local_optimization
 
-// ANCHOR: confirmed
 /// An inlier makes the estimate when its leverage is at most so many times the mean one.
 const MOST_LEVERAGE: f64 = 4.0;
 
@@ -319,7 +318,6 @@ fn confirmed<C: Correspondences>(
     }
     (estimate, kept)
 }
-// ANCHOR_END: confirmed
 
 /// The result, when it is more than chance.
 fn concluded<C: Correspondences>(
