@@ -175,6 +175,12 @@ impl Correspondences for Slopes<'_> {
     fn covariance(&self, _: &f64, _: &[usize]) -> Option<nalgebra::DMatrix<f64>> {
         None
     }
+
+    fn leverages(&self, _: &f64, data: &[usize]) -> Option<Vec<f64>> {
+        let square = |datum: &usize| self.0[*datum][0].powi(2);
+        let all: f64 = data.iter().map(square).sum();
+        Some(data.iter().map(|datum| square(datum) / all).collect())
+    }
 }
 
 #[test]
@@ -185,4 +191,21 @@ fn anything_with_a_sample_and_an_error_can_be_estimated() {
     assert_eq!(found.inliers, (0..30).collect::<Vec<_>>());
     assert!((found.estimate - 2.0).abs() < 1e-12);
     assert!((found.score - 30.0 * found.gate).abs() < 1e-9);
+}
+
+#[test]
+fn a_datum_that_only_itself_confirms_does_not_make_the_estimate() {
+    let mut data: Vec<[f64; 2]> = (0..30).map(|k| [1.0 + (k % 10) as f64, 0.0]).collect();
+    for (k, [x, y]) in data.iter_mut().enumerate() {
+        *y = 2.0 * *x + 0.3 * (7.0 * k as f64).sin();
+    }
+    data.push([100.0, 204.0]);
+    let estimate = |local_optimization| {
+        let options = ConsensusOptions { local_optimization, ..Default::default() };
+        consensus(&Slopes(&data), &options).unwrap()
+    };
+    let (with, without) = (estimate(true), estimate(false));
+    assert!(without.inliers.contains(&30) && (without.estimate - 2.0).abs() > 0.03);
+    assert!((with.estimate - 2.0).abs() < 0.015, "{}", with.estimate);
+    assert_eq!(with.inliers, (0..30).collect::<Vec<_>>());
 }

@@ -137,3 +137,18 @@ fn the_covariance_is_that_of_the_errors() {
     // Three degrees of freedom; the gate cuts off one right match in a hundred.
     assert!((2.3..4.0).contains(&turned), "{turned}");
 }
+
+#[test]
+fn leverages_lie_between_zero_and_one_and_add_up_to_the_number_of_parameters() {
+    let mut random = random(31);
+    for count in [6, 20, 200] {
+        let pose = small_motion(&mut random);
+        let pixels = pixels(&mut random, &pose, World::Deep, count, 0);
+        let matches = Matches::new([&CAMERA, &CAMERA], &pixels, 1.0).unwrap();
+        let all: Vec<usize> = (0..count).collect();
+        let motion = RelativeMotion::of(&pose).unwrap();
+        let leverages = GeneralMotion(&matches).leverages(&motion, &all).unwrap();
+        assert!(leverages.iter().all(|leverage| (0.0..1.0).contains(leverage)));
+        assert!((leverages.iter().sum::<f64>() - 5.0).abs() < 1e-6);
+    }
+}
