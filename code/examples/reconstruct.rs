@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p vislam --example reconstruct -- \
-//!     FILE [--wrong SHARE] [--seed N] [--ply FILE] [--matches FILE]
+//!     FILE [--wrong SHARE] [--seed N] [--ply FILE] [--matches FILE] [--centres FILE]
 //! ```
 //!
 //! `FILE` is a list of matches with the intrinsics in its head (see `vislam::datasets::matches`), or a
@@ -10,7 +10,8 @@
 //! are taken, with the lens parameters: keypoints that show one point are matched, all with one
 //! another, cameras and points are thrown away, and everything is shuffled. `--wrong 0.2` mixes in so
 //! many matches of keypoints at random that they are a fifth of all. `--ply` writes the map for a
-//! viewer, `--matches` the matches as a list.
+//! viewer, `--matches` the matches as a list, and `--centres` the centres that others are compared with, a
+//! line for each picture.
 //!
 //! The last line says how many pictures were registered, the truncated and the plain cost, by how much
 //! the camera centres are off after a similarity, in percent of their extent, and the seconds of the
@@ -38,8 +39,8 @@ use vislam::structure_from_motion::{
     absolute_orientation, reconstruct,
 };
 
-const USAGE: &str =
-    "usage: reconstruct FILE [--wrong SHARE] [--seed N] [--ply FILE] [--matches FILE]";
+const USAGE: &str = "usage: reconstruct FILE [--wrong SHARE] [--seed N] [--ply FILE] \
+                     [--matches FILE] [--centres FILE]";
 /// No observation counts for more, in the truncated cost, in pixels.
 const MOST_PIXELS: f64 = 4.0;
 
@@ -52,7 +53,7 @@ type Problem = TinyBa<BalCamera, 6>;
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().ok_or(USAGE)?;
-    let (mut wrong, mut seed, mut ply, mut list) = (0.0, 0, None, None);
+    let (mut wrong, mut seed, mut ply, mut list, mut centres) = (0.0, 0, None, None, None);
     while let Some(argument) = arguments.next() {
         let value = arguments.next().ok_or(USAGE)?;
         match argument.as_str() {
@@ -60,6 +61,7 @@ fn main() -> Result<(), Failure> {
             "--seed" => seed = value.parse()?,
             "--ply" => ply = Some(value),
             "--matches" => list = Some(value),
+            "--centres" => centres = Some(value),
             unknown => return Err(format!("{unknown} is not an option; {USAGE}").into()),
         }
     }
@@ -76,6 +78,11 @@ fn main() -> Result<(), Failure> {
     );
     if let Some(list) = list {
         std::fs::write(list, matches_as_text(&input.pictures, &input.matches)?)?;
+    }
+    if let Some(centres) = centres {
+        let truth =
+            input.truth.as_ref().ok_or("a list of matches has no centres to compare with")?;
+        std::fs::write(centres, truth.centres()?)?;
     }
     let start = Instant::now();
     let found = input.reconstruct(seed)?;
@@ -244,19 +251,37 @@ impl Truth {
         Ok((pictures, matches))
     }
 
-    // ANCHOR: judge
-    /// The costs of a map, and how it stands to the optima that the file's own start leads to.
-    pub fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
+    /// The optima of the plain and of the truncated cost that the file's own start leads to, and which
+    /// points are judged.
+    fn optima(&self) -> Result<([Problem; 2], Vec<bool>), Failure> {
         let mut optimum = self.problem.clone();
         optimum.fixed[0] = true;
         optimum.solve(&Options::large_problem())?;
         let is_judged = judged(&optimum);
         let robust = truncated_optimum(&optimum, &is_judged)?;
+        Ok(([optimum, robust], is_judged))
+    }
+
+    /// The centres at the optimum of the truncated cost: x y z of each picture in a line.
+    fn centres(&self) -> Result<String, Failure> {
+        let ([_, robust], _) = self.optima()?;
+        let mut text = String::new();
+        for camera in &robust.cameras {
+            let centre = centre(camera);
+            writeln!(text, "{} {} {}", centre.x, centre.y, centre.z)?;
+        }
+        Ok(text)
+    }
+
+    // ANCHOR: judge
+    /// The costs of a map, and how it stands to the optima that the file's own start leads to.
+    pub fn judge(&self, found: &Reconstruction) -> Result<Judged, Failure> {
+        let (optima, is_judged) = self.optima()?;
         let posed = |pose: &Result<_, _>, camera| Some(as_bal(pose.as_ref().ok()?, camera));
         let both = found.cameras.iter().zip(&self.problem.cameras);
         let cameras: Vec<_> = both.map(|(pose, camera)| posed(pose, camera)).collect();
         let [truncated, plain] = self.costs(&cameras, &self.places(found), &is_judged);
-        let beside = [optimum, robust].map(|reference| {
+        let beside = optima.map(|reference| {
             let known: Vec<_> = reference.cameras.iter().copied().map(Some).collect();
             let points: Vec<_> = reference.points.iter().copied().map(Some).collect();
             let [truncated, plain] = self.costs(&known, &points, &is_judged);

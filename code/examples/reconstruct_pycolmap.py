@@ -1,6 +1,6 @@
 """The incremental mapper of COLMAP on a list of matches, as `reconstruct --matches FILE` writes it.
 
-usage: reconstruct_pycolmap.py FILE [BAL]
+usage: reconstruct_pycolmap.py FILE [CENTRES]
 
 Equal pixels of a picture are one keypoint. Matches are verified by COLMAP pair by pair, with the intrinsics given, and
 the mapper leaves these as they are. The last line is that of `reconstruct`: the costs over the sightings of its own points,
@@ -87,7 +87,7 @@ for image in best.images.values():
 squares = np.array(squares)
 percent = float("nan")
 if len(sys.argv) > 2:
-    # The centres of the file, by picture: `reconstruct --matches` with its numbers.
+    # As `reconstruct --centres` writes them, by picture.
     truth = np.loadtxt(sys.argv[2])
     own, other = [], []
     for image in best.images.values():

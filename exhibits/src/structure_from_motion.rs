@@ -1,6 +1,7 @@
 //! What chapter `structure_from_motion` shows: a camera from known points, worlds laid upon each other, tracks and
 //! wrong matches, and a map that grows and drifts.
 
+mod colmap;
 mod drift;
 mod figures;
 mod orientation;
@@ -25,4 +26,5 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 pub fn records(chapter: &mut Chapter) {
     pixels::record(chapter);
+    colmap::record(chapter);
 }

@@ -10,7 +10,7 @@ use super::predicted::overshoot;
 use super::two_keyframes::{BIAS, Estimate, Graph, HUBER, STATE, STEP, Scene};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
-use crate::gtsam::{Exported, Python, pose_numbers, state_numbers};
+use crate::python::{Exported, Python, pose_numbers, state_numbers};
 use crate::record::{RecordValue, accepted};
 
 const RUNS: usize = 200;

@@ -15,7 +15,7 @@ use vislam::simulation::FlightRecording;
 use crate::bundle_adjustment::consistency::{OUTSIDE_MEAN, OUTSIDE_RUN};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
-use crate::gtsam::{Exported, Python, pose_numbers, state_numbers};
+use crate::python::{Exported, Python, pose_numbers, state_numbers};
 use crate::random::Random;
 use crate::record::RecordValue;
 

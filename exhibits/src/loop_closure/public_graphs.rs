@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
-use crate::gtsam::Python;
+use crate::python::Python;
 use crate::record::{RecordValue, accepted, inputs_of};
 
 #[allow(dead_code)]
@@ -96,7 +96,7 @@ fn keep_least(kept: &mut BTreeMap<String, f64>, lines: Vec<(String, f64)>) {
 
 /// What GTSAM prints of the graphs in a folder: names and numbers.
 fn said(python: &Python, folder: &str) -> Result<Vec<(String, f64)>, NotMade> {
-    let text = python.run("pose_graphs_gtsam.py", folder.as_ref())?;
+    let text = python.run("pose_graphs_gtsam.py", &[folder.as_ref()])?;
     let named = |line: &str| {
         let (name, value) = line.split_once(' ')?;
         Some((name.to_owned(), value.parse().ok()?))

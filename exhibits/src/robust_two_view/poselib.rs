@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::chapter::Chapter;
 use crate::data::NotMade;
+use crate::python::Python;
 use crate::record::{RecordValue, accepted};
 use crate::release;
 
@@ -41,13 +42,10 @@ pub fn record(chapter: &mut Chapter) {
 }
 
 fn beside_poselib() -> Result<Vec<RecordValue>, NotMade> {
-    let absent = |_| {
-        NotMade::DataAbsent(format!("{VARIABLE} is not set; let it name a Python that has poselib"))
-    };
-    let python = std::env::var(VARIABLE).map_err(absent)?;
+    let python = Python::with("poselib", VARIABLE)?;
     let scenes = SCENES.to_string();
     let of_example = ["--package", "vislam", "--example", "robust_two_view"];
-    let said = release::said(&of_example, &[&scenes, &python])?;
+    let said = release::said(&of_example, &[&scenes, python.name()])?;
     let line = |line: &str| {
         let (name, value) = line.split_once(' ')?;
         Some((name.to_owned(), value.parse().ok()?))

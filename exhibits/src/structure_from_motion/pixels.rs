@@ -10,12 +10,12 @@ mod example;
 
 use example::Input;
 
-const LADYBUG: DataFile = DataFile {
+pub const LADYBUG: DataFile = DataFile {
     path: "bal/problem-49-7776-pre.txt",
     sha256: "96ca2845519d89d0727953d983427ab38a42c54991cd4d73e46a4221da3c61b4",
 };
 const SEEDS: u64 = 20;
-const WRONG: f64 = 0.2;
+pub const WRONG: f64 = 0.2;
 
 pub fn record(chapter: &mut Chapter) {
     let inputs = vec![

@@ -1,4 +1,5 @@
-//! GTSAM beside the book's library: graphs as the scripts of the library's examples read them, and what these print.
+//! GTSAM and COLMAP beside the book's library: graphs as the scripts of the library's examples read them, and what these
+//! print.
 
 use std::fmt::{Display, Write};
 use std::path::Path;
@@ -9,14 +10,28 @@ use vislam::inertial::NavState;
 
 use crate::data::NotMade;
 
-/// A Python that has GTSAM.
+/// A Python that has a package.
 pub struct Python(String);
 
 impl Python {
-    /// The one that `VISLAM_GTSAM` names.
+    /// The one with GTSAM, which `VISLAM_GTSAM` names.
     pub fn with_gtsam() -> Result<Self, NotMade> {
-        let absent = "VISLAM_GTSAM is not set; let it name a Python that has gtsam";
-        std::env::var("VISLAM_GTSAM").map(Self).map_err(|_| NotMade::DataAbsent(absent.into()))
+        Self::with("gtsam", "VISLAM_GTSAM")
+    }
+
+    /// The one that a variable of the environment names.
+    pub fn with(package: &str, variable: &str) -> Result<Self, NotMade> {
+        let absent = |_| {
+            NotMade::DataAbsent(format!(
+                "{variable} is not set; let it name a Python that has {package}"
+            ))
+        };
+        std::env::var(variable).map(Self).map_err(absent)
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        &self.0
     }
 
     /// The numbers that a script prints of a graph, by lines.
@@ -24,19 +39,19 @@ impl Python {
         let failed = |error: &dyn Display| NotMade::Failed(format!("{script}: {error}"));
         let file = std::env::temp_dir().join(format!("graph-{}.csv", std::process::id()));
         std::fs::write(&file, &graph.0).map_err(|error| failed(&error))?;
-        let text = self.run(script, &file);
+        let text = self.run(script, &[&file]);
         std::fs::remove_file(&file).map_err(|error| failed(&error))?;
         let number = |word: &str| word.parse().map_err(|error| failed(&format!("{word}: {error}")));
         let numbers = |line: &str| line.split_whitespace().map(number).collect();
         text?.lines().map(numbers).collect()
     }
 
-    /// What a script of the library's examples prints of a file or a folder.
-    pub fn run(&self, script: &str, of: &Path) -> Result<String, NotMade> {
+    /// What a script of the library's examples prints of files or a folder.
+    pub fn run(&self, script: &str, of: &[&Path]) -> Result<String, NotMade> {
         let Self(python) = self;
         let failed = |error: &dyn Display| NotMade::Failed(format!("{python} {script}: {error}"));
         let path = format!("{}/../code/examples/{script}", env!("CARGO_MANIFEST_DIR"));
-        let output = Command::new(python).arg(path).arg(of).output();
+        let output = Command::new(python).arg(path).args(of).output();
         let output = output.map_err(|error| failed(&error))?;
         if !output.status.success() {
             return Err(failed(&String::from_utf8_lossy(&output.stderr)));
