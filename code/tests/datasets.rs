@@ -435,3 +435,41 @@ fn every_malformed_line_of_a_bal_file_is_named() {
     assert_eq!(fault("99999999999999999 1 99999999999999999\n").line, 2);
     assert_eq!(fault("").line, 1);
 }
+
+mod matches {
+    use nalgebra::Vector2;
+    use vislam::datasets::matches::read_matches;
+
+    const CAMERAS: &str = "camera 500 500 320 240\ncamera 400 410 0 0\n";
+
+    #[test]
+    fn equal_pixels_of_a_picture_are_one_keypoint() {
+        let lines =
+            "# two matches of one keypoint\n\n0 1.5 2 1 3 4\n  1 5 6 0 1.5 2\n0 1.5 2.5 1 3 4\n";
+        let (pictures, matches) = read_matches(&format!("{CAMERAS}{lines}")).unwrap();
+        assert_eq!(pictures[1].camera.fy, 410.0);
+        assert_eq!(pictures[0].keypoints, [Vector2::new(1.5, 2.0), Vector2::new(1.5, 2.5)]);
+        assert_eq!(pictures[1].keypoints, [Vector2::new(3.0, 4.0), Vector2::new(5.0, 6.0)]);
+        let ends: Vec<_> = matches.iter().map(|m| (m.pictures, m.keypoints)).collect();
+        assert_eq!(ends, [([0, 1], [0, 0]), ([1, 0], [1, 0]), ([0, 1], [1, 0])]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (line, said) in [
+            ("0 1 2 1 3", "line 3: 5 numbers where 6 should stand"),
+            ("0 1 2 1 3 x", "line 3: `x` is not a finite number"),
+            ("0 1 2 1 3 inf", "line 3: `inf` is not a finite number"),
+            ("0 1 2 2 3 4", "line 3: there is no picture 2, only 2 cameras"),
+            ("0 1 2 -1 3 4", "line 3: there is no picture -1"),
+            ("0.5 1 2 1 3 4", "line 3: there is no picture 0.5"),
+            ("1 1 2 1 3 4", "line 3: both pixels are of picture 1"),
+            ("camera 0 1 0 0", "line 3: "),
+            ("camera 1 1 0", "line 3: 3 numbers where 4 should stand"),
+            ("0 1 2 1 3 4\ncamera 1 1 0 0", "line 4: a camera stands below a match"),
+        ] {
+            let error = read_matches(&format!("{CAMERAS}{line}\n")).unwrap_err().to_string();
+            assert!(error.starts_with(said), "{line}: {error}");
+        }
+    }
+}
