@@ -133,8 +133,8 @@ pub struct Consensus<E> {
     /// How many wrong data out of as many would lie within the gate, as far as data that are paired
     /// at random tell.
     pub by_chance: f64,
-    /// The covariance of the estimate, when the inliers are right. Wrong ones among them, which the
-    /// estimate has made to fit, are not in it.
+    /// The covariance of the estimate, when the inliers that made it are right: those with little
+    /// leverage {eq:leverage}. Wrong ones among them, which the estimate has made to fit, are not in it.
     pub covariance: Option<DMatrix<f64>>,
 }
 // ANCHOR_END: consensus_result
@@ -150,8 +150,8 @@ const MOST_ROUNDS: usize = 20;
 /// them counted as at most the gate. Samples are drawn until, for the share of inliers that the best
 /// estimate has, one without a wrong datum has been among them with the wanted confidence, and some
 /// times longer: [`ConsensusOptions::patience`]. Whatever is better than all before it is refined from
-/// its inliers until they stay the same. It is refused when as many
-/// would agree by chance.
+/// its inliers until they stay the same. It is refused when as many would agree by chance. In the end
+/// inliers with much leverage [@hoaglin1978] are left out of the fit, since they draw it to themselves.
 ///
 /// The result does not depend on units, on the number of processors or on the time of day. It
 /// depends on the seed and on the order of the data.

@@ -97,7 +97,6 @@ pub fn numbers(chapter: &mut Chapter) {
     percent("turn_by_rotation", all[0].right[0], chapter);
     percent("turn_by_plane", all[0].right[1], chapter);
     percent("turn_by_motion", all[0].right[2], chapter);
-    percent("turn_wrong_by_motion", all[0].wrong[2], chapter);
     chapter.number("wall_motions", all[2].motions as f64, "", 0);
     chapter.number("selected_right", RIGHT as f64, "", 0);
     chapter.number("selected_wrong", WRONG as f64, "", 0);
