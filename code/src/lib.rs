@@ -20,6 +20,7 @@ pub mod datasets;
 pub mod factors;
 pub mod filtering;
 pub mod inertial;
+pub mod initialization;
 pub mod least_squares;
 pub mod loop_closure;
 pub mod manifold;

@@ -15,11 +15,11 @@ use rand_chacha::ChaCha8Rng;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
 use vislam::filtering::{Belief, Form, attitude_in_world, nees};
-use vislam::inertial::{GRAVITY, ImuSample, NavState, StampedSample};
+use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::msckf::{
-    Calibrated, LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions,
-    PictureReport, Rest, Sight, Start, TrackError, WindowPolicy, landmark,
+    LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport,
+    Rest, Sight, Start, TrackError, WindowPolicy, landmark,
 };
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::TriangulationError;

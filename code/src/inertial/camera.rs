@@ -17,6 +17,17 @@ pub struct CameraImu {
 }
 // ANCHOR_END: camera_imu
 
+/// What of that is estimated, and how uncertain it is at the beginning.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Calibrated {
+    /// The standard deviations of `body_from_camera` as its retraction counts it: of its
+    /// translation in metres and of its rotation in radians. `None` when it is known.
+    pub extrinsics: Option<[f64; 2]>,
+    /// The standard deviation of the time offset, in seconds. `None` when it is known. A filter
+    /// estimates it through the poses of its window, {eq:clone-clock}, as @li2014 do.
+    pub time_offset: Option<f64>,
+}
+
 impl CameraImu {
     // ANCHOR: camera_pose
     /// The transform that takes world coordinates to camera coordinates.

@@ -14,7 +14,7 @@ mod sample;
 mod state;
 
 pub use axis_noise::AxisNoise;
-pub use camera::CameraImu;
+pub use camera::{Calibrated, CameraImu};
 pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};
 pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::filtering::Form;
-use crate::inertial::{GRAVITY, ImuNoise};
+use crate::inertial::{Calibrated, GRAVITY, ImuNoise};
 use crate::reprojection::Pinhole;
 use crate::simulation::Flight;
 
@@ -28,17 +28,6 @@ pub enum WindowPolicy {
     Oldest,
     /// Every third one but the newest, all at once, so that what stays spans the same time.
     Thin,
-}
-
-/// What of the calibration is estimated, and how uncertain it is at the beginning.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Calibrated {
-    /// The standard deviations of `body_from_camera` as its retraction counts it: of its
-    /// translation in metres and of its rotation in radians. `None` when it is known.
-    pub extrinsics: Option<[f64; 2]>,
-    /// The standard deviation of the time offset, in seconds. `None` when it is known. It is
-    /// estimated through the poses of the window, {eq:clone-clock}, as @li2014 do.
-    pub time_offset: Option<f64>,
 }
 
 /// How a body at rest is noticed, and what it is then told.

@@ -2,9 +2,11 @@
 
 use nalgebra::{Isometry3, SVector, Vector3};
 use vislam::datasets::tracks::Picture;
-use vislam::inertial::{BodyPose, CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, StampedSample};
+use vislam::inertial::{
+    BodyPose, Calibrated, CameraImu, GRAVITY, ImuBias, ImuNoise, ImuSample, StampedSample,
+};
 use vislam::least_squares::Manifold;
-use vislam::msckf::{Calibrated, Msckf, MsckfOptions, Start};
+use vislam::msckf::{Msckf, MsckfOptions, Start};
 use vislam::preintegration::Matrix15;
 use vislam::reprojection::Pinhole;
 use vislam::simulation::{Kinematics, Trajectory};

@@ -1,0 +1,237 @@
+//! All states, biases and landmarks of a flight at once: the estimate that others are judged by.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector2, Vector3};
+
+use super::rest::GAUGE_SIGMA;
+use super::{BatchError, Sensors};
+use crate::factors::{CombinedInertialFactor, PixelByBody, Prior};
+use crate::inertial::{Calibrated, Gravity, ImuBias, NavState, StampedSample, between};
+use crate::least_squares::{
+    Covariance, Fronts, Kernel, Key, LinearPrior, Options, Problem, ProblemError, Solution,
+    SolveError, Values, sqrt_information,
+};
+use crate::msckf::Start;
+use crate::preintegration::preintegrate_combined;
+
+/// Where a track was seen: the number of the state, and the pixel.
+pub type Sighting = (usize, Vector2<f64>);
+
+// ANCHOR: batch
+/// All states, biases and landmarks of a flight, and what was measured of them.
+pub struct Batch {
+    pub(super) sensors: Sensors,
+    /// The problem, which holds the values where the search begins.
+    pub problem: Problem,
+    /// The body at each picture.
+    pub states: Vec<Key<NavState>>,
+    /// The biases at each picture.
+    pub biases: Vec<Key<ImuBias>>,
+    /// The landmarks, by track.
+    pub landmarks: BTreeMap<usize, Key<Vector3<f64>>>,
+    /// How the camera sits on the body. Held, unless [`Calibrated`] says that it is estimated.
+    pub extrinsics: Key<Isometry3<f64>>,
+    /// How much later the pictures were taken than known, in seconds. Held as well.
+    pub delay: Key<Vector1<f64>>,
+    gravity: Key<Gravity>,
+    /// The body's angular velocity at each state, in its frame, in rad/s.
+    turning: Vec<Vector3<f64>>,
+}
+// ANCHOR_END: batch
+
+impl Batch {
+    // ANCHOR: batch_new
+    /// The states at some times on the sensor's clock, in nanoseconds, with the readings between
+    /// them, beginning at a guess.
+    ///
+    /// # Errors
+    ///
+    /// A [`BatchError`] when there are fewer than two states or a guess is missing, or when the
+    /// readings do not reach from one state to the next.
+    pub fn new(
+        sensors: &Sensors,
+        readings: &[StampedSample],
+        nanoseconds: &[i64],
+        guess: &[(NavState, ImuBias)],
+    ) -> Result<Self, BatchError> {
+        let (states, guesses) = (nanoseconds.len(), guess.len());
+        if states < 2 || states != guesses {
+            return Err(BatchError::States { states, guesses });
+        }
+        let mut problem = Problem::new();
+        let (extrinsics, delay) = (sensors.rig.body_from_camera, Vector1::zeros());
+        let mut batch = Self {
+            sensors: *sensors,
+            states: guess.iter().map(|(state, _)| problem.add_variable(*state)).collect(),
+            biases: guess.iter().map(|(_, bias)| problem.add_variable(*bias)).collect(),
+            landmarks: BTreeMap::new(),
+            extrinsics: problem.add_variable(extrinsics),
+            delay: problem.add_variable(delay),
+            gravity: problem.add_variable(Gravity(sensors.gravity())),
+            turning: Vec::with_capacity(states),
+            problem,
+        };
+        batch.calibrate()?;
+        batch.problem.hold(batch.gravity)?;
+        for state in 1..states {
+            let span = [nanoseconds[state - 1], nanoseconds[state]];
+            batch.add_interval(state, &between(readings, span[0], span[1])?)?;
+        }
+        Ok(batch)
+    }
+    // ANCHOR_END: batch_new
+
+    /// Holds what is known of the calibration, and adds how well the rest is known.
+    fn calibrate(&mut self) -> Result<(), ProblemError> {
+        let Calibrated { extrinsics, time_offset } = self.sensors.calibrated;
+        match extrinsics {
+            None => self.problem.hold(self.extrinsics)?,
+            Some([shift, turn]) => {
+                let sigmas = [shift, shift, shift, turn, turn, turn];
+                let known = self.sensors.rig.body_from_camera;
+                let prior = Prior::near(self.extrinsics, known, sigmas);
+                self.problem.add_factor(prior, Kernel::Squared)?;
+            }
+        }
+        match time_offset {
+            None => self.problem.hold(self.delay)?,
+            Some(sigma) => {
+                let prior = Prior::near(self.delay, Vector1::zeros(), [sigma]);
+                self.problem.add_factor(prior, Kernel::Squared)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the readings that lead to a state from the one before.
+    fn add_interval(&mut self, state: usize, readings: &[StampedSample]) -> Result<(), BatchError> {
+        let bias = self.problem.values()[self.biases[state - 1]];
+        let sums = preintegrate_combined(readings, &bias, &self.sensors.noise)?;
+        let (states, biases) = (&self.states, &self.biases);
+        let factor = CombinedInertialFactor::new(
+            [states[state - 1], states[state]],
+            [biases[state - 1], biases[state]],
+            self.gravity,
+            &sums,
+        )?;
+        self.problem.add_factor(factor, Kernel::Squared)?;
+        let first = readings.first().filter(|_| state == 1);
+        let ends = [first, readings.last()].into_iter().flatten();
+        self.turning.extend(ends.map(|end| end.sample.corrected(&bias).gyro));
+        Ok(())
+    }
+
+    // ANCHOR: add_landmark
+    /// Adds a landmark and where it was seen.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Sighting`] names a state that does not exist.
+    pub fn add_landmark(
+        &mut self,
+        track: usize,
+        place: Vector3<f64>,
+        sightings: &[Sighting],
+        kernel: Kernel,
+    ) -> Result<(), BatchError> {
+        let states = self.states.len();
+        if let Some((state, _)) = sightings.iter().find(|(state, _)| *state >= states) {
+            return Err(BatchError::Sighting { track, state: *state, states });
+        }
+        let landmark = self.problem.add_variable(place);
+        self.landmarks.insert(track, landmark);
+        for &(state, pixel) in sightings {
+            let factor = PixelByBody {
+                state: self.states[state],
+                landmark,
+                extrinsics: self.extrinsics,
+                time_offset: self.delay,
+                camera: self.sensors.camera,
+                angular_velocity: self.turning[state],
+                pixel,
+                inverse_sigma: 1.0 / self.sensors.pixel_sigma,
+            };
+            self.problem.add_factor(factor, kernel)?;
+        }
+        Ok(())
+    }
+    // ANCHOR_END: add_landmark
+
+    // ANCHOR: know
+    /// Adds what is known of the first state and its biases: standard deviations of turns, velocity
+    /// and position, and of the biases of gyroscope and accelerometer, in rad, m/s, m, rad/s and
+    /// m/s². An infinite one says nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Problem`].
+    pub fn know(
+        &mut self,
+        (state, bias): (NavState, ImuBias),
+        state_sigmas: [f64; 9],
+        bias_sigmas: [f64; 6],
+    ) -> Result<(), BatchError> {
+        let state = Prior::near(self.states[0], state, state_sigmas);
+        self.problem.add_factor(state, Kernel::Squared)?;
+        let bias = Prior::near(self.biases[0], bias, bias_sigmas);
+        self.problem.add_factor(bias, Kernel::Squared)?;
+        Ok(())
+    }
+
+    /// The same from a start, with its covariance: at the time of the first state, of which it need
+    /// not be the guess.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Whitening`] when the covariance is none.
+    pub fn know_start(&mut self, start: &Start) -> Result<(), BatchError> {
+        let root = sqrt_information(&start.covariance)?;
+        let mut anchors = self.problem.values().clone();
+        anchors.set(self.states[0], start.state);
+        anchors.set(self.biases[0], start.bias);
+        let variables = [self.states[0].index(), self.biases[0].index()];
+        let root = DMatrix::from_fn(15, 15, |row, column| root[(row, column)]);
+        let prior = LinearPrior::of_root(&anchors, &variables, root, DVector::zeros(15))?;
+        self.problem.add_prior(prior)?;
+        Ok(())
+    }
+
+    /// Fixes what nothing measures: the first position, and the heading of the first state, a turn
+    /// about the vertical.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Problem`].
+    pub fn fix_gauge(&mut self) -> Result<(), BatchError> {
+        let anchor = self.problem.values()[self.states[0]];
+        let mut root = SMatrix::<f64, 9, 9>::zeros();
+        let up_in_body = anchor.world_from_body.inverse() * Vector3::z();
+        root.fixed_view_mut::<1, 3>(0, 0).copy_from(&(up_in_body.transpose() / GAUGE_SIGMA));
+        root.fixed_view_mut::<3, 3>(6, 6).fill_diagonal(1.0 / GAUGE_SIGMA);
+        let prior = Prior { variable: self.states[0], anchor, sqrt_information: root };
+        self.problem.add_factor(prior, Kernel::Squared)?;
+        Ok(())
+    }
+    // ANCHOR_END: know
+
+    // ANCHOR: solve
+    /// The most likely values.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`].
+    pub fn solve(&self, options: &Options) -> Result<Solution, SolveError> {
+        self.problem.solve_with(Fronts::new(&self.problem)?, options)
+    }
+    // ANCHOR_END: solve
+
+    /// The covariance of values, by variables.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`], when something is not determined.
+    pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
+        self.problem.covariance_with(Fronts::new(&self.problem)?, values)
+    }
+}

@@ -1,0 +1,264 @@
+//! A start at rest, and the batch of a whole flight.
+
+use nalgebra::{Matrix3, SMatrix, Vector2, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vislam::filtering::{chi_square_band, nees};
+use vislam::inertial::{Calibrated, ImuBias, NavState, WindowError};
+use vislam::initialization::{Batch, BatchError, NotAtRest, RestOptions, Sensors, at_rest};
+use vislam::least_squares::{Kernel, Manifold, Options};
+use vislam::preintegration::PreintegrationError;
+use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
+
+const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.02);
+
+/// Standing still, tilted, with the nose anywhere.
+fn tilted() -> Trajectory {
+    let constant = ScalarTrajectory::constant;
+    let angles = EulerAngles { yaw: constant(0.0), pitch: constant(0.3), roll: constant(-0.2) };
+    Trajectory { position: [ScalarTrajectory::default(); 3], angles }
+}
+
+fn flown(flight: &Flight, seed: u64) -> FlightRecording {
+    flight.record(&flight.room(3.0, 400, seed).unwrap(), seed).unwrap()
+}
+
+fn standing(bias: ImuBias, seed: u64) -> FlightRecording {
+    let flight = Flight { seconds: 1.0, initial_bias: bias, ..Flight::new(tilted()) };
+    let pixel_sigma = 0.5;
+    flown(&Flight { pixel_sigma, ..flight.with_lever(LEVER) }, seed)
+}
+
+fn normal3(random: &mut ChaCha8Rng, sigma: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| {
+        let number: f64 = StandardNormal.sample(random);
+        sigma * number
+    })
+}
+
+#[test]
+fn at_rest_tilt_and_bias_are_as_wrong_as_the_covariance_says() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let (mut sum, runs) = (0.0, 100);
+    for seed in 0..runs {
+        let accelerometer = normal3(&mut random, RestOptions::default().accelerometer_bias);
+        let bias = ImuBias { gyro: normal3(&mut random, 0.01), accelerometer };
+        let recording = standing(bias, seed);
+        let sensors = Sensors::of_flight(&recording.flight);
+        let start =
+            at_rest(&sensors, &recording.readings, &recording.pictures, &RestOptions::default());
+        let start = start.unwrap();
+        // The heading is free: the truth's is taken from the estimate's.
+        let truth = recording.truth.states.last().unwrap();
+        let ahead = |state: &NavState| state.world_from_body * Vector3::x();
+        let yaw = |state: &NavState| ahead(state).y.atan2(ahead(state).x);
+        let turn = nalgebra::Rotation3::from_axis_angle(
+            &Vector3::z_axis(),
+            yaw(&start.state) - yaw(truth),
+        );
+        let world_from_body = turn * truth.world_from_body;
+        let mut step = [0.0; 3];
+        start.state.world_from_body.local(&world_from_body, &mut step);
+        let accelerometer = recording.truth.biases.last().unwrap().accelerometer;
+        let off = accelerometer - start.bias.accelerometer;
+        // Tilt and accelerometer bias together, without the turn about the vertical.
+        let up = start.state.world_from_body.inverse() * Vector3::z();
+        let across = nalgebra::Rotation3::rotation_between(&Vector3::z(), &up).unwrap();
+        let mut select = SMatrix::<f64, 5, 15>::zeros();
+        select
+            .fixed_view_mut::<2, 3>(0, 0)
+            .copy_from(&across.matrix().transpose().fixed_rows::<2>(0));
+        select.fixed_view_mut::<3, 3>(2, 12).copy_from(&Matrix3::identity());
+        let mut error = SMatrix::<f64, 15, 1>::zeros();
+        error.fixed_rows_mut::<3>(0).copy_from_slice(&step);
+        error.fixed_rows_mut::<3>(12).copy_from(&off);
+        let covariance = select * start.covariance * select.transpose();
+        sum += 5.0 * nees(&(select * error), &covariance).unwrap();
+        let gyro = recording.truth.biases.last().unwrap().gyro - start.bias.gyro;
+        let sigma = start.covariance[(9, 9)].sqrt();
+        assert!(gyro.amax() < 5.0 * sigma, "gyro bias off by {gyro}, sigma {sigma}");
+    }
+    let [low, high] = chi_square_band(0.003, 5 * runs as usize).unwrap();
+    assert!((low..high).contains(&sum), "sum of {sum}, band from {low} to {high}");
+}
+
+#[test]
+fn a_body_that_moves_is_not_at_rest() {
+    let options = RestOptions::default();
+    let flight = Flight { seconds: 1.0, ..Flight::new(Trajectory::figure_eight()) };
+    let moving = flown(&flight, 1);
+    let sensors = Sensors::of_flight(&flight);
+    let refused = at_rest(&sensors, &moving.readings, &moving.pictures, &options).unwrap_err();
+    assert!(matches!(refused, NotAtRest::Motion { .. }), "{refused}");
+
+    // Pictures of a camera that hangs still, and a force that is not gravity's.
+    let still = standing(ImuBias::default(), 2);
+    let mut pushed = still.readings.clone();
+    pushed.iter_mut().for_each(|reading| reading.sample.accelerometer.z += 2.0);
+    let refused = at_rest(&sensors, &pushed, &still.pictures, &options).unwrap_err();
+    assert!(matches!(refused, NotAtRest::Force { .. }), "{refused}");
+
+    let mut nothing = still.pictures.clone();
+    nothing.iter_mut().for_each(|picture| picture.features.clear());
+    let refused = at_rest(&sensors, &still.readings, &nothing, &options).unwrap_err();
+    assert!(matches!(refused, NotAtRest::Features { found: 0, .. }), "{refused}");
+    let refused = at_rest(&sensors, &still.readings, &[], &options).unwrap_err();
+    assert!(matches!(refused, NotAtRest::Features { found: 0, .. }), "{refused}");
+    let refused = at_rest(&sensors, &still.readings[..50], &still.pictures, &options).unwrap_err();
+    assert!(matches!(refused, NotAtRest::Readings(WindowError::NotCovered { .. })), "{refused}");
+}
+
+/// Two seconds in flight, and the truth at each picture.
+fn flying(seed: u64) -> (FlightRecording, Vec<i64>, Vec<(NavState, ImuBias)>) {
+    let motion = Trajectory::figure_eight();
+    let bias = ImuBias {
+        gyro: Vector3::new(0.01, -0.02, 0.005),
+        accelerometer: Vector3::new(0.05, -0.03, 0.02),
+    };
+    let flight = Flight {
+        seconds: 3.0,
+        picture_rate: 5.0,
+        tracks: 40,
+        initial_bias: bias,
+        ..Flight::new(motion).with_lever(LEVER)
+    };
+    let recording = flown(&flight, seed);
+    let times = recording.pictures.iter();
+    let times = times.map(|picture| flight.rig.imu_nanoseconds(picture.nanoseconds)).collect();
+    let truth = &recording.truth;
+    let truth = truth.states.iter().copied().zip(truth.biases.iter().copied()).collect();
+    (recording, times, truth)
+}
+
+/// Adds each landmark that is seen from three states or more, where it is.
+fn add_landmarks(batch: &mut Batch, recording: &FlightRecording) {
+    let truth = &recording.truth;
+    for (track, landmark) in truth.landmark_of_track.iter().enumerate() {
+        let seen = recording.pictures.iter().enumerate().flat_map(|(state, picture)| {
+            let of_track = picture.features.iter().filter(move |feature| feature.track == track);
+            of_track.map(move |feature| (state, feature.pixel))
+        });
+        let sightings: Vec<(usize, Vector2<f64>)> = seen.collect();
+        if sightings.len() >= 3 {
+            let place = truth.landmarks[*landmark];
+            batch.add_landmark(track, place, &sightings, Kernel::Squared).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_errors_of_a_batch_are_as_large_as_its_covariance_says() {
+    let (mut sum, runs) = (0.0, 30);
+    for seed in 0..runs {
+        let (recording, times, truth) = flying(seed);
+        let sensors = Sensors::of_flight(&recording.flight);
+        let guess: Vec<_> = truth
+            .iter()
+            .map(|(state, bias)| (state.retract(&[0.01; 9]), bias.retract(&[2e-3; 6])))
+            .collect();
+        let mut batch = Batch::new(&sensors, &recording.readings, &times, &guess).unwrap();
+        add_landmarks(&mut batch, &recording);
+        let (state, bias) = truth[0];
+        let free = f64::INFINITY;
+        let state_sigmas = [1e-4, 1e-4, 1e-4, free, free, free, 1e-4, 1e-4, 1e-4];
+        batch.know((state, bias), state_sigmas, [free; 6]).unwrap();
+        let solution = batch.solve(&Options::default()).unwrap();
+        assert!(solution.report.stop.is_convergence(), "{}", solution.report.stop);
+        let covariance = batch.covariance(&solution.values).unwrap();
+        let last = *batch.states.last().unwrap();
+        let mut error = SMatrix::<f64, 9, 1>::zeros();
+        let estimate = solution.values[last];
+        estimate.local(&truth.last().unwrap().0, error.as_mut_slice());
+        let covariance = covariance.of(last).unwrap();
+        sum +=
+            9.0 * nees(&error, &SMatrix::<f64, 9, 9>::from_fn(|r, c| covariance[(r, c)])).unwrap();
+    }
+    let [low, high] = chi_square_band(0.003, 9 * runs as usize).unwrap();
+    assert!((low..high).contains(&sum), "sum of {sum}, band from {low} to {high}");
+}
+
+#[test]
+fn a_batch_finds_the_camera_and_its_clock() {
+    let (recording, times, truth) = flying(3);
+    let mut sensors = Sensors::of_flight(&recording.flight);
+    sensors.calibrated = Calibrated { extrinsics: Some([0.05, 0.05]), time_offset: Some(0.02) };
+    let real = sensors.rig.body_from_camera;
+    let (shift, turn) = ([0.03, -0.02, 0.02], [0.01, 0.02, -0.01]);
+    sensors.rig.body_from_camera = real.retract(&[shift, turn].concat());
+    let late = |time: &i64| time - 5_000_000;
+    // Five milliseconds early on the sensor's clock, so the pictures were taken five later.
+    let times: Vec<i64> = times[1..].iter().map(late).collect();
+    let mut early = recording.clone();
+    early.pictures.remove(0);
+    let mut batch = Batch::new(&sensors, &recording.readings, &times, &truth[1..]).unwrap();
+    add_landmarks(&mut batch, &early);
+    batch.fix_gauge().unwrap();
+    let solution = batch.solve(&Options::default()).unwrap();
+    let covariance = batch.covariance(&solution.values).unwrap();
+    let delay = solution.values[batch.delay].x;
+    let sigma = covariance.of(batch.delay).unwrap()[(0, 0)].sqrt();
+    assert!((delay - 0.005).abs() < 4.0 * sigma && sigma < 4e-3, "{delay} s within {sigma}");
+    let mut off = [0.0; 6];
+    solution.values[batch.extrinsics].local(&real, &mut off);
+    let spread = covariance.of(batch.extrinsics).unwrap();
+    for (axis, off) in off.iter().enumerate() {
+        let sigma = spread[(axis, axis)].sqrt();
+        assert!(
+            off.abs() < 4.0 * sigma && sigma < 0.049,
+            "coordinate {axis}: {off} within {sigma}"
+        );
+    }
+}
+
+#[test]
+fn a_start_is_a_prior_of_the_first_state_and_its_bias_together() {
+    let (recording, times, truth) = flying(4);
+    let sensors = Sensors::of_flight(&recording.flight);
+    let mut start = vislam::msckf::Start::drawn(&recording, &[0.05; 15], 4).unwrap();
+    start.covariance[(0, 12)] = 2e-3;
+    start.covariance[(12, 0)] = 2e-3;
+    let mut batch = Batch::new(&sensors, &recording.readings, &times, &truth).unwrap();
+    batch.know_start(&start).unwrap();
+    // Readings alone add nothing to what is known of the first state.
+    let solution = batch.solve(&Options::default()).unwrap();
+    let mut off = [0.0; 9];
+    start.state.local(&solution.values[batch.states[0]], &mut off);
+    assert!(off.iter().all(|number| number.abs() < 1e-6), "{off:?}");
+    let covariance = batch.covariance(&solution.values).unwrap();
+    let known = start.covariance.fixed_view::<9, 9>(0, 0).into_owned();
+    let found = covariance.of(batch.states[0]).unwrap();
+    assert!((found - known).amax() < 1e-6);
+    start.covariance[(3, 3)] = -1.0;
+    assert!(matches!(batch.know_start(&start), Err(BatchError::Whitening(_))));
+}
+
+#[test]
+fn what_cannot_be_a_batch_is_refused() {
+    let (recording, times, truth) = flying(5);
+    let sensors = Sensors::of_flight(&recording.flight);
+    let readings = &recording.readings;
+    let error = |times: &[i64], guess: &[(NavState, ImuBias)]| {
+        Batch::new(&sensors, readings, times, guess).err().expect("this is no batch")
+    };
+    assert_eq!(error(&times[..1], &truth[..1]), BatchError::States { states: 1, guesses: 1 });
+    assert_eq!(error(&times[..3], &truth[..2]), BatchError::States { states: 3, guesses: 2 });
+    let backwards = [times[1], times[0]];
+    let expected = WindowError::Order { start: times[1], end: times[0] };
+    assert_eq!(error(&backwards, &truth[..2]), BatchError::Readings(expected));
+
+    let gap = Flight { gap: Some([1.0, 1.5]), ..recording.flight.clone() };
+    let lost = flown(&gap, 5);
+    let error = Batch::new(&sensors, &lost.readings, &times, &truth).err().unwrap();
+    assert!(
+        matches!(error, BatchError::Preintegration(PreintegrationError::Gap { .. })),
+        "{error}"
+    );
+
+    let mut batch = Batch::new(&sensors, readings, &times, &truth).unwrap();
+    let beyond = [(0, Vector2::zeros()), (99, Vector2::zeros())];
+    let error = batch.add_landmark(3, Vector3::zeros(), &beyond, Kernel::Squared).unwrap_err();
+    assert_eq!(error, BatchError::Sighting { track: 3, state: 99, states: times.len() });
+    let nothing_known = batch.covariance(&batch.problem.values().clone());
+    assert!(nothing_known.is_err());
+}
