@@ -7,8 +7,8 @@ use nalgebra::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::factors::{
-    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, Prior, RelativePose,
-    StereoByPose,
+    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, PoseUpToScale, Prior,
+    RelativePose, StereoByPose,
 };
 use vislam::inertial::{GRAVITY, Gravity, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
@@ -172,6 +172,34 @@ fn a_late_clock_shows_the_landmark_from_where_the_body_has_gone() {
     let (_, residual) = problem.jacobian(problem.values()).unwrap();
     // Two centimetres to the right at four metres: two pixels to the left.
     assert!((residual - Vector2::new(-2.0, 0.0)).norm() < 1e-9);
+}
+
+#[test]
+fn a_pose_up_to_scale_has_the_slopes_of_its_residual() {
+    let mut draws = Draws::new(14);
+    for _ in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let (state, body_from_camera) = (draws.state(), draws.extrinsics());
+        let log_scale = Vector1::new(draws.number(1.0));
+        // What the picture says, off by a little.
+        let mut map_from_camera = state.pose() * body_from_camera;
+        map_from_camera.translation.vector *= (-log_scale.x).exp();
+        let factor = PoseUpToScale {
+            state: frozen.add(&mut draws, &mut problem, state),
+            log_scale: frozen.add(&mut draws, &mut problem, log_scale),
+            map_from_camera: draws.nearby(&map_from_camera),
+            body_from_camera,
+            inverse_turn: 1.7,
+            inverse_shift: 0.6,
+        };
+        let (state, log_scale) = factor.variables();
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, state);
+            frozen.freeze(problem, log_scale);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
 }
 
 #[test]

@@ -6,7 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use vislam::filtering::{chi_square_band, nees};
 use vislam::inertial::{Calibrated, ImuBias, NavState, WindowError};
-use vislam::initialization::{Batch, BatchError, NotAtRest, RestOptions, Sensors, at_rest};
+use vislam::initialization::{
+    AlignmentRefused, Batch, BatchError, MotionOptions, NoStart, NotAtRest, RestOptions, Sensors,
+    Started, UniformMotion, VisualMotion, align_motion, at_rest, in_motion,
+};
 use vislam::least_squares::{Kernel, Manifold, Options};
 use vislam::preintegration::PreintegrationError;
 use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
@@ -261,4 +264,95 @@ fn what_cannot_be_a_batch_is_refused() {
     assert_eq!(error, BatchError::Sighting { track: 3, state: 99, states: times.len() });
     let nothing_known = batch.covariance(&batch.problem.values().clone());
     assert!(nothing_known.is_err());
+}
+
+/// Two seconds of a motion, ten pictures a second.
+fn for_two_seconds(motion: Trajectory, seed: u64) -> FlightRecording {
+    let accelerometer = Vector3::new(0.05, -0.08, 0.03);
+    let initial_bias = ImuBias { gyro: Vector3::new(0.02, -0.03, 0.05), accelerometer };
+    let flight = Flight { seconds: 2.0, picture_rate: 10.0, initial_bias, ..Flight::new(motion) };
+    let flight = Flight { pixel_sigma: 0.5, tracks: 60, ..flight };
+    flown(&flight.with_lever(LEVER), seed)
+}
+
+fn started(recording: &FlightRecording) -> Result<Started, NoStart> {
+    let sensors = Sensors::of_flight(&recording.flight);
+    in_motion(&sensors, &recording.readings, &recording.pictures, &MotionOptions::default())
+}
+
+#[test]
+fn a_start_in_motion_knows_its_scale_and_its_tilt_as_well_as_it_says() {
+    let (mut scales, runs) = (0.0, 20);
+    for seed in 0..runs {
+        let recording = for_two_seconds(Trajectory::figure_eight(), seed);
+        let found = started(&recording).unwrap_or_else(|error| panic!("flight {seed}: {error}"));
+        let states: Vec<NavState> =
+            found.batch.states.iter().map(|key| found.values[*key]).collect();
+        let truth: Vec<NavState> =
+            found.pictures.iter().map(|picture| recording.truth.states[*picture]).collect();
+        let away = |states: &[NavState], place: usize| {
+            (states[place].position - states[0].position).norm()
+        };
+        let farthest =
+            (0..states.len()).max_by(|a, b| away(&states, *a).total_cmp(&away(&states, *b)));
+        let farthest = farthest.unwrap();
+        let off = away(&states, farthest) / away(&truth, farthest) - 1.0;
+        scales += (off / found.scale_sigma).powi(2);
+        let up = |state: &NavState| state.world_from_body.inverse() * Vector3::z();
+        let tilt = up(&states[0]).angle(&up(&truth[0]));
+        assert!(tilt < 4.0 * found.tilt_sigma, "{tilt} rad within {}", found.tilt_sigma);
+        assert!(found.scale_sigma < 0.1 && found.tilt_sigma < 1f64.to_radians());
+    }
+    let [low, high] = chi_square_band(0.003, runs as usize).unwrap();
+    assert!((low..high).contains(&scales), "sum of {scales}, band from {low} to {high}");
+}
+
+#[test]
+fn motions_that_hide_their_scale_are_refused_by_name() {
+    let linear = ScalarTrajectory::linear;
+    let straight =
+        Trajectory { position: [linear(0.6), linear(0.3), linear(0.1)], ..Trajectory::default() };
+    let name = |motion: Trajectory| match started(&for_two_seconds(motion, 1)) {
+        Err(NoStart::Uniform { motion, .. }) => Some(motion),
+        Err(error) => panic!("{error}"),
+        Ok(found) => panic!("the scale is known within {}", found.scale_sigma),
+    };
+    assert_eq!(name(straight), Some(UniformMotion::ConstantVelocity));
+    let pushed = |rate: f64, acceleration: f64| ScalarTrajectory { acceleration, ..linear(rate) };
+    let level = Trajectory {
+        position: [pushed(0.3, 0.4), pushed(0.2, -0.2), ScalarTrajectory::default()],
+        ..Trajectory::default()
+    };
+    assert_eq!(name(level), Some(UniformMotion::ConstantAcceleration));
+    let hover = started(&for_two_seconds(Trajectory::hover(), 1)).err().unwrap();
+    assert!(matches!(hover, NoStart::Pictures(_)), "{hover}");
+}
+
+#[test]
+fn what_does_not_align_is_refused() {
+    let recording = for_two_seconds(Trajectory::figure_eight(), 2);
+    let sensors = Sensors::of_flight(&recording.flight);
+    let motion = VisualMotion::of(&sensors, &recording.pictures).unwrap();
+    let align = |motion: &VisualMotion, readings| align_motion(&sensors, readings, motion, 0.1);
+    let aligned = align(&motion, &recording.readings).unwrap();
+    assert_eq!(aligned.solutions, 1);
+    let gravity = aligned.gravity.norm();
+    assert!((gravity - sensors.gravity).abs() < 1e-9, "gravity of {gravity}");
+
+    let mut few = motion.clone();
+    few.centres.truncate(3);
+    let refused = align(&few, &recording.readings).unwrap_err();
+    assert_eq!(refused, AlignmentRefused::Cameras { found: 3 });
+    let refused = align(&motion, &recording.readings[100..]).unwrap_err();
+    assert!(matches!(refused, AlignmentRefused::Readings(WindowError::NotCovered { .. })));
+    // Everything mirrored: forces point the other way.
+    let mut mirrored = motion.clone();
+    mirrored.centres.iter_mut().for_each(|centre| *centre = -*centre);
+    let refused = align(&mirrored, &recording.readings).unwrap_err();
+    assert!(matches!(refused, AlignmentRefused::Scale { .. }), "{refused}");
+
+    let mut broken = recording.readings.clone();
+    broken[100].sample.accelerometer.x = f64::NAN;
+    let refused = align(&motion, &broken).unwrap_err();
+    assert!(matches!(refused, AlignmentRefused::Preintegration(_)), "{refused}");
 }

@@ -12,6 +12,7 @@ use crate::least_squares::{
     Covariance, Fronts, Kernel, Key, LinearPrior, Options, Problem, ProblemError, Solution,
     SolveError, Values, sqrt_information,
 };
+use crate::manifold::se3;
 use crate::msckf::Start;
 use crate::preintegration::preintegrate_combined;
 
@@ -157,6 +158,17 @@ impl Batch {
         Ok(())
     }
     // ANCHOR_END: add_landmark
+
+    /// Whether a place lies in front of the camera at all of these states, where they begin.
+    pub(super) fn is_in_front(&self, place: &Vector3<f64>, sightings: &[Sighting]) -> bool {
+        let values = self.problem.values();
+        sightings.iter().all(|(state, _)| {
+            let camera_from_world =
+                self.sensors.rig.camera_from_world(&values[self.states[*state]]);
+            let in_camera = se3::transform(&camera_from_world, place);
+            self.sensors.camera.project_cam(&in_camera).is_some()
+        })
+    }
 
     // ANCHOR: know
     /// Adds what is known of the first state and its biases: standard deviations of turns, velocity

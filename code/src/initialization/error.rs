@@ -1,10 +1,13 @@
 //! What cannot be a batch.
 
+use std::fmt;
+
 use thiserror::Error;
 
 use crate::inertial::WindowError;
 use crate::least_squares::{ProblemError, SolveError, WhiteningError};
 use crate::preintegration::PreintegrationError;
+use crate::structure_from_motion::ReconstructionError;
 
 /// Why there is no batch.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -42,4 +45,100 @@ pub enum BatchError {
     /// There is no solution.
     #[error(transparent)]
     Solve(#[from] SolveError),
+}
+
+/// Why readings do not align with a motion that is known up to scale.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum AlignmentRefused {
+    /// Too few cameras were found.
+    #[error("{found} cameras were found, and five are needed; give more pictures")]
+    Cameras {
+        /// How many.
+        found: usize,
+    },
+    /// The linear equations have no single solution.
+    #[error("scale, velocity and gravity do not follow from the readings; wait for more motion")]
+    Undetermined,
+    /// The scale came out negative.
+    #[error(
+        "the scale comes out as {scale:.3}, which is none: the motion is too uniform, or the camera's \
+         place on the body is another one; wait for more motion"
+    )]
+    Scale {
+        /// The scale.
+        scale: f64,
+    },
+    /// The readings do not cover the pictures.
+    #[error(transparent)]
+    Readings(#[from] WindowError),
+    /// The readings cannot be summed up.
+    #[error(transparent)]
+    Preintegration(#[from] PreintegrationError),
+    /// A covariance cannot be inverted.
+    #[error(transparent)]
+    Whitening(#[from] WhiteningError),
+    /// A number is none of a problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// There is no solution.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// A motion that leaves the scale free, or nearly so, unless the body turns enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UniformMotion {
+    /// The camera went straight on with one velocity.
+    ConstantVelocity,
+    /// Its acceleration stayed the same.
+    ConstantAcceleration,
+}
+
+impl fmt::Display for UniformMotion {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::ConstantVelocity => "velocity",
+            Self::ConstantAcceleration => "acceleration",
+        })
+    }
+}
+
+/// Why there is no start in motion.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum NoStart {
+    /// The pictures give no motion.
+    #[error("the pictures give no motion: {0}")]
+    Pictures(#[from] ReconstructionError),
+    /// The readings do not align with it.
+    #[error("the readings do not align with the pictures: {0}")]
+    Alignment(#[from] AlignmentRefused),
+    /// There is no batch of both.
+    #[error("pictures and readings have no common estimate: {0}")]
+    Batch(#[from] BatchError),
+    /// The motion is too uniform to show its scale.
+    #[error("the camera moved with constant {motion}, which hides its scale: {error}")]
+    Uniform {
+        /// What stayed the same.
+        motion: UniformMotion,
+        /// What could not be found therefore.
+        error: Box<NoStart>,
+    },
+    /// The estimate is too uncertain.
+    #[error(
+        "the scale is known within {:.1} %, the tilt within {:.2}°: wait for more motion",
+        100.0 * .scale_sigma,
+        .tilt_sigma.to_degrees()
+    )]
+    Uncertain {
+        /// The standard deviation of the scale, as a part of it.
+        scale_sigma: f64,
+        /// That of the tilt, in radians.
+        tilt_sigma: f64,
+    },
+}
+
+impl From<SolveError> for NoStart {
+    fn from(error: SolveError) -> Self {
+        Self::Batch(error.into())
+    }
 }

@@ -1,0 +1,161 @@
+//! A start while the body flies: pictures, then readings, then both at once.
+
+use nalgebra::{DMatrix, Rotation3, Vector3};
+
+use super::{AlignmentRefused, Batch, NoStart, Sensors, VisualMotion, align_motion, inertial_map};
+use crate::datasets::tracks::Picture;
+use crate::inertial::{ImuBias, NavState, StampedSample};
+use crate::least_squares::{Covariance, Kernel, Options, Values};
+
+// ANCHOR: motion_options
+/// When a start in motion counts as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionOptions {
+    /// The standard deviation of the accelerometer's bias on each axis, in m/s².
+    pub accelerometer_bias: f64,
+    /// That of the gyroscope's, in rad/s.
+    pub gyro_bias: f64,
+    /// The largest standard deviation of the scale, as a part of it.
+    pub scale_sigma: f64,
+    /// The largest standard deviation of the tilt, in radians.
+    pub tilt_sigma: f64,
+    /// The kernel of the pixels.
+    pub kernel: Kernel,
+}
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self {
+            accelerometer_bias: 0.1,
+            gyro_bias: 0.1,
+            scale_sigma: 0.1,
+            tilt_sigma: 1f64.to_radians(),
+            kernel: Kernel::Huber(1.345),
+        }
+    }
+}
+// ANCHOR_END: motion_options
+
+// ANCHOR: in_motion
+/// A start in motion: the batch of some pictures, at its minimum.
+pub struct Started {
+    /// The batch.
+    pub batch: Batch,
+    /// Its most likely values.
+    pub values: Values,
+    /// Their covariance.
+    pub covariance: Covariance,
+    /// The standard deviation of the scale, as a part of it: of the distance of the state that is
+    /// farthest from the first one.
+    pub scale_sigma: f64,
+    /// The standard deviation of the first state's tilt, in radians: its greatest about any
+    /// horizontal axis.
+    pub tilt_sigma: f64,
+    /// Which picture each state belongs to.
+    pub pictures: Vec<usize>,
+}
+
+/// Starts while the body moves: a motion up to scale from the pictures, what readings say of it
+/// linearly, the most likely inertial unknowns, and from there the batch of all. The world's third
+/// axis points up, its origin and heading are the first state's.
+///
+/// # Errors
+///
+/// [`NoStart`] says what is not determined, and by what motion.
+pub fn in_motion(
+    sensors: &Sensors,
+    readings: &[StampedSample],
+    pictures: &[Picture],
+    options: &MotionOptions,
+) -> Result<Started, NoStart> {
+    let motion = VisualMotion::of(sensors, pictures)?;
+    let started = start(sensors, readings, &motion, options);
+    started.map_err(|error| match motion.uniform(sensors) {
+        Some(motion) => NoStart::Uniform { motion, error: Box::new(error) },
+        None => error,
+    })
+}
+// ANCHOR_END: in_motion
+
+// ANCHOR: start_in_motion
+fn start(
+    sensors: &Sensors,
+    readings: &[StampedSample],
+    motion: &VisualMotion,
+    options: &MotionOptions,
+) -> Result<Started, NoStart> {
+    let aligned = align_motion(sensors, readings, motion, options.accelerometer_bias)?;
+    let map = inertial_map(sensors, readings, motion, &aligned, options.accelerometer_bias)?;
+    let up = Rotation3::rotation_between(&-map.gravity, &Vector3::z());
+    let world_from_motion = up.ok_or(AlignmentRefused::Undetermined)?;
+    let turned = |state: &NavState| NavState {
+        world_from_body: world_from_motion * state.world_from_body,
+        velocity: world_from_motion * state.velocity,
+        position: world_from_motion * state.position,
+    };
+    let guess: Vec<(NavState, ImuBias)> =
+        map.states.iter().map(|state| (turned(state), map.bias)).collect();
+    let mut batch = Batch::new(sensors, readings, &motion.nanoseconds, &guess)?;
+    for (track, landmark) in &motion.landmarks {
+        let place = world_from_motion * (map.scale * (landmark.place - motion.centres[0]));
+        if batch.is_in_front(&place, &landmark.sightings) {
+            batch.add_landmark(*track, place, &landmark.sightings, options.kernel)?;
+        }
+    }
+    batch.fix_gauge()?;
+    let (g, a) = (options.gyro_bias, options.accelerometer_bias);
+    let free = [f64::INFINITY; 9];
+    batch.know((guess[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
+    let values = batch.solve(&Options::default())?.values;
+    let covariance = batch.covariance(&values)?;
+    Started::judged(batch, values, covariance, motion.pictures.clone(), options)
+}
+// ANCHOR_END: start_in_motion
+
+impl Started {
+    // ANCHOR: judged
+    fn judged(
+        batch: Batch,
+        values: Values,
+        covariance: Covariance,
+        pictures: Vec<usize>,
+        options: &MotionOptions,
+    ) -> Result<Self, NoStart> {
+        let scale_sigma = scale_sigma(&batch, &values, &covariance);
+        let tilt_sigma = tilt_sigma(&batch, &values, &covariance);
+        let (scale, tilt) = (scale_sigma <= options.scale_sigma, tilt_sigma <= options.tilt_sigma);
+        if scale && tilt {
+            Ok(Self { batch, values, covariance, scale_sigma, tilt_sigma, pictures })
+        } else {
+            Err(NoStart::Uncertain { scale_sigma, tilt_sigma })
+        }
+    }
+    // ANCHOR_END: judged
+}
+
+// ANCHOR: scale_sigma
+/// The standard deviation of the distance from the first state to the one that is farthest from it,
+/// as a part of that distance. The first position is fixed, so the other's covariance says it.
+fn scale_sigma(batch: &Batch, values: &Values, covariance: &Covariance) -> f64 {
+    let first = values[batch.states[0]].position;
+    let away = |key: &crate::least_squares::Key<NavState>| values[*key].position - first;
+    let farthest = batch.states.iter().max_by(|a, b| away(a).norm().total_cmp(&away(b).norm()));
+    let spread = farthest.and_then(|key| Some((away(key), covariance.of(*key)?)));
+    let Some((away, spread)) = spread else { return f64::NAN };
+    let (distance, along) = (away.norm(), away.normalize());
+    (along.transpose() * block(&spread, 6) * along).x.sqrt() / distance
+}
+
+/// The greatest standard deviation of the first state's turn about a horizontal axis.
+fn tilt_sigma(batch: &Batch, values: &Values, covariance: &Covariance) -> f64 {
+    let first = batch.states[0];
+    let Some(spread) = covariance.of(first) else { return f64::NAN };
+    let world_from_body = values[first].world_from_body.matrix();
+    let in_world = world_from_body * block(&spread, 0) * world_from_body.transpose();
+    in_world.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigenvalues().max().sqrt()
+}
+// ANCHOR_END: scale_sigma
+
+fn block(spread: &DMatrix<f64>, from: usize) -> nalgebra::Matrix3<f64> {
+    spread.fixed_view::<3, 3>(from, from).into_owned()
+}
