@@ -4,11 +4,12 @@ use nalgebra::{Matrix3, SMatrix, Vector2, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vislam::filtering::{chi_square_band, nees};
+use vislam::filtering::{Freedom, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{Calibrated, ImuBias, NavState, WindowError};
 use vislam::initialization::{
-    AlignmentRefused, Batch, BatchError, MotionOptions, NoStart, NotAtRest, RestOptions, Sensors,
-    Started, UniformMotion, VisualMotion, align_motion, at_rest, in_motion,
+    AlignmentRefused, Batch, BatchError, BeginOptions, LandmarkRefused, MotionOptions, NoStart,
+    NotAtRest, RestOptions, Sensors, Started, UniformMotion, VisualMotion, Whole, WholeOptions,
+    align_motion, at_rest, begin, in_motion,
 };
 use vislam::least_squares::{Kernel, Manifold, Options};
 use vislam::preintegration::PreintegrationError;
@@ -222,7 +223,7 @@ fn a_start_is_a_prior_of_the_first_state_and_its_bias_together() {
     start.covariance[(0, 12)] = 2e-3;
     start.covariance[(12, 0)] = 2e-3;
     let mut batch = Batch::new(&sensors, &recording.readings, &times, &truth).unwrap();
-    batch.know_start(&start).unwrap();
+    batch.know_start(0, &start).unwrap();
     // Readings alone add nothing to what is known of the first state.
     let solution = batch.solve(&Options::default()).unwrap();
     let mut off = [0.0; 9];
@@ -233,7 +234,7 @@ fn a_start_is_a_prior_of_the_first_state_and_its_bias_together() {
     let found = covariance.of(batch.states[0]).unwrap();
     assert!((found - known).amax() < 1e-6);
     start.covariance[(3, 3)] = -1.0;
-    assert!(matches!(batch.know_start(&start), Err(BatchError::Whitening(_))));
+    assert!(matches!(batch.know_start(0, &start), Err(BatchError::Whitening(_))));
 }
 
 #[test]
@@ -355,4 +356,112 @@ fn what_does_not_align_is_refused() {
     broken[100].sample.accelerometer.x = f64::NAN;
     let refused = align(&motion, &broken).unwrap_err();
     assert!(matches!(refused, AlignmentRefused::Preintegration(_)), "{refused}");
+}
+
+/// Begins a flight and makes the batch of all of it.
+fn whole(recording: &FlightRecording, options: &WholeOptions) -> (f64, Whole) {
+    let sensors = Sensors::of_flight(&recording.flight);
+    let (readings, pictures) = (&recording.readings, &recording.pictures);
+    let begun = begin(&sensors, readings, pictures, &BeginOptions::default()).unwrap();
+    let seconds = begun.seconds;
+    (seconds, Whole::grown(&sensors, readings, pictures, begun.known, options).unwrap())
+}
+
+fn position_error(whole: &Whole, recording: &FlightRecording) -> f64 {
+    let estimate: Vec<NavState> = whole.batch.states.iter().map(|key| whole.values[*key]).collect();
+    absolute_trajectory_error(&estimate, &recording.truth.states, Freedom::Four).unwrap().position
+}
+
+#[test]
+fn the_batch_of_a_flight_grows_from_a_start_in_motion() {
+    let motion = Trajectory::figure_eight();
+    let flight = Flight { seconds: 6.0, picture_rate: 10.0, tracks: 40, ..Flight::new(motion) };
+    let recording = flown(&flight.with_lever(LEVER), 3);
+    let (seconds, found) = whole(&recording, &WholeOptions::default());
+    assert!(seconds < 3.0, "begun after {seconds} s");
+    assert_eq!(found.batch.states.len(), recording.pictures.len());
+    let error = position_error(&found, &recording);
+    assert!(error < 0.03, "{error} m off");
+    let tracks = recording.truth.landmark_of_track.len();
+    assert_eq!(found.batch.landmarks.len() + found.refused.len(), tracks);
+}
+
+#[test]
+fn the_batch_of_a_flight_grows_from_a_stand_and_wrong_tracks_are_refused() {
+    // Two seconds still, and then away ever faster, rising.
+    let mut recording = taking_off(5);
+    let wrong = recording.pictures[70].features[0].track;
+    for picture in &mut recording.pictures[60..] {
+        for feature in picture.features.iter_mut().filter(|feature| feature.track == wrong) {
+            feature.pixel += Vector2::new(40.0, -30.0);
+        }
+    }
+    let (seconds, found) = whole(&recording, &WholeOptions::default());
+    assert!((1.5..3.0).contains(&seconds), "begun after {seconds} s");
+    let error = position_error(&found, &recording);
+    assert!(error < 0.05, "{error} m off");
+    assert!(found.refused.contains_key(&wrong));
+    let by_gate = |why: &LandmarkRefused| matches!(why, LandmarkRefused::Gate { .. });
+    assert!(found.refused.values().filter(|why| by_gate(why)).count() < 5);
+}
+
+/// A flight that stands for two seconds, glued together from a stand and the flight that begins there.
+fn taking_off(seed: u64) -> FlightRecording {
+    let wave = ScalarTrajectory::wave;
+    // At the beginning all velocities are zero, and so are the turns.
+    let swing = |size: f64, rate: f64| ScalarTrajectory {
+        value: size,
+        ..wave(size, rate, -std::f64::consts::FRAC_PI_2)
+    };
+    let angles =
+        EulerAngles { yaw: swing(0.2, 1.1), pitch: swing(0.05, 1.7), roll: swing(0.06, 1.3) };
+    let motion =
+        Trajectory { position: [swing(0.8, 1.5), swing(0.6, 1.2), swing(0.4, 1.9)], angles };
+    let still = Trajectory::hover();
+    let base = Flight { picture_rate: 20.0, tracks: 40, ..Flight::new(still) }.with_lever(LEVER);
+    let flying = Flight { seconds: 4.0, motion, ..base.clone() };
+    let landmarks = flying.room(3.0, 400, seed).unwrap();
+    let mut standing = Flight { seconds: 2.0, ..base }.record(&landmarks, seed).unwrap();
+    let mut flight = flying.record(&landmarks, seed + 100).unwrap();
+    let shift = 2_000_000_000;
+    standing.readings.retain(|reading| reading.nanoseconds < shift);
+    standing.pictures.pop();
+    standing.truth.states.pop();
+    standing.truth.biases.pop();
+    // A landmark has one track on both sides.
+    let followed = standing.truth.landmark_of_track.clone();
+    let mut track_of: Vec<usize> = Vec::new();
+    for (track, landmark) in flight.truth.landmark_of_track.iter().enumerate() {
+        let in_first = flight.pictures[0].features.iter().any(|feature| feature.track == track);
+        let same = followed.iter().position(|other| other == landmark).filter(|_| in_first);
+        track_of.push(same.unwrap_or_else(|| {
+            standing.truth.landmark_of_track.push(*landmark);
+            standing.truth.landmark_of_track.len() - 1
+        }));
+    }
+    for picture in &mut flight.pictures {
+        picture.nanoseconds += shift;
+        picture.features.iter_mut().for_each(|feature| feature.track = track_of[feature.track]);
+        picture.features.sort_by_key(|feature| feature.track);
+    }
+    flight.readings.iter_mut().for_each(|reading| reading.nanoseconds += shift);
+    standing.readings.append(&mut flight.readings);
+    standing.pictures.append(&mut flight.pictures);
+    standing.truth.states.append(&mut flight.truth.states);
+    standing
+}
+
+#[test]
+fn a_flight_without_a_beginning_says_why() {
+    let straight =
+        Trajectory { position: [ScalarTrajectory::linear(0.6); 3], ..Trajectory::default() };
+    let recording = for_two_seconds(straight, 1);
+    let sensors = Sensors::of_flight(&recording.flight);
+    let options = BeginOptions::default();
+    let beginning = |pictures: &[_]| begin(&sensors, &recording.readings, pictures, &options);
+    let error = beginning(&recording.pictures).unwrap_err();
+    assert!(matches!(error, NoStart::Uniform { .. } | NoStart::Pictures(_)), "{error}");
+    let error = beginning(&recording.pictures[..1]).unwrap_err();
+    assert_eq!(error, NoStart::TooShort { pictures: 1 });
+    assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0 });
 }

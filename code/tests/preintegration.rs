@@ -462,6 +462,10 @@ fn what_deltas_predict_is_what_propagation_reaches_from_any_state() {
             assert_abs_diff_eq!(predicted.velocity, state.velocity, epsilon = 1e-11);
             assert_abs_diff_eq!(predicted.position, state.position, epsilon = 1e-11);
             assert!(imu_residual(&sums, &first, &state, &GRAVITY, &bias).norm() < 1e-10);
+            let back = sums.before(&predicted, &GRAVITY);
+            assert!(so3::local(&back.world_from_body, &first.world_from_body).norm() < 1e-12);
+            assert_abs_diff_eq!(back.velocity, first.velocity, epsilon = 1e-11);
+            assert_abs_diff_eq!(back.position, first.position, epsilon = 1e-11);
         }
     }
 }

@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector2, Vector3};
 
 use super::rest::GAUGE_SIGMA;
 use super::{BatchError, Sensors};
-use crate::factors::{CombinedInertialFactor, PixelByBody, Prior};
-use crate::inertial::{Calibrated, Gravity, ImuBias, NavState, StampedSample, between};
+use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody, Prior};
+use crate::inertial::{BodyPose, Calibrated, Gravity, ImuBias, NavState, StampedSample, between};
 use crate::least_squares::{
     Covariance, Fronts, Kernel, Key, LinearPrior, Options, Problem, ProblemError, Solution,
     SolveError, Values, sqrt_information,
@@ -191,22 +191,52 @@ impl Batch {
         Ok(())
     }
 
-    /// The same from a start, with its covariance: at the time of the first state, of which it need
-    /// not be the guess.
+    /// What is known of a state and its biases from a start, with its covariance.
     ///
     /// # Errors
     ///
     /// [`BatchError::Whitening`] when the covariance is none.
-    pub fn know_start(&mut self, start: &Start) -> Result<(), BatchError> {
+    pub fn know_start(&mut self, state: usize, start: &Start) -> Result<(), BatchError> {
         let root = sqrt_information(&start.covariance)?;
         let mut anchors = self.problem.values().clone();
-        anchors.set(self.states[0], start.state);
-        anchors.set(self.biases[0], start.bias);
-        let variables = [self.states[0].index(), self.biases[0].index()];
+        anchors.set(self.states[state], start.state);
+        anchors.set(self.biases[state], start.bias);
+        let variables = [self.states[state].index(), self.biases[state].index()];
         let root = DMatrix::from_fn(15, 15, |row, column| root[(row, column)]);
         let prior = LinearPrior::of_root(&anchors, &variables, root, DVector::zeros(15))?;
         self.problem.add_prior(prior)?;
         Ok(())
+    }
+
+    /// Tells that the body stands at a state, to a standard deviation of its velocity in m/s on each
+    /// axis.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Problem`].
+    pub fn stand_still(&mut self, state: usize, sigma: f64) -> Result<(), BatchError> {
+        let free = f64::INFINITY;
+        let sigmas = [free, free, free, sigma, sigma, sigma, free, free, free];
+        let anchor =
+            NavState { velocity: Vector3::zeros(), ..self.problem.values()[self.states[state]] };
+        let prior = Prior::near(self.states[state], anchor, sigmas);
+        self.problem.add_factor(prior, Kernel::Squared)?;
+        Ok(())
+    }
+
+    /// By how many standard deviations a pixel is off; infinite behind the camera.
+    pub(super) fn off(
+        &self,
+        values: &Values,
+        (state, landmark): (usize, Key<Vector3<f64>>),
+        pixel: Vector2<f64>,
+    ) -> f64 {
+        let Sensors { camera, pixel_sigma, .. } = self.sensors;
+        let body_from_camera = &values[self.extrinsics];
+        let body = BodyPose::from(&values[self.states[state]]);
+        let seen = BodyPixel { camera: &camera, pixel, inverse_sigma: 1.0 / pixel_sigma };
+        let residual = seen.residual((&body, &values[landmark], body_from_camera));
+        residual.map_or(f64::INFINITY, |residual| residual.norm())
     }
 
     /// Fixes what nothing measures: the first position, and the heading of the first state, a turn

@@ -106,6 +106,12 @@ impl fmt::Display for UniformMotion {
 /// Why there is no start in motion.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NoStart {
+    /// There are too few pictures for any span of them.
+    #[error("{pictures} pictures are too few to begin; give two seconds of them or more")]
+    TooShort {
+        /// How many there are.
+        pictures: usize,
+    },
     /// The pictures give no motion.
     #[error("the pictures give no motion: {0}")]
     Pictures(#[from] ReconstructionError),

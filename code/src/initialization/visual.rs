@@ -7,7 +7,8 @@ use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 use super::Sensors;
 use crate::datasets::tracks;
 use crate::structure_from_motion::{
-    Picture, PictureMatch, Reconstruction, ReconstructionError, ReconstructionOptions, reconstruct,
+    MapPoint, Picture, PictureMatch, Reconstruction, ReconstructionError, ReconstructionOptions,
+    reconstruct,
 };
 
 // ANCHOR: visual
@@ -71,7 +72,7 @@ impl VisualMotion {
         let camera_from_body = sensors.rig.body_from_camera.rotation.inverse();
         let turned = |camera: &Isometry3<f64>| (camera.rotation * camera_from_body).into();
         let time = |number: &usize| sensors.rig.imu_nanoseconds(pictures[*number].nanoseconds);
-        let landmark = |point: &crate::structure_from_motion::MapPoint| {
+        let landmark = |point: &MapPoint| {
             let [picture, keypoint] = *point.sightings.first()?;
             let track = pictures[picture].features[keypoint].track;
             let sighting = |[picture, keypoint]: &[usize; 2]| {
@@ -93,7 +94,7 @@ impl VisualMotion {
 
     /// Seconds from the first camera to another.
     pub(super) fn seconds(&self, place: usize) -> f64 {
-        1e-9 * (self.nanoseconds[place] - self.nanoseconds[0]) as f64
+        1e-9 * self.nanoseconds[place].saturating_sub(self.nanoseconds[0]) as f64
     }
 }
 

@@ -218,6 +218,16 @@ impl Preintegrated {
     }
     // ANCHOR_END: predict
 
+    /// The state at the beginning of the interval, given that at its end, if the bias is that of the
+    /// deltas.
+    pub fn before(&self, last: &NavState, gravity: &Vector3<f64>) -> NavState {
+        let (deltas, t) = (&self.deltas, self.duration);
+        let world_from_body = last.world_from_body * deltas.rotation.inverse();
+        let velocity = last.velocity - t * gravity - world_from_body * deltas.velocity;
+        let coasted = t * velocity + 0.5 * t * t * gravity + world_from_body * deltas.position;
+        NavState { world_from_body, velocity, position: last.position - coasted }
+    }
+
     // ANCHOR: sqrt_information
     /// The 9×9 matrix W with Wᵀ W = Σ⁻¹, which whitens the residual and its Jacobians.
     ///

@@ -1,0 +1,301 @@
+//! The batch of a whole flight, grown from where it was begun.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use thiserror::Error;
+
+use super::batch::Sighting;
+use super::{Batch, BatchError, Sensors};
+use crate::datasets::tracks::Picture;
+use crate::inertial::{ImuBias, NavState, StampedSample, between};
+use crate::least_squares::{Covariance, Kernel, Options, Values};
+use crate::msckf::Start;
+use crate::preintegration::{LONGEST_STEP, Preintegrated, Rule, preintegrate_stamped};
+use crate::two_views::{TriangulationError, View, triangulate, triangulate_nonlinear};
+
+// ANCHOR: whole_options
+/// How the batch of a flight is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeOptions {
+    /// The kernel of the pixels.
+    pub kernel: Kernel,
+    /// The fewest pictures that must show a landmark.
+    pub least_sightings: usize,
+    /// The least angle at which two of its rays must meet, in radians.
+    pub least_parallax: f64,
+    /// How far any of its pixels may be off, in standard deviations.
+    pub gate: f64,
+    /// By how many seconds the batch grows at a time.
+    pub growth: f64,
+    /// The standard deviations of the biases of gyroscope and accelerometer before anything is
+    /// known, in rad/s and m/s².
+    pub biases: [f64; 2],
+    /// The standard deviation of the velocity of a body that stands, in m/s on each axis.
+    pub rest_velocity: f64,
+}
+
+impl Default for WholeOptions {
+    fn default() -> Self {
+        Self {
+            kernel: Kernel::Huber(1.345),
+            least_sightings: 3,
+            least_parallax: 0.02,
+            gate: 10.0,
+            growth: 1.0,
+            biases: [0.1, 0.1],
+            rest_velocity: 0.01,
+        }
+    }
+}
+// ANCHOR_END: whole_options
+
+/// States and biases that are known so far, by picture: a stretch without holes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// The picture of the first of them.
+    pub first: usize,
+    /// The states and biases.
+    pub states: Vec<(NavState, ImuBias)>,
+    /// The pictures up to this number show a body that stands.
+    pub standing: usize,
+    /// What is known of the state at a picture, if the stand has shown it.
+    pub start: Option<(usize, Start)>,
+}
+
+/// The batch of a flight at its minimum.
+pub struct Whole {
+    /// The batch.
+    pub batch: Batch,
+    /// The most likely values.
+    pub values: Values,
+    /// Their covariance.
+    pub covariance: Covariance,
+    /// The tracks that are no landmarks, and why.
+    pub refused: BTreeMap<usize, LandmarkRefused>,
+}
+
+/// Why a track is no landmark.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LandmarkRefused {
+    /// Too few pictures show it.
+    #[error("{sightings} pictures show it, and {needed} are needed")]
+    Sightings {
+        /// How many do.
+        sightings: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// Its rays give no point.
+    #[error(transparent)]
+    Rays(#[from] TriangulationError),
+    /// One of its pixels is too far off.
+    #[error("a pixel is {off:.1} standard deviations off, and {allowed:.1} are allowed")]
+    Gate {
+        /// How far the worst is off.
+        off: f64,
+        /// What is allowed.
+        allowed: f64,
+    },
+}
+
+impl Whole {
+    // ANCHOR: whole_of
+    /// The batch of all pictures, grown from what is known of some: readings carry the states on, and
+    /// back before the first; then landmarks are placed, everything is solved, and what does not fit
+    /// is refused.
+    ///
+    /// # Errors
+    ///
+    /// A [`BatchError`].
+    pub fn grown(
+        sensors: &Sensors,
+        readings: &[StampedSample],
+        pictures: &[Picture],
+        known: Known,
+        options: &WholeOptions,
+    ) -> Result<Self, BatchError> {
+        let mut growing = Growing { sensors, readings, pictures, options, known };
+        loop {
+            let is_whole = growing.extend()?;
+            let whole = growing.solve()?;
+            if is_whole {
+                return Ok(whole);
+            }
+            growing.learn(&whole);
+        }
+    }
+    // ANCHOR_END: whole_of
+}
+
+struct Growing<'a> {
+    sensors: &'a Sensors,
+    readings: &'a [StampedSample],
+    pictures: &'a [Picture],
+    options: &'a WholeOptions,
+    known: Known,
+}
+
+impl Growing<'_> {
+    fn nanoseconds(&self, picture: usize) -> i64 {
+        self.sensors.rig.imu_nanoseconds(self.pictures[picture].nanoseconds)
+    }
+
+    fn sums(&self, from: usize, bias: &ImuBias) -> Result<Preintegrated, BatchError> {
+        let [start, end] = [from, from + 1].map(|picture| self.nanoseconds(picture));
+        let readings = between(self.readings, start, end)?;
+        let noise = &self.sensors.noise;
+        Ok(preintegrate_stamped(&readings, Rule::Midpoint, LONGEST_STEP, bias, noise)?)
+    }
+
+    // ANCHOR: extend
+    /// Carries the known states on and back by the readings, as far as the batch grows at a time.
+    /// True when all pictures have a state.
+    fn extend(&mut self) -> Result<bool, BatchError> {
+        let gravity = self.sensors.gravity();
+        let span = (1e9 * self.options.growth) as i64;
+        let until = self.nanoseconds(self.last()).saturating_add(span);
+        while self.last() + 1 < self.pictures.len() && self.nanoseconds(self.last() + 1) <= until {
+            let (state, bias) = self.known.states[self.known.states.len() - 1];
+            let next = self.sums(self.last(), &bias)?.predict(&state, &gravity, &bias);
+            self.known.states.push((next, bias));
+        }
+        let from = self.nanoseconds(self.known.first).saturating_sub(span);
+        while self.known.first > 0 && self.nanoseconds(self.known.first - 1) >= from {
+            let (state, bias) = self.known.states[0];
+            let before = self.sums(self.known.first - 1, &bias)?.before(&state, &gravity);
+            self.known.states.insert(0, (before, bias));
+            self.known.first -= 1;
+        }
+        Ok(self.known.first == 0 && self.last() + 1 == self.pictures.len())
+    }
+    // ANCHOR_END: extend
+
+    /// The last picture whose state is known.
+    fn last(&self) -> usize {
+        self.known.first + self.known.states.len() - 1
+    }
+
+    /// Takes over what has been solved.
+    fn learn(&mut self, whole: &Whole) {
+        let Whole { batch, values, .. } = whole;
+        let pairs = batch.states.iter().zip(&batch.biases);
+        self.known.states = pairs.map(|(state, bias)| (values[*state], values[*bias])).collect();
+    }
+
+    // ANCHOR: whole_solve
+    /// Solves for the states that are known so far and the landmarks that follow, twice: landmarks
+    /// that do not fit are left out of the second time.
+    fn solve(&mut self) -> Result<Whole, BatchError> {
+        let tracks = self.tracks();
+        let mut refused = BTreeMap::new();
+        let options = Options { decrease_tolerance: TOLERANCE, ..Options::default() };
+        loop {
+            let batch = self.batch(&tracks, &mut refused)?;
+            let values = batch.solve(&options)?.values;
+            let before = refused.len();
+            self.refuse(&batch, &values, &tracks, &mut refused);
+            if refused.len() == before {
+                let covariance = batch.covariance(&values)?;
+                return Ok(Whole { batch, values, covariance, refused });
+            }
+            let pairs = batch.states.iter().zip(&batch.biases);
+            self.known.states =
+                pairs.map(|(state, bias)| (values[*state], values[*bias])).collect();
+        }
+    }
+    // ANCHOR_END: whole_solve
+
+    /// By track, the states that saw it.
+    fn tracks(&self) -> BTreeMap<usize, Vec<Sighting>> {
+        let mut tracks: BTreeMap<usize, Vec<Sighting>> = BTreeMap::new();
+        let pictures = &self.pictures[self.known.first..=self.last()];
+        for (state, picture) in pictures.iter().enumerate() {
+            for feature in &picture.features {
+                tracks.entry(feature.track).or_default().push((state, feature.pixel));
+            }
+        }
+        tracks
+    }
+
+    // ANCHOR: whole_batch
+    /// The batch of the known states, with every track that gives a landmark.
+    fn batch(
+        &self,
+        tracks: &BTreeMap<usize, Vec<Sighting>>,
+        refused: &mut BTreeMap<usize, LandmarkRefused>,
+    ) -> Result<Batch, BatchError> {
+        let (options, known) = (self.options, &self.known);
+        let times: Vec<i64> =
+            (known.first..=self.last()).map(|picture| self.nanoseconds(picture)).collect();
+        let mut batch = Batch::new(self.sensors, self.readings, &times, &known.states)?;
+        let start = known
+            .start
+            .and_then(|(picture, start)| Some((picture.checked_sub(known.first)?, start)));
+        match start.filter(|(state, _)| *state < known.states.len()) {
+            Some((state, start)) => batch.know_start(state, &start)?,
+            None => {
+                batch.fix_gauge()?;
+                let [g, a] = options.biases;
+                let free = [f64::INFINITY; 9];
+                batch.know((known.states[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
+            }
+        }
+        for state in 0..known.standing.saturating_sub(known.first).min(known.states.len()) {
+            batch.stand_still(state, options.rest_velocity)?;
+        }
+        for (track, sightings) in tracks {
+            if refused.contains_key(track) {
+                continue;
+            }
+            match self.place(sightings) {
+                Ok(place) => batch.add_landmark(*track, place, sightings, options.kernel)?,
+                Err(why) => {
+                    refused.insert(*track, why);
+                }
+            }
+        }
+        Ok(batch)
+    }
+    // ANCHOR_END: whole_batch
+
+    /// Where the landmark of a track is most likely, if the states are right.
+    fn place(&self, sightings: &[Sighting]) -> Result<Vector3<f64>, LandmarkRefused> {
+        let needed = self.options.least_sightings;
+        if sightings.len() < needed {
+            return Err(LandmarkRefused::Sightings { sightings: sightings.len(), needed });
+        }
+        let views: Vec<View> = sightings.iter().map(|seen| self.view(seen)).collect();
+        let start = triangulate(&views, self.options.least_parallax)?;
+        Ok(triangulate_nonlinear(&views, &start).map_or(start, |found| found.point))
+    }
+
+    fn view(&self, &(state, pixel): &Sighting) -> View {
+        let Sensors { camera, pixel_sigma, rig, .. } = *self.sensors;
+        let camera_from_world = rig.camera_from_world(&self.known.states[state].0);
+        View { camera, camera_from_world, pixel, sigma: pixel_sigma }
+    }
+
+    // ANCHOR: refuse
+    /// Refuses the landmarks of which a pixel is too far off.
+    fn refuse(
+        &self,
+        batch: &Batch,
+        values: &Values,
+        tracks: &BTreeMap<usize, Vec<Sighting>>,
+        refused: &mut BTreeMap<usize, LandmarkRefused>,
+    ) {
+        let allowed = self.options.gate;
+        for (track, landmark) in &batch.landmarks {
+            let off = |&(state, pixel): &Sighting| batch.off(values, (state, *landmark), pixel);
+            let worst = tracks[track].iter().map(off).fold(0.0, f64::max);
+            if worst > allowed {
+                refused.insert(*track, LandmarkRefused::Gate { off: worst, allowed });
+            }
+        }
+    }
+    // ANCHOR_END: refuse
+}
+
+/// A step that lowers the cost by less than this part of it is the last.
+const TOLERANCE: f64 = 1e-6;
