@@ -1,6 +1,10 @@
 //! What is read from files of recordings, and what is said of files that are not as they should be.
 
+#[path = "datasets/calibration.rs"]
+mod calibration;
 mod measured;
+#[path = "datasets/written.rs"]
+mod written;
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3, Vector6};

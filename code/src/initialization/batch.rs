@@ -95,8 +95,13 @@ impl Batch {
         batch.calibrate()?;
         batch.problem.hold(batch.gravity)?;
         for state in 1..states {
-            let span = [nanoseconds[state - 1], nanoseconds[state]];
-            batch.add_interval(rule, state, &between(readings, span[0], span[1])?)?;
+            let [start, end] = [nanoseconds[state - 1], nanoseconds[state]];
+            let readings = between(readings, start, end)?;
+            // Its ends are interpolated, over a gap too, and would hide that nothing was measured.
+            if readings.len() < 3 {
+                return Err(BatchError::NoReading { start, end });
+            }
+            batch.add_interval(rule, state, &readings)?;
         }
         Ok(batch)
     }

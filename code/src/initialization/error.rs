@@ -33,6 +33,17 @@ pub enum BatchError {
     /// The readings do not reach from one state to the next.
     #[error(transparent)]
     Readings(#[from] WindowError),
+    /// There is no reading between two states.
+    #[error(
+        "no reading lies between the states at {start} ns and {end} ns; leave one of them out, or end \
+         before the gap or begin behind it"
+    )]
+    NoReading {
+        /// The time of the first state, in nanoseconds.
+        start: i64,
+        /// The time of the second, in nanoseconds.
+        end: i64,
+    },
     /// The readings cannot be summed up.
     #[error(transparent)]
     Preintegration(#[from] PreintegrationError),
@@ -136,12 +147,12 @@ pub enum NoStart {
     },
     /// The camera stays on one spot.
     #[error(
-        "the camera hovers: {turns} of {pairs} pairs of pictures show a turn at most and no parallax, \
-         which hides all depths and the scale; wait until it moves"
+        "the camera hovers: {narrow} of {pairs} pairs of pictures have no parallax to speak of, which \
+         hides all depths and the scale; wait until it moves"
     )]
     Hover {
-        /// Pairs of pictures that a turn explains.
-        turns: usize,
+        /// Pairs of pictures whose rays meet at too small angles, or that a turn explains.
+        narrow: usize,
         /// Pairs that have matches.
         pairs: usize,
     },
@@ -174,6 +185,20 @@ pub enum NoStart {
         /// That of the tilt, in radians.
         tilt_sigma: f64,
     },
+}
+
+impl NoStart {
+    /// Whether another motion would have been enough, and not other readings.
+    pub(super) fn is_of_motion(&self) -> bool {
+        let of_readings = |error: &AlignmentRefused| {
+            matches!(error, AlignmentRefused::Readings(_) | AlignmentRefused::Preintegration(_))
+        };
+        match self {
+            Self::Alignment(error) => !of_readings(error),
+            Self::Batch(error) => matches!(error, BatchError::Solve(_)),
+            _ => true,
+        }
+    }
 }
 
 impl From<SolveError> for NoStart {

@@ -71,21 +71,20 @@ pub fn in_motion(
 ) -> Result<Started, NoStart> {
     let motion = VisualMotion::of(sensors, pictures).map_err(without_motion)?;
     let started = start(sensors, readings, &motion, options);
-    started.map_err(|error| match motion.uniform(sensors) {
+    started.map_err(|error| match motion.uniform(sensors).filter(|_| error.is_of_motion()) {
         Some(motion) => NoStart::Uniform { motion, error: Box::new(error) },
         None => error,
     })
 }
 // ANCHOR_END: in_motion
 
-/// Why pictures show no motion: the camera hovers when turns without parallax explain most of their
-/// pairs.
+/// Why pictures show no motion: the camera hovers when most of their pairs show no parallax.
 fn without_motion(error: ReconstructionError) -> NoStart {
     match error {
         ReconstructionError::NoFirstPair { pairs, narrow, rotations, planes, .. }
-            if rotations > planes && 2 * (rotations + narrow) > pairs =>
+            if rotations + narrow > planes.max(pairs / 2) =>
         {
-            NoStart::Hover { turns: rotations, pairs }
+            NoStart::Hover { narrow: rotations + narrow, pairs }
         }
         error => error.into(),
     }

@@ -63,7 +63,11 @@ pub fn at_rest(
 ) -> Result<Start, NotAtRest> {
     let (first, last) = pictures_at_rest(sensors, pictures, options)?;
     let [from, to] = [first, last].map(|picture| sensors.rig.imu_nanoseconds(picture.nanoseconds));
-    let means = Means::of(sensors, &between(readings, from, to)?);
+    let readings = between(readings, from, to)?;
+    if let Some(reading) = readings.iter().find(|reading| !reading.sample.is_finite()) {
+        return Err(NotAtRest::Reading { nanoseconds: reading.nanoseconds });
+    }
+    let means = Means::of(sensors, &readings);
     let force = means.accelerometer.norm();
     let sigma = means.accelerometer_variance + options.accelerometer_bias.powi(2);
     let allowed = options.force * sigma.sqrt();
@@ -209,6 +213,12 @@ pub enum NotAtRest {
         gravity: f64,
         /// What is allowed, in m/s².
         allowed: f64,
+    },
+    /// A reading is none.
+    #[error("the reading at {nanoseconds} ns has a number that is not finite; leave it out")]
+    Reading {
+        /// Its time, in nanoseconds.
+        nanoseconds: i64,
     },
     /// The readings do not cover the pictures.
     #[error(transparent)]

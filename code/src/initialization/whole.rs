@@ -173,13 +173,17 @@ impl Growing<'_> {
         let gravity = self.sensors.gravity();
         let known = self.nanoseconds(self.last()) - self.nanoseconds(self.known.first);
         let span = ((1e9 * self.options.growth) as i64).max(known / GROWTH_PARTS);
-        let until = self.nanoseconds(self.last()).saturating_add(span);
+        // At least to the next picture, however late it comes.
+        let next = (self.last() + 1).min(self.pictures.len() - 1);
+        let until = self.nanoseconds(self.last()).saturating_add(span).max(self.nanoseconds(next));
         while self.last() + 1 < self.pictures.len() && self.nanoseconds(self.last() + 1) <= until {
             let (state, bias) = self.known.states[self.known.states.len() - 1];
             let next = self.sums(self.last(), &bias)?.predict(&state, &gravity, &bias);
             self.known.states.push((next, bias));
         }
+        let before = self.known.first.saturating_sub(1);
         let from = self.nanoseconds(self.known.first).saturating_sub(span);
+        let from = from.min(self.nanoseconds(before));
         while self.known.first > 0 && self.nanoseconds(self.known.first - 1) >= from {
             let (state, bias) = self.known.states[0];
             let before = self.sums(self.known.first - 1, &bias)?.before(&state, &gravity);
