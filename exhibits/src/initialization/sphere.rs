@@ -1,0 +1,5 @@
+//! A quadratic form on a sphere.
+
+use crate::chapter::Chapter;
+
+pub fn exhibits(_chapter: &mut Chapter) {}
