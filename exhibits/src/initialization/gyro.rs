@@ -73,7 +73,10 @@ impl Turned {
     fn residuals(&self, bias: &Vector3<f64>) -> Vec<Vector3<f64>> {
         let residual = |k: usize| {
             let turn = |of: &ImuSample| so3::exp(&(STEP * (of.gyro - bias)));
-            let summed: Rotation3<f64> = self.readings[k].iter().map(turn).product();
+            let summed = self.readings[k]
+                .iter()
+                .map(turn)
+                .fold(Rotation3::identity(), |all, turn| all * turn);
             let seen = self.rotations[k].inverse() * self.rotations[k + 1];
             so3::log(&(summed.inverse() * seen))
         };
@@ -101,7 +104,7 @@ impl Turned {
     fn turns(&self, bias: &Vector3<f64>) -> Vec<(Matrix3<f64>, Vector3<f64>)> {
         let bias = ImuBias { gyro: *bias, accelerometer: Vector3::zeros() };
         let turn = |k: usize| {
-            let sums = preintegrate(&self.readings[k], STEP, &bias, ImuNoise::euroc());
+            let sums = preintegrate(&self.readings[k], STEP, &bias, &ImuNoise::euroc());
             let sums = sums.expect("finite readings");
             let [first, second] = [self.rotations[k], self.rotations[k + 1]]
                 .map(|world_from_body| NavState { world_from_body, ..NavState::origin() });

@@ -105,7 +105,7 @@ impl Stand {
         let sensors =
             Sensors { noise: quiet, ..Sensors::of_flight(&Flight::new(Trajectory::hover())) };
         let sample = ImuSample { gyro: Vector3::zeros(), accelerometer: self.force };
-        let reading = |k| StampedSample { nanoseconds: 10_000_000 * k, sample };
+        let reading = |k: i64| StampedSample { nanoseconds: 10_000_000 * k, sample };
         let readings: Vec<StampedSample> = (0..=100).map(reading).collect();
         let feature = |track| {
             let pixel = nalgebra::Vector2::new(track as f64, 0.0);
