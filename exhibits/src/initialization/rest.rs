@@ -73,8 +73,8 @@ fn tilt(up: &Vector3<f64>, error: &Vector3<f64>) -> Vector3<f64> {
 }
 
 fn rest_tilt(formula: Tilt) -> Comparison {
-    let against = "the smallest turn between the two verticals; what is left is quadratic";
-    Comparison::absolute(against, 1e-5, "rad").over(STATES, 41, |random| {
+    let against = "the smallest turn between the two verticals; what is left is cubic";
+    Comparison::absolute(against, 1e-8, "rad").over(STATES, 41, |random| {
         let (up, error) = (random.direction(1.0), random.direction(0.02));
         let seen = (GRAVITY * up + error).normalize();
         // The body's turn takes the vertical that it seems to have to the one that it has the other way.
@@ -216,7 +216,7 @@ fn scaled(spread: &Matrix6<f64>, stand: &Stand) -> Matrix6<f64> {
 
 fn rest_covariance(formula: Spread) -> Comparison {
     let against = "half of the inverse curvature of the cost of tilt and bias, by differences";
-    Comparison::relative(against, 2e-2).over(STATES, 42, |random| {
+    Comparison::relative(against, 1e-5).over(STATES, 42, |random| {
         // As long as gravity, as far as the noise of its mean allows.
         let mut stand = Stand::drawn(random);
         stand.force *= GRAVITY / stand.force.norm();
