@@ -31,6 +31,7 @@ use rand_chacha::ChaCha8Rng;
 use vislam::bundle_adjustment::{BalCamera, TinyBa};
 use vislam::datasets::bal::read_bal;
 use vislam::datasets::matches::read_matches;
+use vislam::datasets::written::ply;
 use vislam::least_squares::Options;
 use vislam::manifold::se3;
 use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential, ReprojFactor};
@@ -53,13 +54,13 @@ type Problem = TinyBa<BalCamera, 6>;
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().ok_or(USAGE)?;
-    let (mut wrong, mut seed, mut ply, mut list, mut centres) = (0.0, 0, None, None, None);
+    let (mut wrong, mut seed, mut map, mut list, mut centres) = (0.0, 0, None, None, None);
     while let Some(argument) = arguments.next() {
         let value = arguments.next().ok_or(USAGE)?;
         match argument.as_str() {
             "--wrong" => wrong = value.parse()?,
             "--seed" => seed = value.parse()?,
-            "--ply" => ply = Some(value),
+            "--ply" => map = Some(value),
             "--matches" => list = Some(value),
             "--centres" => centres = Some(value),
             unknown => return Err(format!("{unknown} is not an option; {USAGE}").into()),
@@ -88,8 +89,8 @@ fn main() -> Result<(), Failure> {
     let found = input.reconstruct(seed)?;
     let seconds = start.elapsed().as_secs_f64();
     tell(&found);
-    if let Some(ply) = ply {
-        std::fs::write(ply, as_ply(&found)?)?;
+    if let Some(file) = map {
+        std::fs::write(file, as_ply(&found))?;
     }
     let registered = found.cameras.iter().flatten().count();
     let [truncated, cost, centres] = match &input.truth {
@@ -450,27 +451,14 @@ fn matches_as_text(pictures: &[Picture], matches: &[PictureMatch]) -> Result<Str
 }
 
 /// The points in grey, the cameras in red.
-fn as_ply(found: &Reconstruction) -> Result<String, Failure> {
+fn as_ply(found: &Reconstruction) -> String {
     let centres = found
         .cameras
         .iter()
         .flatten()
         .map(|pose| (se3::transform(&pose.inverse(), &Vector3::zeros()), [255, 0, 0]));
     let points = found.points.iter().map(|point| (point.place, [160, 160, 160]));
-    let all: Vec<(Vector3<f64>, [u8; 3])> = centres.chain(points).collect();
-    let mut text = String::from("ply\nformat ascii 1.0\n");
-    writeln!(text, "element vertex {}", all.len())?;
-    for axis in ["x", "y", "z"] {
-        writeln!(text, "property double {axis}")?;
-    }
-    for colour in ["red", "green", "blue"] {
-        writeln!(text, "property uchar {colour}")?;
-    }
-    writeln!(text, "end_header")?;
-    for (p, [red, green, blue]) in all {
-        writeln!(text, "{} {} {} {red} {green} {blue}", p.x, p.y, p.z)?;
-    }
-    Ok(text)
+    ply(&centres.chain(points).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -44,7 +44,12 @@ const BIAS: ImuBias = ImuBias {
 const LANDMARKS: usize = 800;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Arguments { seed, out, seconds, motion } = Arguments::read(std::env::args().skip(1))?;
+    simulate(std::env::args().skip(1))
+}
+
+/// Writes what is asked for.
+pub fn simulate(arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>> {
+    let Arguments { seed, out, seconds, motion } = Arguments::read(arguments)?;
     let flight = Flight {
         seconds,
         initial_bias: BIAS,

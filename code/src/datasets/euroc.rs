@@ -7,6 +7,7 @@ use nalgebra::Quaternion;
 
 use super::table::{self, Header, Row, TableError};
 use crate::inertial::{ImuBias, ImuSample, NavState, StampedSample};
+use crate::least_squares::Manifold;
 
 // ANCHOR: ground_truth
 /// What a EuRoC ground truth says about one time.
@@ -110,3 +111,40 @@ fn ground_truth(row: &Row<'_>) -> Result<GroundTruth, TableError> {
     Ok(GroundTruth { nanoseconds, state, bias })
 }
 // ANCHOR_END: read_ground_truth
+
+// ANCHOR: truth_at
+/// What a ground truth says about a time, in nanoseconds on the sensor's clock: a state that stands
+/// within a millisecond of it, otherwise what lies on the straight line between the two states around
+/// it. `None` where these are more than a tenth of a second apart, and before the first and after the
+/// last.
+pub fn truth_at(truth: &[GroundTruth], nanoseconds: i64) -> Option<GroundTruth> {
+    let next = truth.partition_point(|state| state.nanoseconds < nanoseconds);
+    let [before, after] = [next.checked_sub(1), Some(next)].map(|at| truth.get(at?));
+    let off = |state: &&GroundTruth| state.nanoseconds.abs_diff(nanoseconds);
+    let nearest = before.into_iter().chain(after).min_by_key(off)?;
+    if off(&nearest) < SAME_TIME {
+        return Some(*nearest);
+    }
+    let (before, after) = before.zip(after)?;
+    let apart = before.nanoseconds.abs_diff(after.nanoseconds);
+    let part = before.nanoseconds.abs_diff(nanoseconds) as f64 / apart as f64;
+    (apart <= LONGEST_LINE).then(|| GroundTruth {
+        nanoseconds,
+        state: on_line(&before.state, &after.state, part),
+        bias: on_line(&before.bias, &after.bias, part),
+    })
+}
+// ANCHOR_END: truth_at
+
+/// Times that differ by less are the same, in nanoseconds.
+const SAME_TIME: u64 = 1_000_000;
+/// Between states that are farther apart nothing is said, in nanoseconds.
+const LONGEST_LINE: u64 = 100_000_000;
+
+/// The value that a part of the step from one to another reaches.
+fn on_line<V: Manifold>(from: &V, to: &V, part: f64) -> V {
+    let mut step = vec![0.0; from.dimension()];
+    from.local(to, &mut step);
+    step.iter_mut().for_each(|number| *number *= part);
+    from.retract(&step)
+}

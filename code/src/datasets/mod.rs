@@ -5,11 +5,13 @@
 //! the error, which says line, column and what to do. Times are integers of nanoseconds.
 
 pub mod bal;
+pub mod calibration;
 pub mod euroc;
 pub mod matches;
 pub mod pose_graph;
 pub mod recording;
 mod table;
 pub mod tracks;
+pub mod written;
 
 pub use table::{Column, TableError, TableFault};

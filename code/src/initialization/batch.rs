@@ -7,14 +7,18 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector2, Vector3};
 use super::rest::GAUGE_SIGMA;
 use super::{BatchError, Sensors};
 use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody, Prior};
-use crate::inertial::{BodyPose, Calibrated, Gravity, ImuBias, NavState, StampedSample, between};
+use crate::inertial::{
+    BodyPose, Calibrated, Gravity, ImuBias, ImuNoise, NavState, StampedSample, between,
+};
 use crate::least_squares::{
     Covariance, Fronts, Kernel, Key, LinearPrior, Options, Problem, ProblemError, Solution,
     SolveError, Values, sqrt_information,
 };
 use crate::manifold::se3;
 use crate::msckf::Start;
-use crate::preintegration::preintegrate_combined;
+use crate::preintegration::{
+    CombinedPreintegrated, CombinedPreintegrator, PreintegrationError, Rule, preintegrate_combined,
+};
 
 /// Where a track was seen: the number of the state, and the pixel.
 pub type Sighting = (usize, Vector2<f64>);
@@ -44,13 +48,28 @@ pub struct Batch {
 impl Batch {
     // ANCHOR: batch_new
     /// The states at some times on the sensor's clock, in nanoseconds, with the readings between
-    /// them, beginning at a guess.
+    /// them summed up by the midpoint rule, beginning at a guess.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Batch::by_rule`].
+    pub fn new(
+        sensors: &Sensors,
+        readings: &[StampedSample],
+        nanoseconds: &[i64],
+        guess: &[(NavState, ImuBias)],
+    ) -> Result<Self, BatchError> {
+        Self::by_rule(Rule::Midpoint, sensors, readings, nanoseconds, guess)
+    }
+
+    /// The same by any rule: others hold a reading until the next one, and are compared with.
     ///
     /// # Errors
     ///
     /// A [`BatchError`] when there are fewer than two states or a guess is missing, or when the
     /// readings do not reach from one state to the next.
-    pub fn new(
+    pub fn by_rule(
+        rule: Rule,
         sensors: &Sensors,
         readings: &[StampedSample],
         nanoseconds: &[i64],
@@ -77,7 +96,7 @@ impl Batch {
         batch.problem.hold(batch.gravity)?;
         for state in 1..states {
             let span = [nanoseconds[state - 1], nanoseconds[state]];
-            batch.add_interval(state, &between(readings, span[0], span[1])?)?;
+            batch.add_interval(rule, state, &between(readings, span[0], span[1])?)?;
         }
         Ok(batch)
     }
@@ -106,9 +125,17 @@ impl Batch {
     }
 
     /// Adds the readings that lead to a state from the one before.
-    fn add_interval(&mut self, state: usize, readings: &[StampedSample]) -> Result<(), BatchError> {
+    fn add_interval(
+        &mut self,
+        rule: Rule,
+        state: usize,
+        readings: &[StampedSample],
+    ) -> Result<(), BatchError> {
         let bias = self.problem.values()[self.biases[state - 1]];
-        let sums = preintegrate_combined(readings, &bias, &self.sensors.noise)?;
+        let sums = match rule {
+            Rule::Midpoint => preintegrate_combined(readings, &bias, &self.sensors.noise)?,
+            Rule::Euler => held(readings, &bias, &self.sensors.noise)?,
+        };
         let (states, biases) = (&self.states, &self.biases);
         let factor = CombinedInertialFactor::new(
             [states[state - 1], states[state]],
@@ -276,4 +303,17 @@ impl Batch {
     pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
         self.problem.covariance_with(Fronts::new(&self.problem)?, values)
     }
+}
+
+/// Sums of readings each of which holds until the next one.
+fn held(
+    readings: &[StampedSample],
+    bias: &ImuBias,
+    noise: &ImuNoise,
+) -> Result<CombinedPreintegrated, PreintegrationError> {
+    let mut sums = CombinedPreintegrator::new(bias, noise)?;
+    for pair in readings.windows(2) {
+        sums.integrate(&pair[0].sample, pair[0].seconds_to(&pair[1]))?;
+    }
+    sums.finish()
 }

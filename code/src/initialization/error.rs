@@ -59,6 +59,28 @@ pub enum AlignmentRefused {
     /// The linear equations have no single solution.
     #[error("scale, velocity and gravity do not follow from the readings; wait for more motion")]
     Undetermined,
+    /// The cameras' path cannot be told from one whose scale the readings leave open.
+    #[error(
+        "all but {beyond:.2e} of the cameras' path could be velocity, gravity and bias, and noise \
+         alone may leave {noise:.2e}: its scale is open; wait for more motion"
+    )]
+    Indistinct {
+        /// What they cannot imitate, as a root sum of squares, in the motion's unit.
+        beyond: f64,
+        /// What noise may leave.
+        noise: f64,
+    },
+    /// Two scales fit equally well.
+    #[error(
+        "the readings fit a scale of {scale:.3} and one of {other:.3}: the acceleration hardly \
+         changed; wait for more motion"
+    )]
+    TwoScales {
+        /// The scale that fits best.
+        scale: f64,
+        /// The other one.
+        other: f64,
+    },
     /// The scale came out negative.
     #[error(
         "the scale comes out as {scale:.3}, which is none: the motion is too uniform, or the camera's \
