@@ -8,6 +8,7 @@ mod figures;
 mod flights;
 mod gtsam;
 mod gyro;
+mod judged;
 mod linear;
 mod map;
 mod real;
