@@ -13,6 +13,7 @@ pub mod factrs;
 pub mod figure;
 pub mod filtering;
 pub mod inertial;
+pub mod initialization;
 pub mod least_squares;
 pub mod loop_closure;
 pub mod manifold;
@@ -56,6 +57,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("preintegration", preintegration::exhibits, preintegration::records),
     ("real_flights", real_flights::exhibits, real_flights::records),
     ("observability", observability::exhibits, no_records),
+    ("initialization", initialization::exhibits, initialization::records),
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),

@@ -8,7 +8,7 @@ use crate::manifold::so3;
 
 // ANCHOR: pose_up_to_scale
 /// A camera's pose in a map whose unit of length is not known. The map and the states share the
-/// axes and the origin.
+/// axes and the origin. Implements {eq:pose-up-to-scale}.
 #[derive(Debug, Clone, Copy)]
 pub struct PoseUpToScale {
     /// The body when the picture was taken.

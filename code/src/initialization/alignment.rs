@@ -44,7 +44,7 @@ pub(super) fn intervals(
 }
 
 // ANCHOR: gyro_bias
-/// The gyroscope's bias with which the readings turn as the cameras do.
+/// The gyroscope's bias with which the readings turn as the cameras do. Implements {eq:gyro-step}.
 pub(super) fn gyro_bias(
     sensors: &Sensors,
     readings: &[StampedSample],

@@ -24,7 +24,8 @@ use crate::preintegration::{
 pub type Sighting = (usize, Vector2<f64>);
 
 // ANCHOR: batch
-/// All states, biases and landmarks of a flight, and what was measured of them.
+/// All states, biases and landmarks of a flight, and what was measured of them. Its minimum is that of
+/// {eq:batch-cost}.
 pub struct Batch {
     pub(super) sensors: Sensors,
     /// The problem, which holds the values where the search begins.
@@ -272,7 +273,7 @@ impl Batch {
     }
 
     /// Fixes what nothing measures: the first position, and the heading of the first state, a turn
-    /// about the vertical.
+    /// about the vertical. Implements {eq:batch-gauge}.
     ///
     /// # Errors
     ///

@@ -17,7 +17,8 @@ const PROBABILITY: f64 = 0.999;
 /// The rows s (c_k − c_0) − t v − P b − ½ t² g = A + (R_k − R_0) l, three for each camera but the
 /// first, with the unknowns in the order (s, v, b, g): the scale in metres in a unit of the motion, and
 /// velocity, bias and gravity in the motion's axes, in m/s and m/s². A and P are what the forces
-/// between the cameras, turned as these are, and a bias of them do to the position.
+/// between the cameras, turned as these are, and a bias of them do to the position. Implements
+/// {eq:align-row}.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearAlignment {
     /// The matrix, of ten columns.
@@ -121,6 +122,7 @@ impl LinearAlignment {
     /// How much of the column of centres the other nine columns cannot imitate, with a prior on the
     /// bias whose rows weigh `ratio`; and what the noise of the centres, of a standard deviation `unit` on
     /// each axis, would leave of a column that they can imitate. Both are root sums of squares.
+    /// Implements {eq:scale-information}.
     ///
     /// # Errors
     ///

@@ -50,7 +50,8 @@ impl Default for RestOptions {
 /// zero by choice.
 ///
 /// The covariance counts that tilt and accelerometer bias cannot be told apart: with û upwards in the
-/// body, b the bias and n the noise of the mean, the body is turned by û × (b + n) / g.
+/// body, b the bias and n the noise of the mean, the body is turned by û × (b + n) / g. Implements
+/// {eq:rest-tilt}.
 ///
 /// # Errors
 ///
@@ -139,7 +140,8 @@ impl Means {
     // ANCHOR_END: means
 
     // ANCHOR: rest_start
-    /// The state that these means say, and its covariance.
+    /// The state that these means say, and its covariance. Implements {eq:rest-vertical} and
+    /// {eq:rest-covariance}.
     fn start(&self, sensors: &Sensors, nanoseconds: i64, options: &RestOptions) -> Start {
         let force = self.accelerometer.norm();
         let up = self.accelerometer / force;

@@ -19,6 +19,8 @@ pub struct SphereMinimum {
 /// negative, and the other one has a single negative eigenvalue. The length of (S + μ I)⁻¹ h falls
 /// as μ grows beyond the eigenvalues, so halving an interval finds the μ of a length.
 ///
+/// Implements {eq:sphere-condition}.
+///
 /// `None` when a number is not finite, or when all places are equally good.
 pub fn minima_on_sphere(
     square: &Matrix3<f64>,

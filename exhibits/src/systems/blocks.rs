@@ -33,8 +33,8 @@ const VINS_MONO: &[Row] = &[
     Row {
         name: "initialization",
         blocks: &[
-            left_out(&["Poses and points", "from pictures", "alone, no scale"]),
-            left_out(&["Gyroscope bias,", "velocities, gravity,", "scale, in turn"]),
+            built(&["Poses and points", "from pictures", "alone, no scale"], "sec:init-shape"),
+            built(&["Gyroscope bias,", "velocities, gravity,", "scale, in turn"], "sec:init-linear"),
         ],
     },
     Row {
@@ -98,8 +98,8 @@ const ORB_SLAM3: &[Row] = &[
     Row {
         name: "initialization",
         blocks: &[
-            left_out(&["Two pictures:", "homography or", "fundamental matrix"]),
-            left_out(&["Scale, gravity,", "biases, velocities:", "one estimate"]),
+            built(&["Two pictures:", "homography or", "fundamental matrix"], "sec:model-selection"),
+            built(&["Scale, gravity,", "biases, velocities:", "one estimate"], "sec:init-map"),
         ],
     },
     Row {

@@ -1,0 +1,42 @@
+//! What chapter `initialization` shows: a start at rest and one in motion, how many solutions the
+//! readings leave, what noise leaves of them, and the batch of a flight.
+
+mod attenuation;
+mod batch;
+mod exact;
+mod figures;
+mod flights;
+mod gtsam;
+mod gyro;
+mod judged;
+mod linear;
+mod map;
+mod real;
+mod rest;
+mod solutions;
+mod spectrum;
+mod sphere;
+
+use crate::chapter::Chapter;
+
+pub fn exhibits(chapter: &mut Chapter) {
+    rest::exhibits(chapter);
+    gyro::exhibits(chapter);
+    linear::exhibits(chapter);
+    sphere::exhibits(chapter);
+    solutions::exhibits(chapter);
+    spectrum::exhibits(chapter);
+    attenuation::exhibits(chapter);
+    map::exhibits(chapter);
+    batch::exhibits(chapter);
+    flights::numbers(chapter);
+    real::numbers(chapter);
+    gtsam::numbers(chapter);
+    figures::figures(chapter);
+}
+
+pub fn records(chapter: &mut Chapter) {
+    flights::record(chapter);
+    real::record(chapter);
+    gtsam::record(chapter);
+}
