@@ -251,9 +251,13 @@ fn what_cannot_be_a_batch_is_refused() {
     let expected = WindowError::Order { start: times[1], end: times[0] };
     assert_eq!(error(&backwards, &truth[..2]), BatchError::Readings(expected));
 
-    let gap = Flight { gap: Some([1.0, 1.5]), ..recording.flight.clone() };
-    let lost = flown(&gap, 5);
-    let error = Batch::new(&sensors, &lost.readings, &times, &truth).err().unwrap();
+    let with_gap = |gap: [f64; 2]| {
+        let lost = flown(&Flight { gap: Some(gap), ..recording.flight.clone() }, 5);
+        Batch::new(&sensors, &lost.readings, &times, &truth).err().unwrap()
+    };
+    let error = with_gap([1.0, 1.5]);
+    assert!(matches!(error, BatchError::NoReading { .. }), "{error}");
+    let error = with_gap([1.05, 1.15]);
     assert!(
         matches!(error, BatchError::Preintegration(PreintegrationError::Gap { .. })),
         "{error}"
