@@ -12,9 +12,7 @@ use nalgebra::{Matrix6, Rotation3, Vector3};
 /// vertical. Otherwise the body may stand as it likes, upside down too.
 pub fn level(force: Vector3<f64>, heading: f64) -> Rotation3<f64> {
     let _ = (force, heading);
-    todo!(
-        "what does the mean force point to, and which way does the first axis point, seen from above?"
-    )
+    todo!("where does the mean force point, and where the first axis, seen from above?")
 }
 
 /// The joint covariance of tilt and bias that a stand leaves, as in `Known`, to first order.
