@@ -33,12 +33,12 @@ pub fn rest_covariance(
     todo!("what do the direction and the length of the mean force leave open of tilt and bias?")
 }
 
-/// The most likely φ of the **first** stand, and the most likely bias, once the body has stood a
-/// second time, to first order in what was not known. In between it was turned by a rotation that is known exactly;
-/// `first_from_second` takes coordinates of the body as it stands now to those of the body as it
-/// stood before. The bias belongs to the sensor and has stayed the same. `force` is the new mean,
-/// in the body as it stands now, with new noise of standard deviation `noise_sigma` on each axis,
-/// which is not zero.
+/// The most likely φ of the **first** stand, and the most likely bias, once the body has stood
+/// a second time, to first order in what was not known. In between it was turned by a rotation
+/// that is known exactly; `first_from_second` takes coordinates of the body as it stands now to
+/// those of the body as it stood before. The bias belongs to the sensor and has stayed the
+/// same. `force` is the new mean, in the body as it stands now, with new noise of standard
+/// deviation `noise_sigma` on each axis, which is not zero.
 pub fn second_stand(
     known: Known,
     first_from_second: Rotation3<f64>,
