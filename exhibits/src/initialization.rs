@@ -4,6 +4,7 @@
 mod attenuation;
 mod batch;
 mod exact;
+mod exercise;
 mod figures;
 mod flights;
 mod gtsam;
@@ -32,6 +33,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     flights::numbers(chapter);
     real::numbers(chapter);
     gtsam::numbers(chapter);
+    exercise::numbers(chapter);
     figures::figures(chapter);
 }
 

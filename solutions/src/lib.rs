@@ -1,6 +1,7 @@
 //! Reference answers to the exercises, one module each as a student would write it, and
 //! [`misconceptions`], the plausible wrong ones.
 
+pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
 pub mod left_perturbation;
@@ -55,6 +56,7 @@ pub fn answers() -> Vec<Answers> {
         residual_jacobian,
         noise_growth,
         scale_and_gravity,
+        align_gravity,
         nees_diagnosis,
         null_space,
         fill_in,

@@ -4,6 +4,7 @@
 //! in their numbers, their geometries and how near they come to what is allowed, and in nothing
 //! that a student could not know.
 
+pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
 pub mod left_perturbation;
@@ -34,6 +35,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "residual_jacobian" => Some(residual_jacobian::checks(seed)),
         "noise_growth" => Some(noise_growth::checks(seed)),
         "scale_and_gravity" => Some(scale_and_gravity::checks(seed)),
+        "align_gravity" => Some(align_gravity::checks(seed)),
         "nees_diagnosis" => Some(nees_diagnosis::checks(seed)),
         "null_space" => Some(null_space::checks(seed)),
         "fill_in" => Some(fill_in::checks(seed)),

@@ -7,6 +7,7 @@
 //! differences or by brute force. The grader compiles answers without the feature `checks`, so
 //! that no answer can ask an oracle.
 
+pub mod align_gravity;
 pub mod along_or_across;
 pub mod camera;
 pub mod declaration;
@@ -41,6 +42,7 @@ pub const EXERCISES: &[&Exercise] = &[
     &residual_jacobian::EXERCISE,
     &noise_growth::EXERCISE,
     &scale_and_gravity::EXERCISE,
+    &align_gravity::EXERCISE,
     &nees_diagnosis::EXERCISE,
     &null_space::EXERCISE,
     &fill_in::EXERCISE,

@@ -1,5 +1,6 @@
 //! Plausible wrong answers: each changes the reference answer in one way.
 
+pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
 pub mod left_perturbation;

@@ -1,0 +1,148 @@
+//! Which way is down, at rest and in motion, and what stays unknown with it: the bias, the scale.
+
+use nalgebra::{Matrix6, Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
+
+#[cfg(feature = "checks")]
+mod checks;
+#[cfg(feature = "checks")]
+pub use checks::*;
+
+// ANCHOR: known
+/// What is known of a body after a stand.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Known {
+    /// The rotation that takes body coordinates to world coordinates; the world's third axis points up.
+    pub world_from_body: Rotation3<f64>,
+    /// The accelerometer's bias in the body, in m/s².
+    pub bias: Vector3<f64>,
+    /// The joint covariance of both, in the order (φ, b): the true rotation is `world_from_body`
+    /// times Exp(φ), with φ in the body and in radians, and the true bias is `bias` plus b.
+    pub covariance: Matrix6<f64>,
+}
+// ANCHOR_END: known
+
+// ANCHOR: view
+/// A camera on its way, as pictures have found it up to scale, and what readings say until then.
+/// All vectors are in the coordinates of the pictures' motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// The time, in seconds of a clock that began whenever it did.
+    pub seconds: f64,
+    /// The camera's centre, in units of the motion.
+    pub centre: Vector3<f64>,
+    /// The standard deviation of each coordinate of the centre, in units of the motion. The first
+    /// centre is where the motion begins and counts as exact, whatever stands here.
+    pub sigma: f64,
+    /// The rotation that takes body coordinates to those of the motion.
+    pub motion_from_body: Rotation3<f64>,
+    /// The measured forces since the first view, turned into the motion's coordinates and integrated
+    /// twice over time, in metres. The bias is known and taken off. Zero at the first view.
+    pub force_twice: Vector3<f64>,
+}
+// ANCHOR_END: view
+
+// ANCHOR: outputs
+/// What fits best at a given scale.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// The velocity of the body at the first view, in m/s.
+    pub velocity: Vector3<f64>,
+    /// Gravity, in m/s². It points downwards.
+    pub gravity: Vector3<f64>,
+    /// The sum of the squares of all residuals, each over its standard deviation.
+    pub squares: f64,
+}
+
+/// A scale that the views allow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Solution {
+    /// Metres in a unit of the motion.
+    pub scale: f64,
+    /// The standard deviation of the scale, as a part of it.
+    pub sigma: f64,
+    /// The velocity of the body at the first view, in m/s.
+    pub velocity: Vector3<f64>,
+    /// Gravity, in m/s².
+    pub gravity: Vector3<f64>,
+}
+// ANCHOR_END: outputs
+
+crate::signatures! {
+    // ANCHOR: level
+    /// The rotation that takes body coordinates to world coordinates, for a body at rest. The world's
+    /// third axis points up. `force` is the mean that the accelerometer reads, in the body and in
+    /// m/s²; its bias is not known and counts as zero. Seen from above, the body's first axis points
+    /// `heading` radians away from the world's first axis, towards the second one. That axis is never
+    /// vertical. Otherwise the body may stand as it likes, upside down too.
+    fn level(force: Vector3<f64>, heading: f64) -> Rotation3<f64>;
+    // ANCHOR_END: level
+
+    // ANCHOR: rest
+    /// The joint covariance of tilt and bias that a stand leaves, as in `Known`, to first order.
+    ///
+    /// The body was leveled. Before the stand, the bias was zero on average and had on each axis of
+    /// the body a standard deviation of its own, `bias_sigma`, in m/s² and none of them zero; nothing
+    /// was known of the tilt. The mean force has noise of standard deviation `noise_sigma` on each
+    /// axis, in m/s², which may be zero. All of these are independent. The heading was chosen and
+    /// counts as exact, so φ has no part about the vertical. Gravity has a known size, in m/s²: the
+    /// direction of the mean force says something, **and so does its length**.
+    fn rest_covariance(
+        world_from_body: Rotation3<f64>,
+        bias_sigma: Vector3<f64>,
+        noise_sigma: f64,
+        gravity: f64,
+    ) -> Matrix6<f64>;
+    // ANCHOR_END: rest
+
+    // ANCHOR: second
+    /// The most likely φ of the **first** stand, and the most likely bias, once the body has stood
+    /// a second time, to first order in what was not known. In between it was turned by a rotation
+    /// that is known exactly; `first_from_second` takes coordinates of the body as it stands now to
+    /// those of the body as it stood before. The bias belongs to the sensor and has stayed the
+    /// same. `force` is the new mean, in the body as it stands now, with new noise of standard
+    /// deviation `noise_sigma` on each axis, which is not zero.
+    fn second_stand(
+        known: Known,
+        first_from_second: Rotation3<f64>,
+        force: Vector3<f64>,
+        noise_sigma: f64,
+        gravity: f64,
+    ) -> (Vector3<f64>, Vector3<f64>);
+    // ANCHOR_END: second
+
+    // ANCHOR: at_scale
+    /// Velocity and gravity that fit best when a unit of the motion is `scale` metres. The residual of
+    /// each view but the first is the left side of the book's equation less its right side,
+    ///
+    /// scale (c − c₀) − t v − ½ t² g − A − (R − R₀) l,
+    ///
+    /// where t, c₀ and R₀ are counted from and taken at the first view, A is the force integrated
+    /// twice, and l is the camera's place in the body, in metres (`lever`). What is noisy are the
+    /// centres alone, so each coordinate of it has a standard deviation of `scale` times the view's
+    /// `sigma`. The length of g is `gravity`, in m/s². There are five views or more, in the order of
+    /// time, and the scale is positive.
+    fn at_scale(views: Vec<View>, lever: Vector3<f64>, gravity: f64, scale: f64) -> Fit;
+    // ANCHOR_END: at_scale
+
+    // ANCHOR: scales
+    /// All scales that the views allow, the smallest first; none when the views do not say how large
+    /// the motion is.
+    ///
+    /// A scale is a candidate where `squares` of `at_scale` is less than at all other scales near
+    /// it. The least of these squares is the best. A candidate is allowed when its squares are more
+    /// than that by `gate` at most. There are two allowed scales at the most.
+    ///
+    /// The `sigma` of a solution is the standard deviation of its scale over the scale, to first
+    /// order: from the inverse of JᵀJ, where J holds the derivatives of the residuals over
+    /// their standard deviations by scale, velocity and two directions in which gravity moves on its
+    /// sphere. When that is more than `most` for any allowed scale, all are refused.
+    fn scales(
+        views: Vec<View>,
+        lever: Vector3<f64>,
+        gravity: f64,
+        most: f64,
+        gate: f64,
+    ) -> Vec<Solution>;
+    // ANCHOR_END: scales
+}
