@@ -3,6 +3,7 @@
 
 mod attenuation;
 mod batch;
+mod exact;
 mod figures;
 mod flights;
 mod gtsam;

@@ -8,7 +8,8 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::chi_square_band;
 use vislam::inertial::ImuBias;
 use vislam::initialization::{
-    BeginOptions, MotionOptions, NoStart, Sensors, Started, UniformMotion, begin, in_motion,
+    AlignmentRefused, BeginOptions, MotionOptions, NoStart, Sensors, Started, UniformMotion, begin,
+    in_motion,
 };
 use vislam::simulation::{EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory};
 
@@ -269,10 +270,14 @@ impl Hidden {
         match self {
             Self::Velocity => motion == Some(ConstantVelocity),
             Self::Level => motion == Some(ConstantAcceleration),
-            Self::Rising => motion == Some(ConstantAcceleration),
-            Self::Hover => matches!(refused, NoStart::Pictures(_)),
+            Self::Rising => motion == Some(ConstantAcceleration) || fits_two_scales(refused),
+            Self::Hover => matches!(refused, NoStart::Hover { .. }),
         }
     }
+}
+
+fn fits_two_scales(refused: &NoStart) -> bool {
+    matches!(refused, NoStart::Alignment(AlignmentRefused::TwoScales { .. }))
 }
 
 fn uniform() -> Vec<RecordValue> {
@@ -293,7 +298,7 @@ fn uniform() -> Vec<RecordValue> {
         }
         values.push(value(name, named, "", 0));
     }
-    values.push(value("uniform_begun", begun, "", 0));
+    values.push(value("begun_uniform", begun, "", 0));
     values
 }
 
