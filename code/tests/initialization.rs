@@ -326,7 +326,7 @@ fn motions_that_hide_their_scale_are_refused_by_name() {
     };
     assert_eq!(name(level), Some(UniformMotion::ConstantAcceleration));
     let hover = started(&for_two_seconds(Trajectory::hover(), 1)).err().unwrap();
-    assert!(matches!(hover, NoStart::Pictures(_)), "{hover}");
+    assert!(matches!(hover, NoStart::Hover { .. }), "{hover}");
 }
 
 #[test]

@@ -134,6 +134,17 @@ pub enum NoStart {
         /// How many there are.
         pictures: usize,
     },
+    /// The camera stays on one spot.
+    #[error(
+        "the camera hovers: {turns} of {pairs} pairs of pictures show a turn at most and no parallax, \
+         which hides all depths and the scale; wait until it moves"
+    )]
+    Hover {
+        /// Pairs of pictures that a turn explains.
+        turns: usize,
+        /// Pairs that have matches.
+        pairs: usize,
+    },
     /// The pictures give no motion.
     #[error("the pictures give no motion: {0}")]
     Pictures(#[from] ReconstructionError),

@@ -6,6 +6,7 @@ use super::{AlignmentRefused, Batch, NoStart, Sensors, VisualMotion, align_motio
 use crate::datasets::tracks::Picture;
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::least_squares::{Covariance, Kernel, Options, Values};
+use crate::structure_from_motion::ReconstructionError;
 
 // ANCHOR: motion_options
 /// When a start in motion counts as one.
@@ -68,7 +69,7 @@ pub fn in_motion(
     pictures: &[Picture],
     options: &MotionOptions,
 ) -> Result<Started, NoStart> {
-    let motion = VisualMotion::of(sensors, pictures)?;
+    let motion = VisualMotion::of(sensors, pictures).map_err(without_motion)?;
     let started = start(sensors, readings, &motion, options);
     started.map_err(|error| match motion.uniform(sensors) {
         Some(motion) => NoStart::Uniform { motion, error: Box::new(error) },
@@ -76,6 +77,19 @@ pub fn in_motion(
     })
 }
 // ANCHOR_END: in_motion
+
+/// Why pictures show no motion: the camera hovers when turns without parallax explain most of their
+/// pairs.
+fn without_motion(error: ReconstructionError) -> NoStart {
+    match error {
+        ReconstructionError::NoFirstPair { pairs, narrow, rotations, planes, .. }
+            if rotations > planes && 2 * (rotations + narrow) > pairs =>
+        {
+            NoStart::Hover { turns: rotations, pairs }
+        }
+        error => error.into(),
+    }
+}
 
 // ANCHOR: start_in_motion
 fn start(

@@ -26,7 +26,7 @@ pub struct WholeOptions {
     pub least_parallax: f64,
     /// How far any of its pixels may be off, in standard deviations.
     pub gate: f64,
-    /// By how many seconds the batch grows at a time.
+    /// By how many seconds the batch grows at a time, or by a sixth of what is known, if that is more.
     pub growth: f64,
     /// The standard deviations of the biases of gyroscope and accelerometer before anything is
     /// known, in rad/s and m/s².
@@ -115,18 +115,36 @@ impl Whole {
         known: Known,
         options: &WholeOptions,
     ) -> Result<Self, BatchError> {
+        Self::grown_with(sensors, readings, pictures, known, options, |_| ())
+    }
+
+    /// The same; told is, after each round, how many states are known.
+    ///
+    /// # Errors
+    ///
+    /// A [`BatchError`].
+    pub fn grown_with(
+        sensors: &Sensors,
+        readings: &[StampedSample],
+        pictures: &[Picture],
+        known: Known,
+        options: &WholeOptions,
+        mut told: impl FnMut(usize),
+    ) -> Result<Self, BatchError> {
         let mut growing = Growing { sensors, readings, pictures, options, known };
-        loop {
-            let is_whole = growing.extend()?;
-            let whole = growing.solve()?;
-            if is_whole {
-                return Ok(whole);
-            }
-            growing.learn(&whole);
+        while !growing.extend()? {
+            growing.settle(ROUGHLY)?;
+            told(growing.known.states.len());
         }
+        let (batch, values, refused) = growing.settle(TOLERANCE)?;
+        let covariance = batch.covariance(&values)?;
+        Ok(Self { batch, values, covariance, refused })
     }
     // ANCHOR_END: whole_of
 }
+
+/// A batch at its minimum, and what it refused.
+type Settled = (Batch, Values, BTreeMap<usize, LandmarkRefused>);
 
 struct Growing<'a> {
     sensors: &'a Sensors,
@@ -153,7 +171,8 @@ impl Growing<'_> {
     /// True when all pictures have a state.
     fn extend(&mut self) -> Result<bool, BatchError> {
         let gravity = self.sensors.gravity();
-        let span = (1e9 * self.options.growth) as i64;
+        let known = self.nanoseconds(self.last()) - self.nanoseconds(self.known.first);
+        let span = ((1e9 * self.options.growth) as i64).max(known / GROWTH_PARTS);
         let until = self.nanoseconds(self.last()).saturating_add(span);
         while self.last() + 1 < self.pictures.len() && self.nanoseconds(self.last() + 1) <= until {
             let (state, bias) = self.known.states[self.known.states.len() - 1];
@@ -176,32 +195,24 @@ impl Growing<'_> {
         self.known.first + self.known.states.len() - 1
     }
 
-    /// Takes over what has been solved.
-    fn learn(&mut self, whole: &Whole) {
-        let Whole { batch, values, .. } = whole;
-        let pairs = batch.states.iter().zip(&batch.biases);
-        self.known.states = pairs.map(|(state, bias)| (values[*state], values[*bias])).collect();
-    }
-
     // ANCHOR: whole_solve
-    /// Solves for the states that are known so far and the landmarks that follow, twice: landmarks
-    /// that do not fit are left out of the second time.
-    fn solve(&mut self) -> Result<Whole, BatchError> {
+    /// Solves for the states that are known so far and the landmarks that follow, and again without
+    /// the landmarks that do not fit, until all fit.
+    fn settle(&mut self, tolerance: f64) -> Result<Settled, BatchError> {
         let tracks = self.tracks();
         let mut refused = BTreeMap::new();
-        let options = Options { decrease_tolerance: TOLERANCE, ..Options::default() };
+        let options = Options { decrease_tolerance: tolerance, ..Options::default() };
         loop {
             let batch = self.batch(&tracks, &mut refused)?;
             let values = batch.solve(&options)?.values;
-            let before = refused.len();
-            self.refuse(&batch, &values, &tracks, &mut refused);
-            if refused.len() == before {
-                let covariance = batch.covariance(&values)?;
-                return Ok(Whole { batch, values, covariance, refused });
-            }
             let pairs = batch.states.iter().zip(&batch.biases);
             self.known.states =
                 pairs.map(|(state, bias)| (values[*state], values[*bias])).collect();
+            let before = refused.len();
+            self.refuse(&batch, &values, &tracks, &mut refused);
+            if refused.len() == before {
+                return Ok((batch, values, refused));
+            }
         }
     }
     // ANCHOR_END: whole_solve
@@ -299,3 +310,7 @@ impl Growing<'_> {
 
 /// A step that lowers the cost by less than this part of it is the last.
 const TOLERANCE: f64 = 1e-6;
+/// The same while states are still missing.
+const ROUGHLY: f64 = 1e-3;
+/// A batch grows by one part of so many at a time, if that is more than is asked for.
+const GROWTH_PARTS: i64 = 6;
