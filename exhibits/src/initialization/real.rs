@@ -7,8 +7,8 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, absolute_trajectory_error, align, aligned};
 use vislam::inertial::{Calibrated, CameraImu, ImuNoise, NavState, StampedSample, between};
 use vislam::initialization::{
-    BeginOptions, Beginning, Sensors, VisualMotion, Whole, WholeOptions, align_motion, begin,
-    in_motion, inertial_map,
+    BeginOptions, Beginning, MotionOptions, Sensors, VisualMotion, Whole, WholeOptions,
+    align_motion, begin, in_motion, inertial_map,
 };
 use vislam::structure_from_motion::{ScaleFreedom, absolute_orientation};
 
@@ -227,7 +227,12 @@ impl Values {
             let flight = flight.taken_up(from, THINNED);
             for (seconds, judged) in AFTER.into_iter().zip(&mut after) {
                 let pictures = first(&flight.pictures, f64::from(seconds));
-                let found = in_motion(&flight.sensors, &flight.readings, pictures, &any());
+                let found = in_motion(
+                    &flight.sensors,
+                    &flight.readings,
+                    pictures,
+                    &any(MotionOptions::default()),
+                );
                 let found = found.map(|found| Judged::of(&found, &flight.truth));
                 let [error, sigma] = match &found {
                     Ok(found) => [found.scale, found.scale_sigma],

@@ -92,15 +92,15 @@ pub fn confused() -> Figure {
         ("error of the tilt about y (mrad)", decimals(2, errors.iter().map(|error| error.1))),
     ];
     Figure::new(860, columns, |drawing| {
-        let x_axis = ("error of the accelerometer's bias along x (cm/s²)", -36.0..36.0, 7);
-        let y_axis = ("error of tilt about y (mrad)", -36.0..36.0, 7);
+        let x_axis = ("error of the accelerometer's bias along x (cm/s²)", -40.0..40.0, 7);
+        let y_axis = ("error of tilt about y (mrad)", -40.0..40.0, 7);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         chart.dots(errors.iter().copied(), 5, MEASURED)?;
         chart.line(ellipse, ESTIMATED, 5)?;
-        chart.line([(-34.0, 32.0), (-31.0, 32.0)], ESTIMATED, 5)?;
-        chart.write("reported, three σ", (-30.0, 32.0), letters_right_of(ESTIMATED))?;
-        chart.dots([(-32.5, 27.0)], 5, MEASURED)?;
-        chart.write("stands", (-30.0, 27.0), letters_right_of(MEASURED))?;
+        chart.line([(-38.0, 36.0), (-35.0, 36.0)], ESTIMATED, 5)?;
+        chart.write("reported, three σ", (-34.0, 36.0), letters_right_of(ESTIMATED))?;
+        chart.dots([(-36.5, 31.0)], 5, MEASURED)?;
+        chart.write("stands", (-34.0, 31.0), letters_right_of(MEASURED))?;
         Ok(())
     })
 }

@@ -29,13 +29,13 @@ pub fn minima() -> Figure {
     ];
     Figure::new(1000, columns, |drawing| {
         let x_axis = ("scale, over the true one", (0.2..20.0).log_scale(), 6);
-        let y_axis = ("least misfit (mm)", (0.5 * LEAST..1e7).log_scale(), 6);
+        let y_axis = ("least misfit (mm)", (0.5 * LEAST..9e5).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
         for (series, (name, misfits)) in curves.iter().enumerate() {
             let points: Vec<(f64, f64)> = scales().zip(misfits.iter().copied()).collect();
             chart.line(points.iter().copied(), SERIES[series], 4)?;
             chart.marks(points.into_iter().skip(10 + 10 * series).step_by(40), series)?;
-            chart.key(series, name, (0.24, 3e6 / 5.0_f64.powi(series as i32)), 0.27)?;
+            chart.key(series, name, (0.24, 4e5 / 5.0_f64.powi(series as i32)), 0.27)?;
         }
         Ok(())
     })

@@ -32,12 +32,12 @@ pub fn rotors() -> Figure {
         chart.line(scatter.iter().copied(), SERIES[0], 4)?;
         chart.marks(scatter.iter().copied(), 0)?;
         chart.key(0, "accelerometer", (0.3, 1.08 * highest), 0.5)?;
-        let y_axis = ("motion (px)", (0.1..300.0).log_scale(), 5);
+        let y_axis = ("motion (px)", (0.03..300.0).log_scale(), 5);
         let mut chart = figure::axes(&below, ("time (s)", 0.0..8.0, 9), y_axis)?;
-        chart.line([(TAKE_OFF, 0.1), (TAKE_OFF, 300.0)], INK, 3)?;
+        chart.line([(TAKE_OFF, 0.03), (TAKE_OFF, 300.0)], INK, 3)?;
         chart.line(motion.iter().copied(), SERIES[1], 4)?;
         chart.marks(motion.iter().copied(), 1)?;
-        chart.key(1, "pictures", (0.3, 150.0), 0.5)?;
+        chart.key(1, "pictures", (0.3, 120.0), 0.5)?;
         Ok(())
     })
 }

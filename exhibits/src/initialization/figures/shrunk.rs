@@ -1,6 +1,6 @@
 //! The scale that the inertial estimate finds when the shape counts as exact, and when it is measured.
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, decimals};
+use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_around};
 use crate::initialization::real::{WINDOWS, accepted_value};
 
 /// Ratio of the scale to the true one and its standard deviation, at the starts.
@@ -37,6 +37,12 @@ pub fn shrunk() -> Figure {
                 chart.line(bar, SERIES[series], 5)?;
                 if (lowest..highest).contains(ratio) {
                     chart.marks([(from + beside, *ratio)], series)?;
+                }
+            }
+            for from in WINDOWS.into_iter().map(f64::from) {
+                if points.iter().all(|point| point.0 != from) && series == 0 {
+                    let style = letters_around(INK);
+                    chart.write("none", (from, lowest + 0.06 * (top - lowest)), style)?;
                 }
             }
             let at = (5.0 + 7.5 * series as f64, top - 0.08 * (top - lowest));
