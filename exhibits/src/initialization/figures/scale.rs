@@ -8,7 +8,7 @@ use crate::record::accepted;
 /// Seconds of the real flight at which the starts begin that are shown.
 const SHOWN: [u32; 4] = [8, 10, 13, 16];
 /// Errors beyond are cut off, in percent.
-const MOST: f64 = 30.0;
+const MOST: f64 = 15.0;
 
 /// Error and standard deviation of the scale at a time, in percent.
 #[derive(Clone, Copy)]
@@ -57,7 +57,7 @@ fn real() -> Vec<Curve> {
 
 /// Bars of a standard deviation each way, a little beside each other.
 fn panel(drawing: &Drawing, title: &str, curves: &[Curve]) -> Drawn {
-    let y_axis = ("error (%)", -MOST..1.3 * MOST, 7);
+    let y_axis = ("error (%)", -MOST..1.5 * MOST, 7);
     let mut chart = figure::axes(drawing, (title, 0.4..5.4, 6), y_axis)?;
     chart.line([(0.4, 0.0), (5.4, 0.0)], INK, 2)?;
     for (series, (name, points)) in curves.iter().enumerate() {
@@ -71,7 +71,7 @@ fn panel(drawing: &Drawing, title: &str, curves: &[Curve]) -> Drawn {
             }
         }
         let (column, row) = ((series % 2) as f64, (series / 2) as f64);
-        let at = (1.6 + 1.9 * column, (1.2 - 0.16 * row) * MOST);
+        let at = (1.6 + 1.9 * column, (1.36 - 0.24 * row) * MOST);
         chart.key(series, name, at, at.0 + 0.12)?;
     }
     Ok(())
@@ -91,7 +91,7 @@ pub fn scale() -> Figure {
         ("error of the scale (%)", decimals(2, each().map(|(_, point)| point.error))),
         ("reported σ (%)", decimals(2, each().map(|(_, point)| point.sigma))),
     ];
-    Figure::new(1300, columns, |drawing| {
+    Figure::new(1400, columns, |drawing| {
         let halves = drawing.split_evenly((2, 1));
         panel(&halves[0], "", &simulated)?;
         panel(&halves[1], "seconds of pictures (s)", &real)?;

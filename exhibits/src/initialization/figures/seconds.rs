@@ -5,7 +5,9 @@ use plotters::coord::combinators::IntoLogRange;
 use super::super::exact::{RATE, equations};
 use super::super::flights::{FOLLOWED, TIMES};
 use super::super::judged::{median, root_mean_square};
-use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, geometric, letters_right_of};
+use crate::figure::{
+    self, Draw, Figure, INK, SERIES, decimals, geometric, letters_around, letters_right_of,
+};
 use crate::record::accepted;
 use vislam::simulation::{ScalarTrajectory, Trajectory};
 
@@ -72,6 +74,10 @@ pub fn seconds() -> Figure {
         let x_axis = ("length of the motion (s)", (0.4..6.0).log_scale(), 5);
         let y_axis = ("sigma of the scale (%)", (0.02..5e3).log_scale(), 6);
         let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        // A logarithmic axis as short as this has a single label of its own.
+        for time in [0.5, 2.0, 5.0] {
+            chart.write(&format!("{time}"), (time, 0.032), letters_around(INK))?;
+        }
         let line = geometric(0.42, 14.0, 50).map(|time| (time, 100.0 * formula(jerk, time)));
         chart.line(line, INK, 3)?;
         chart.line(times().zip(linear.iter().copied()), SERIES[0], 4)?;

@@ -1,7 +1,5 @@
 //! Singular values of the linear equations as a motion goes on, for four motions.
 
-use plotters::coord::combinators::IntoLogRange;
-
 use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_right_of, powers};
 use crate::initialization::exact::{equations, motions};
 use vislam::simulation::Trajectory;
@@ -46,10 +44,10 @@ pub fn spectrum() -> Figure {
     Figure::new(1900, columns, |drawing| {
         for (panel, (name, spectra)) in drawing.split_evenly((4, 1)).iter().zip(&spectra) {
             let x_title = if *name == "constant velocity" { "time (s)" } else { "" };
-            let y_axis = ("singular value", (0.3 * LEAST..30.0).log_scale(), 5);
+            let y_axis = ("log\u{2081}\u{2080}", LEAST.log10() - 0.6..1.9, 5);
             let mut chart = figure::axes(panel, (x_title, 0.4..5.05, 6), y_axis)?;
             for which in 0..10 {
-                let points = seconds().zip(spectra).map(|(time, of)| (time, of[which]));
+                let points = seconds().zip(spectra).map(|(time, of)| (time, of[which].log10()));
                 if which < 9 {
                     chart.line(points, INK, 2)?;
                 } else {
@@ -58,8 +56,8 @@ pub fn spectrum() -> Figure {
                     chart.marks(points.into_iter().step_by(5), 1)?;
                 }
             }
-            chart.write(name, (0.5, 8.0), letters_right_of(INK))?;
-            chart.write("least of ten", (3.9, 8.0), letters_right_of(SERIES[1]))?;
+            chart.write(name, (0.5, 1.2), letters_right_of(INK))?;
+            chart.write("least of ten", (3.9, 1.2), letters_right_of(SERIES[1]))?;
         }
         Ok(())
     })
