@@ -12,6 +12,7 @@ mod gyro;
 mod judged;
 mod linear;
 mod map;
+mod motions;
 mod real;
 mod rest;
 mod solutions;

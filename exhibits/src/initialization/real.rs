@@ -7,8 +7,8 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, absolute_trajectory_error, align, aligned};
 use vislam::inertial::{Calibrated, CameraImu, ImuNoise, NavState, StampedSample, between};
 use vislam::initialization::{
-    BeginOptions, Beginning, Sensors, VisualMotion, Whole, WholeOptions, align_motion, begin,
-    in_motion, inertial_map,
+    BeginOptions, Beginning, MotionOptions, Sensors, VisualMotion, Whole, WholeOptions,
+    align_motion, begin, in_motion, inertial_map,
 };
 use vislam::structure_from_motion::{ScaleFreedom, absolute_orientation};
 
@@ -48,7 +48,8 @@ pub const STARTS: std::ops::RangeInclusive<u32> = 5..=20;
 pub const AFTER: [u32; 5] = [1, 2, 3, 4, 5];
 /// The pictures that a start uses: five a second.
 const THINNED: usize = 4;
-/// Seconds of the windows whose shape is taken for exact.
+/// Starts of windows whose shape is taken for exact, and their length, in seconds.
+pub const WINDOWS: [u32; 8] = [5, 7, 9, 11, 13, 15, 17, 19];
 const WINDOW: f64 = 2.0;
 /// How much better the poses are known then.
 const EXACT: f64 = 1e-3;
@@ -226,7 +227,12 @@ impl Values {
             let flight = flight.taken_up(from, THINNED);
             for (seconds, judged) in AFTER.into_iter().zip(&mut after) {
                 let pictures = first(&flight.pictures, f64::from(seconds));
-                let found = in_motion(&flight.sensors, &flight.readings, pictures, &any());
+                let found = in_motion(
+                    &flight.sensors,
+                    &flight.readings,
+                    pictures,
+                    &any(MotionOptions::default()),
+                );
                 let found = found.map(|found| Judged::of(&found, &flight.truth));
                 let [error, sigma] = match &found {
                     Ok(found) => [found.scale, found.scale_sigma],
@@ -267,15 +273,17 @@ impl Values {
     /// What the inertial estimate makes of the scale if the shape is exact, and if it is measured.
     fn exact(&mut self, flight: &Real) -> Result<(), NotMade> {
         let mut both = [Vec::new(), Vec::new()];
-        for from in STARTS.step_by(2) {
+        for from in WINDOWS {
             let flight = flight.taken_up(from, THINNED);
             for ((name, trust), found) in
                 [("exact", EXACT), ("measured", 1.0)].into_iter().zip(&mut both)
             {
-                let Some(scale) = Scale::of(&flight, WINDOW, trust) else { continue };
-                self.add(format!("{name}_{from}"), scale.ratio, "", 2);
-                self.add(format!("{name}_{from}_sigma"), 100.0 * scale.sigma, "%", 1);
-                found.push(scale);
+                let scale = Scale::of(&flight, WINDOW, trust);
+                // Zero where there is none.
+                let [ratio, sigma] = scale.as_ref().map_or([0.0; 2], |s| [s.ratio, s.sigma]);
+                self.add(format!("{name}_{from}"), ratio, "", 2);
+                self.add(format!("{name}_{from}_sigma"), 100.0 * sigma, "%", 1);
+                found.extend(scale);
             }
         }
         for (name, scales) in ["exact", "measured"].into_iter().zip(&both) {
