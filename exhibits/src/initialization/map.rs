@@ -10,8 +10,8 @@ use crate::comparison::{Comparison, altered, differences};
 use crate::random::Random;
 
 const STATES: usize = 200;
-/// By the state and by the logarithm of the scale.
-type Derivative = SMatrix<f64, 6, 10>;
+/// The derivatives by the state and by the logarithm of the scale, and the residual.
+type Derivative = SMatrix<f64, 6, 11>;
 
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Slopes); 5] = [
@@ -83,10 +83,11 @@ impl Seen {
             inverse_shift: self.shift,
         };
         let linear = factor.linearize((&state, &scale));
-        linear.map_or(Derivative::repeat(f64::NAN), |(_, (by_state, by_scale))| {
+        linear.map_or(Derivative::repeat(f64::NAN), |(residual, (by_state, by_scale))| {
             let mut both = Derivative::zeros();
             both.fixed_view_mut::<6, 9>(0, 0).copy_from(&by_state);
             both.set_column(9, &by_scale);
+            both.set_column(10, &residual);
             both
         })
     }
@@ -114,6 +115,10 @@ fn pose_up_to_scale(formula: Slopes) -> Comparison {
     let against = "central differences of what homogeneous matrices have for turn and centre";
     Comparison::absolute(against, 1e-6, "").over(STATES, 81, |random| {
         let seen = Seen::drawn(random);
-        (formula(&seen), differences(1e-5, |step| seen.off(&step)))
+        let slopes = differences::<6, 10>(1e-5, |step| seen.off(&step));
+        let mut oracle = Derivative::zeros();
+        oracle.fixed_columns_mut::<10>(0).copy_from(&slopes);
+        oracle.set_column(10, &seen.off(&SVector::zeros()));
+        (formula(&seen), oracle)
     })
 }
