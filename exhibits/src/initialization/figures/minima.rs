@@ -10,7 +10,7 @@ const SECONDS: f64 = 2.0;
 const LEAST: f64 = 1e-3;
 
 fn scales() -> impl Iterator<Item = f64> + Clone {
-    geometric(0.2, 100.0, 400)
+    geometric(0.2, 100.0, 4000)
 }
 
 pub fn minima() -> Figure {
@@ -19,9 +19,9 @@ pub fn minima() -> Figure {
         let misfits = scales().map(|scale| (1e3 * misfit(&equations, scale)).max(LEAST));
         (name, misfits.collect::<Vec<f64>>())
     });
-    let cells = |which: usize| powers(1, curves[which].1.iter().copied().step_by(10));
+    let cells = |which: usize| powers(1, curves[which].1.iter().copied().step_by(100));
     let columns = vec![
-        ("scale over the true one", decimals(2, scales().step_by(10))),
+        ("scale over the true one", decimals(2, scales().step_by(100))),
         ("figure-eight (mm)", cells(0)),
         ("constant acceleration; rising (mm)", cells(1)),
         ("constant acceleration; level (mm)", cells(2)),
@@ -34,7 +34,7 @@ pub fn minima() -> Figure {
         for (series, (name, misfits)) in curves.iter().enumerate() {
             let points: Vec<(f64, f64)> = scales().zip(misfits.iter().copied()).collect();
             chart.line(points.iter().copied(), SERIES[series], 4)?;
-            chart.marks(points.into_iter().skip(10 + 10 * series).step_by(40), series)?;
+            chart.marks(points.into_iter().skip(100 + 100 * series).step_by(400), series)?;
             chart.key(series, name, (0.24, 4e5 / 5.0_f64.powi(series as i32)), 0.27)?;
         }
         Ok(())
