@@ -70,6 +70,8 @@ pub fn numbers(chapter: &mut Chapter) {
     let found: Vec<Judged> = found.collect();
     let scale = found.iter().map(|judged| judged.scale.abs()).fold(0.0, f64::max);
     let tilt = found.iter().map(|judged| judged.tilt.degrees()).fold(0.0, f64::max);
+    chapter.number("flown_gyro_bias", BIASES[0], "rad/s", 2);
+    chapter.number("flown_accelerometer_bias", BIASES[1], "m/s²", 2);
     chapter.number("live_flights", LIVE as f64, "", 0);
     chapter.number("live_begun", begun as f64, "", 0);
     chapter.number("live_scale_most", 100.0 * scale, "%", 1);
