@@ -73,6 +73,7 @@ pub fn inputs_of(files: &[DataFile]) -> impl Iterator<Item = (&'static str, Stri
 pub fn accepted(record: &str, value: &str) -> f64 {
     let mut asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
     let kept = asked.entry(record.to_owned()).or_insert_with(|| Kept::read(record));
+    kept.asked.insert(value.to_owned());
     kept.value(value).unwrap_or_else(|sentence| {
         kept.missing.insert(sentence);
         1.0
@@ -87,6 +88,15 @@ pub fn missing() -> Result<(), String> {
     if sentences.is_empty() { Ok(()) } else { Err(sentences.join("\n")) }
 }
 
+/// The values that were asked of accepted records, each as `record.value`: figures show them, or numbers do.
+pub fn asked() -> Vec<String> {
+    let asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
+    let of = |(record, kept): (&String, &Kept)| {
+        kept.asked.iter().map(|value| format!("{record}.{value}")).collect::<Vec<_>>()
+    };
+    asked.iter().flat_map(of).collect()
+}
+
 /// The records that values were asked of.
 static ASKED: Mutex<BTreeMap<String, Kept>> = Mutex::new(BTreeMap::new());
 
@@ -94,6 +104,7 @@ static ASKED: Mutex<BTreeMap<String, Kept>> = Mutex::new(BTreeMap::new());
 pub struct Kept {
     record: String,
     values: Result<BTreeMap<String, KeptValue>, String>,
+    asked: BTreeSet<String>,
     missing: BTreeSet<String>,
 }
 
@@ -131,7 +142,7 @@ impl Kept {
                 Err(error) => Err(format!("{} is damaged: {error}; {make}", file(record))),
             },
         };
-        Self { record: record.to_owned(), values, missing: BTreeSet::new() }
+        Self { record: record.to_owned(), values, asked: BTreeSet::new(), missing: BTreeSet::new() }
     }
 
     pub fn value(&self, name: &str) -> Result<f64, String> {

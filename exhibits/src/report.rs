@@ -10,7 +10,7 @@ use crate::chapter::{
 };
 use crate::data::{NotMade, files_read};
 use crate::figure::{Figure, Link};
-use crate::record::Record;
+use crate::record::{Record, asked};
 
 /// The chapters and the names of their records.
 pub fn list(chapters: &[Chapter]) -> Value {
@@ -41,6 +41,7 @@ pub fn write_chapter(chapter: &Chapter, folder: &Path) -> io::Result<()> {
         "numbers": numbers(chapter),
         "figures": figures,
         "records": records(chapter),
+        "asked": asked(),
         "read": files_read(),
     });
     std::fs::write(folder.join("exhibits.json"), format!("{summary:#}\n"))

@@ -27,6 +27,9 @@ pub struct Shown {
     pub figures: Vec<Drawing>,
     /// The records it stands on.
     pub records: Vec<Inputs>,
+    /// The values of records that its figures and numbers show, each as `record.value`.
+    #[serde(default)]
+    pub asked: Vec<String>,
 }
 
 /// The outcome of the check of one equation.

@@ -191,8 +191,10 @@ fn press(
 
 /// What the program makes and no chapter shows.
 fn unused(pages: &[Page], exhibits: &Exhibits, found: &mut Found<'_>) {
+    let asked: BTreeSet<&String> =
+        exhibits.chapters.values().flat_map(|shown| &shown.asked).collect();
     for (name, file, line) in exhibits.number_names() {
-        if !found.values.contains_key(&name) {
+        if !found.values.contains_key(&name) && !asked.contains(&name) {
             found.faults.add(
                 (&file, line),
                 &name,

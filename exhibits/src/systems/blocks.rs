@@ -34,7 +34,10 @@ const VINS_MONO: &[Row] = &[
         name: "initialization",
         blocks: &[
             built(&["Poses and points", "from pictures", "alone, no scale"], "sec:init-shape"),
-            built(&["Gyroscope bias,", "velocities, gravity,", "scale, in turn"], "sec:init-linear"),
+            built(
+                &["Gyroscope bias,", "velocities, gravity,", "scale, in turn"],
+                "sec:init-linear",
+            ),
         ],
     },
     Row {

@@ -2,9 +2,9 @@
 
 use plotters::coord::combinators::IntoLogRange;
 
-use super::super::motions::{RATE, equations};
 use super::super::flights::{FOLLOWED, TIMES};
 use super::super::judged::{median, root_mean_square};
+use super::super::motions::{RATE, equations};
 use crate::figure::{
     self, Draw, Figure, INK, SERIES, decimals, geometric, letters_around, letters_right_of,
 };
@@ -51,7 +51,7 @@ fn formula(jerk: f64, seconds: f64) -> f64 {
 }
 
 pub fn seconds() -> Figure {
-    let times = || [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.0].into_iter();
+    let times = || TIMES.into_iter();
     let starts = || (0..STARTS).map(|start| start as f64);
     let linear: Vec<f64> =
         times().map(|time| 100.0 * median(starts().map(|from| sigma(from, time)))).collect();
@@ -63,12 +63,16 @@ pub fn seconds() -> Figure {
     };
     let reported: Vec<(f64, f64)> =
         (0..TIMES.len()).map(of).filter(|(_, sigma)| *sigma > 0.0).collect();
+    let cell = |(_, sigma): (f64, f64)| match sigma > 0.0 {
+        true => format!("{sigma:.2}"),
+        false => String::new(),
+    };
+    let cells = (0..TIMES.len()).map(|at| cell(of(at))).collect();
     let columns = vec![
         ("time (s)", decimals(1, times())),
         ("linear equations; median of twenty starts (%)", decimals(3, linear.iter().copied())),
         ("for a constant jerk (%)", decimals(3, predicted)),
-        ("time of the batch (s)", decimals(1, reported.iter().map(|(time, _)| *time))),
-        ("reported by the batch (%)", decimals(2, reported.iter().map(|(_, sigma)| *sigma))),
+        ("reported by the batch (%)", cells),
     ];
     Figure::new(900, columns, |drawing| {
         let x_axis = ("length of the motion (s)", (0.4..6.0).log_scale(), 5);
