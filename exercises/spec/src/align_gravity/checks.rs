@@ -55,8 +55,8 @@ crate::misconceptions! {
         "Tilt and bias are treated as if they were independent. A stand that is off by some bias is tilted \
          by exactly as much as that bias needs: how could you know one of the two and not the other?";
     NOT_OVER_GRAVITY, "not_over_gravity":
-        "A variance of accelerations stands where one of angles should. What angle does a bias of 0.1 \
-         m/s² turn gravity by?";
+        "A variance of accelerations stands where one of angles should. What angle does a small bias turn gravity \
+         by?";
     LENGTH_IGNORED, "length_ignored":
         "The bias along the vertical is as unknown as before the stand. The mean force should have been \
          as long as gravity: by what was it not?";

@@ -2,11 +2,9 @@
 
 use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
 use crate::initialization::flights::{FOLLOWED, TIMES};
-use crate::initialization::real::{AFTER, accepted_value};
+use crate::initialization::real::{AFTER, SHOWN, accepted_value};
 use crate::record::accepted;
 
-/// Seconds of the real flight at which the starts begin that are shown.
-const SHOWN: [u32; 4] = [8, 10, 13, 16];
 /// Errors beyond are cut off, in percent.
 const MOST: f64 = 15.0;
 
