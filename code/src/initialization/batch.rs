@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector2, Vector3};
 
 use super::rest::GAUGE_SIGMA;
 use super::{BatchError, Sensors};
+use crate::bearing::parallax;
 use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody, Prior};
 use crate::inertial::{
     BodyPose, Calibrated, Gravity, ImuBias, ImuNoise, NavState, StampedSample, between,
@@ -201,6 +202,27 @@ impl Batch {
             let in_camera = se3::transform(&camera_from_world, place);
             self.sensors.camera.project_cam(&in_camera).is_some()
         })
+    }
+
+    /// The widest angle at which two rays of a landmark meet, in radians; infinite when it is no
+    /// landmark of this batch, and none when it lies behind a camera.
+    pub(super) fn parallax(&self, values: &Values, track: usize, sightings: &[Sighting]) -> f64 {
+        let Some(landmark) = self.landmarks.get(&track) else { return f64::INFINITY };
+        let place = values[*landmark];
+        let body_from_camera = &values[self.extrinsics];
+        let mut centres = Vec::with_capacity(sightings.len());
+        for (state, pixel) in sightings {
+            if !self.off(values, (*state, *landmark), *pixel).is_finite() {
+                return 0.0;
+            }
+            let state = &values[self.states[*state]];
+            let lever = body_from_camera.translation.vector;
+            centres.push(state.position + state.world_from_body * lever);
+        }
+        let angles = centres.iter().enumerate().flat_map(|(at, centre)| {
+            centres[..at].iter().map(move |other| parallax(&place, centre, other))
+        });
+        angles.fold(0.0, f64::max)
     }
 
     // ANCHOR: know

@@ -2,7 +2,10 @@
 
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
-use super::{AlignmentRefused, Batch, NoStart, Sensors, VisualMotion, align_motion, inertial_map};
+use super::{
+    AlignmentRefused, Batch, BatchError, NoStart, Sensors, VisualLandmark, VisualMotion,
+    align_motion, inertial_map,
+};
 use crate::datasets::tracks::Picture;
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::least_squares::{Covariance, Kernel, Options, Values};
@@ -20,6 +23,8 @@ pub struct MotionOptions {
     pub scale_sigma: f64,
     /// The largest standard deviation of the tilt, in radians.
     pub tilt_sigma: f64,
+    /// The least angle at which two rays of a landmark must meet, in radians.
+    pub least_parallax: f64,
     /// The kernel of the pixels.
     pub kernel: Kernel,
 }
@@ -31,6 +36,7 @@ impl Default for MotionOptions {
             gyro_bias: 0.1,
             scale_sigma: 0.1,
             tilt_sigma: 1f64.to_radians(),
+            least_parallax: 0.01,
             kernel: Kernel::Huber(1.345),
         }
     }
@@ -108,22 +114,57 @@ fn start(
     };
     let guess: Vec<(NavState, ImuBias)> =
         map.states.iter().map(|state| (turned(state), map.bias)).collect();
-    let mut batch = Batch::new(sensors, readings, &motion.nanoseconds, &guess)?;
-    for (track, landmark) in &motion.landmarks {
+    let placed = motion.landmarks.iter().map(|(track, landmark)| {
         let place = world_from_motion * (map.scale * (landmark.place - motion.centres[0]));
-        if batch.is_in_front(&place, &landmark.sightings) {
-            batch.add_landmark(*track, place, &landmark.sightings, options.kernel)?;
+        (*track, VisualLandmark { place, ..landmark.clone() })
+    });
+    settled(sensors, readings, motion, (guess, placed.collect()), options)
+}
+// ANCHOR_END: start_in_motion
+
+// ANCHOR: settled
+/// The batch at its minimum, from states, biases and landmarks in the world. A landmark whose rays
+/// hardly meet at an angle there is left out, and the rest is solved again.
+fn settled(
+    sensors: &Sensors,
+    readings: &[StampedSample],
+    motion: &VisualMotion,
+    (guess, mut landmarks): (Vec<(NavState, ImuBias)>, Vec<(usize, VisualLandmark)>),
+    options: &MotionOptions,
+) -> Result<Started, NoStart> {
+    loop {
+        let mut batch = Batch::new(sensors, readings, &motion.nanoseconds, &guess)?;
+        for (track, landmark) in &landmarks {
+            if batch.is_in_front(&landmark.place, &landmark.sightings) {
+                batch.add_landmark(*track, landmark.place, &landmark.sightings, options.kernel)?;
+            }
+        }
+        know_beginning(&mut batch, &guess[0], options)?;
+        let values = batch.solve(&Options::default())?.values;
+        let before = landmarks.len();
+        landmarks.retain(|(track, landmark)| {
+            batch.parallax(&values, *track, &landmark.sightings) > options.least_parallax
+        });
+        if landmarks.len() == before {
+            let covariance = batch.covariance(&values)?;
+            return Started::judged(batch, values, covariance, motion.pictures.clone(), options);
         }
     }
+}
+// ANCHOR_END: settled
+
+/// Adds what is known before anything is measured: place and heading by choice, and how large the
+/// biases may be.
+fn know_beginning(
+    batch: &mut Batch,
+    guess: &(NavState, ImuBias),
+    options: &MotionOptions,
+) -> Result<(), BatchError> {
     batch.fix_gauge()?;
     let (g, a) = (options.gyro_bias, options.accelerometer_bias);
     let free = [f64::INFINITY; 9];
-    batch.know((guess[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
-    let values = batch.solve(&Options::default())?.values;
-    let covariance = batch.covariance(&values)?;
-    Started::judged(batch, values, covariance, motion.pictures.clone(), options)
+    batch.know((guess.0, ImuBias::default()), free, [g, g, g, a, a, a])
 }
-// ANCHOR_END: start_in_motion
 
 impl Started {
     // ANCHOR: judged
