@@ -56,7 +56,8 @@ fn batch(input: &Input, progress: &mut dyn FnMut(&str)) -> Result<Estimate, Stri
         .map_err(|error| format!("there is no beginning: {error}"))?;
     progress(&format!("begun after {:.2} s; growing the batch", begun.seconds));
     let options = WholeOptions::default();
-    let whole = Whole::grown(sensors, readings, pictures, begun.known, &options)
+    let told = |states| progress(&format!("{states} of {} states", pictures.len()));
+    let whole = Whole::grown_with(sensors, readings, pictures, begun.known, &options, told)
         .map_err(|error| format!("there is no batch of the whole flight: {error}"))?;
     let rig = sensors.rig;
     let times = pictures.iter().map(|picture| rig.imu_nanoseconds(picture.nanoseconds));

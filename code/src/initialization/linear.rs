@@ -15,10 +15,10 @@ const PROBABILITY: f64 = 0.999;
 
 // ANCHOR: linear_alignment
 /// The rows s (c_k − c_0) − t v − P b − ½ t² g = A + (R_k − R_0) l, three for each camera but the
-/// first, with the unknowns in the order (s, v, b, g): the scale in metres in a unit of the motion, and
-/// velocity, bias and gravity in the motion's axes, in m/s and m/s². A and P are what the forces
-/// between the cameras, turned as these are, and a bias of them do to the position. Implements
-/// {eq:align-row}.
+/// first, with the unknowns in the order (s, v, b, g): the scale in metres in a unit of the motion, velocity
+/// and gravity in the motion's axes, in m/s and m/s², and the bias in the body's, in m/s². A and P are
+/// what the forces between the cameras, turned as these are, and a bias of them do to the position.
+/// Implements {eq:align-row}.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearAlignment {
     /// The matrix, of ten columns.

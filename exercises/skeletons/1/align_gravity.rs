@@ -22,7 +22,7 @@ pub fn level(force: Vector3<f64>, heading: f64) -> Rotation3<f64> {
 /// was known of the tilt. The mean force has noise of standard deviation `noise_sigma` on each
 /// axis, in m/s², which may be zero. All of these are independent. The heading was chosen and
 /// counts as exact, so φ has no part about the vertical. Gravity has a known size, in m/s²: the
-/// direction of the mean force says something, **and so does its length**.
+/// direction of the mean force says something, and so does its length.
 pub fn rest_covariance(
     world_from_body: Rotation3<f64>,
     bias_sigma: Vector3<f64>,
@@ -33,7 +33,7 @@ pub fn rest_covariance(
     todo!("what do the direction and the length of the mean force leave open of tilt and bias?")
 }
 
-/// The most likely φ of the **first** stand, and the most likely bias, once the body has stood
+/// The most likely φ of the first stand, and the most likely bias, once the body has stood
 /// a second time, to first order in what was not known. In between it was turned by a rotation
 /// that is known exactly; `first_from_second` takes coordinates of the body as it stands now to
 /// those of the body as it stood before. The bias belongs to the sensor and has stayed the

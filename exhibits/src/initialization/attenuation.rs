@@ -6,9 +6,9 @@ use super::exact::Told;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 
-const MOTIONS: usize = 12;
+const MOTIONS: usize = 20;
 const CAMERAS: usize = 14;
-const DRAWS: usize = 4000;
+const DRAWS: usize = 30_000;
 
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Shrunk); 4] = [
@@ -39,7 +39,7 @@ fn shrunk(of: &Erring) -> f64 {
 
 fn attenuation(formula: Shrunk) -> Comparison {
     let against = "least squares with errors drawn in the column of centres, in the mean";
-    Comparison::absolute(against, 0.03, "of the scale").over(MOTIONS, 71, |random| {
+    Comparison::absolute(against, 0.013, "of the scale").over(MOTIONS, 71, |random| {
         let system = Told::drawn(random, CAMERAS).system();
         let rows = system.matrix.nrows();
         // What the nine others can imitate of a column is taken off it.

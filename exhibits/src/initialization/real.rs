@@ -7,7 +7,7 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, absolute_trajectory_error, align, aligned};
 use vislam::inertial::{Calibrated, CameraImu, ImuNoise, NavState, StampedSample, between};
 use vislam::initialization::{
-    BeginOptions, Beginning, MotionOptions, Sensors, VisualMotion, Whole, WholeOptions,
+    BeginOptions, Beginning, MotionOptions, NoStart, Sensors, VisualMotion, Whole, WholeOptions,
     align_motion, begin, in_motion, inertial_map,
 };
 use vislam::structure_from_motion::{ScaleFreedom, absolute_orientation};
@@ -50,6 +50,11 @@ pub const SHOWN: [u32; 4] = [8, 10, 13, 16];
 pub const AFTER: [u32; 5] = [1, 2, 3, 4, 5];
 /// The pictures that a start uses: five a second.
 const THINNED: usize = 4;
+/// By how much the densities of the readings, and the standard deviation of a pixel, are told too large where the
+/// cause of wrong standard deviations is looked for, and after how many seconds.
+const SHAKEN: f64 = 10.0;
+const COARSE: f64 = 2.0;
+const SUSPECTED: [u32; 2] = [2, 5];
 /// Starts of windows whose shape is taken for exact, and their length, in seconds.
 pub const WINDOWS: [u32; 8] = [5, 7, 9, 11, 13, 15, 17, 19];
 const WINDOW: f64 = 2.0;
@@ -132,6 +137,14 @@ impl Real {
         rest
     }
 
+    /// A start in motion on the first seconds, whatever it says of its own certainty.
+    fn judged_after(&self, seconds: u32) -> Result<Judged, NoStart> {
+        let pictures = first(&self.pictures, f64::from(seconds));
+        let options = any(MotionOptions::default());
+        let found = in_motion(&self.sensors, &self.readings, pictures, &options)?;
+        Ok(Judged::of(&found, &self.truth))
+    }
+
     pub fn begun(&self) -> Result<Beginning, NotMade> {
         begin(&self.sensors, &self.readings, &self.pictures, &BeginOptions::default())
             .map_err(|error| NotMade::Failed(format!("no start: {error}")))
@@ -152,6 +165,11 @@ fn nearest(rows: &[GroundTruth], nanoseconds: i64) -> NavState {
     rows.iter().min_by_key(distance).expect("a ground truth has rows").state
 }
 
+/// The root mean square of errors of scale over what is reported.
+fn normalized(judged: &[Judged]) -> f64 {
+    root_mean_square(judged.iter().map(|judged| judged.scale / judged.scale_sigma))
+}
+
 /// The estimated states of a batch.
 fn states(whole: &Whole) -> Vec<NavState> {
     whole.batch.states.iter().map(|key| whole.values[*key]).collect()
@@ -170,6 +188,7 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
     values.rest(&flight)?;
     values.waiting(&flight)?;
     values.starts(&flight);
+    values.suspects(&flight);
     values.begun(&flight)?;
     values.exact(&flight)?;
     values.batches(&flight)?;
@@ -227,14 +246,7 @@ impl Values {
         for from in STARTS {
             let flight = flight.taken_up(from, THINNED);
             for (seconds, judged) in AFTER.into_iter().zip(&mut after) {
-                let pictures = first(&flight.pictures, f64::from(seconds));
-                let found = in_motion(
-                    &flight.sensors,
-                    &flight.readings,
-                    pictures,
-                    &any(MotionOptions::default()),
-                );
-                let found = found.map(|found| Judged::of(&found, &flight.truth));
+                let found = flight.judged_after(seconds);
                 let [error, sigma] = match &found {
                     Ok(found) => [found.scale, found.scale_sigma],
                     Err(refused) => {
@@ -254,12 +266,30 @@ impl Values {
             let of = |number: fn(&Judged) -> f64| judged.iter().map(number);
             let accurate = root_mean_square(of(|judged| judged.scale));
             let sure = median(of(|judged| judged.scale_sigma));
-            let normalized = root_mean_square(of(|judged| judged.scale / judged.scale_sigma));
+            let normalized = normalized(judged);
             self.add(format!("found_{seconds}"), judged.len() as f64, "", 0);
             self.add(format!("sigma_median_{seconds}"), 100.0 * sure, "%", 1);
             self.add(format!("error_rms_{seconds}"), 100.0 * accurate, "%", 1);
             self.add(format!("normalized_{seconds}"), normalized, "", 1);
         }
+    }
+
+    /// The same with readings, and with pixels, that are told to be worse than they are on paper.
+    fn suspects(&mut self, flight: &Real) {
+        for (name, [readings, pixels]) in [("shaken", [SHAKEN, 1.0]), ("coarse", [1.0, COARSE])] {
+            let mut flight = flight.clone();
+            flight.sensors.noise.gyro *= readings;
+            flight.sensors.noise.accelerometer *= readings;
+            flight.sensors.pixel_sigma *= pixels;
+            for seconds in SUSPECTED {
+                let starts = STARTS.map(|from| flight.taken_up(from, THINNED));
+                let judged: Vec<Judged> =
+                    starts.filter_map(|start| start.judged_after(seconds).ok()).collect();
+                self.add(format!("{name}_{seconds}"), normalized(&judged), "", 1);
+            }
+        }
+        self.add("shaken_times", SHAKEN, "", 0);
+        self.add("coarse_px", COARSE, "px", 0);
     }
 
     /// How soon the flight begins where it is taken up, and with which scale.

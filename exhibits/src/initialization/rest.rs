@@ -253,6 +253,7 @@ fn numbers(chapter: &mut Chapter) {
     let fx = Flight::new(Trajectory::hover()).camera.fx;
     chapter.number("glide_speed", speed, "m/s", 0);
     chapter.number("glide_distance", distance, "m", 0);
+    chapter.number("glide_focal", fx, "px", 0);
     chapter.number("glide_px", fx * speed * seconds / distance, "px", 1);
     let options = RestOptions::default();
     chapter.number("rest_motion_sigmas", options.motion, "", 0);

@@ -213,5 +213,6 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("level_read", READ, "m/s²", 2);
     chapter.number("level_percent", 100.0 * within, "%", 0);
     chapter.number("turn_speed", TURN.0, "m/s", 0);
+    chapter.number("turn_rate", TURN.1, "rad/s", 1);
     chapter.number("turn_bias", 0.1 * TURN.0 * TURN.1, "m/s²", 2);
 }

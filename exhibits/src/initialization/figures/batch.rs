@@ -33,13 +33,14 @@ pub fn batch() -> Figure {
         let of = |name| accepted_value(&format!("spread_{}_{name}", at - at % PATH_RATE));
         (of("xx") + of("yy")).sqrt()
     };
+    let each = || (0..=PATH).step_by(PATH_RATE);
     let columns = vec![
-        ("time (s)", decimals(1, (0..=PATH).map(|at| at as f64 / PATH_RATE as f64))),
-        ("x of the batch (m)", decimals(3, path.iter().map(|at| at.0))),
-        ("y of the batch (m)", decimals(3, path.iter().map(|at| at.1))),
-        ("x of the ground truth (m)", decimals(3, truth.iter().map(|at| at.0))),
-        ("y of the ground truth (m)", decimals(3, truth.iter().map(|at| at.1))),
-        ("reported σ in the plane (cm)", decimals(2, (0..=PATH).map(sigma))),
+        ("time (s)", decimals(0, each().map(|at| at as f64 / PATH_RATE as f64))),
+        ("x of the batch (m)", decimals(3, each().map(|at| path[at].0))),
+        ("y of the batch (m)", decimals(3, each().map(|at| path[at].1))),
+        ("x of the ground truth (m)", decimals(3, each().map(|at| truth[at].0))),
+        ("y of the ground truth (m)", decimals(3, each().map(|at| truth[at].1))),
+        ("reported σ in the plane (cm)", decimals(2, each().map(sigma))),
     ];
     let range = |of: fn(&(f64, f64)) -> f64| {
         let (low, high) = path

@@ -27,8 +27,12 @@ fn shown() -> [(&'static str, Trajectory); 4] {
 
 pub fn spectrum() -> Figure {
     let spectra = shown().map(|(name, motion)| (name, spectra(motion)));
-    let each =
-        || spectra.iter().flat_map(|(name, of)| seconds().zip(of).map(move |at| (*name, at)));
+    // The table has every fourth of the times.
+    let each = || {
+        spectra
+            .iter()
+            .flat_map(|(name, of)| seconds().zip(of).step_by(4).map(move |at| (*name, at)))
+    };
     let names = each().map(|(name, _)| name.replace(',', ";"));
     let value = |which: usize| powers(1, each().map(move |(_, (_, of))| of[which]));
     let columns = vec![
