@@ -118,7 +118,7 @@ fn start(
         let place = world_from_motion * (map.scale * (landmark.place - motion.centres[0]));
         (*track, VisualLandmark { place, ..landmark.clone() })
     });
-    settled(sensors, readings, motion, (guess, placed.collect()), options)
+    settled(sensors, readings, motion, &guess, placed.collect(), options)
 }
 // ANCHOR_END: start_in_motion
 
@@ -129,11 +129,12 @@ fn settled(
     sensors: &Sensors,
     readings: &[StampedSample],
     motion: &VisualMotion,
-    (guess, mut landmarks): (Vec<(NavState, ImuBias)>, Vec<(usize, VisualLandmark)>),
+    guess: &[(NavState, ImuBias)],
+    mut landmarks: Vec<(usize, VisualLandmark)>,
     options: &MotionOptions,
 ) -> Result<Started, NoStart> {
     loop {
-        let mut batch = Batch::new(sensors, readings, &motion.nanoseconds, &guess)?;
+        let mut batch = Batch::new(sensors, readings, &motion.nanoseconds, guess)?;
         for (track, landmark) in &landmarks {
             if batch.is_in_front(&landmark.place, &landmark.sightings) {
                 batch.add_landmark(*track, landmark.place, &landmark.sightings, options.kernel)?;

@@ -125,8 +125,7 @@ fn beside() -> Result<Vec<RecordValue>, NotMade> {
 /// The two batches from one second of the flight on.
 struct Compared {
     theirs: Theirs,
-    /// With GTSAM's start, landmarks and noise.
-    same: Ours,
+    /// Of the search alone, with GTSAM's start, landmarks and noise.
     same_seconds: f64,
     /// The error from our own start, in centimetres.
     own: f64,
@@ -168,7 +167,7 @@ impl Compared {
         let differences =
             [same.value("largest_difference_sigma")?, same.value("rms_difference_sigma")?];
         let dearer = same.value("cost")? / theirs.cost - 1.0;
-        Ok(Self { theirs, same, same_seconds, own, own_seconds, differences, dearer })
+        Ok(Self { theirs, same_seconds, own, own_seconds, differences, dearer })
     }
 
     /// Our error over theirs, the largest difference in standard deviations, our seconds over theirs.
