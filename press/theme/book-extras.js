@@ -20,6 +20,14 @@
         }
     });
 
+    // ---- The first Tab. The contents scroll to their chapter, and a browser goes on from what was scrolled into view:
+    // without an address within the page, it begins at the top again.
+    if (!location.hash && document.activeElement === document.body) {
+        document.body.tabIndex = -1;
+        document.body.focus({ preventScroll: true });
+        document.body.removeAttribute("tabindex");
+    }
+
     // ---- Skip link. A page with a <base> would leave itself on "#text".
     document.querySelector(".skip-link").addEventListener("click", event => {
         event.preventDefault();
