@@ -16,8 +16,9 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
+use vislam::consistency::Policy;
 use vislam::filtering::BlockNees;
-use vislam::msckf::{Linearization, Msckf, MsckfError, MsckfOptions, PictureReport, Start};
+use vislam::msckf::{Msckf, MsckfError, MsckfOptions, PictureReport, Start};
 use vislam::simulation::{Flight, FlightError, FlightRecording, Trajectory};
 
 const USAGE: &str =
@@ -83,12 +84,12 @@ struct Sums {
 impl Sums {
     fn add(&mut self, arguments: &Arguments, seed: u64) -> Result<(), Box<dyn Error>> {
         let recording = flown(&flight(60.0 * arguments.minutes), seed)?;
-        let linearization = match arguments.first_estimates {
-            true => Linearization::FirstEstimates,
-            false => Linearization::Latest,
+        let policy = match arguments.first_estimates {
+            true => Policy::FirstEstimates,
+            false => Policy::Standard,
         };
         let options = MsckfOptions {
-            linearization,
+            linearization: policy.into(),
             landmarks: arguments.kept,
             ..MsckfOptions::of_flight(&recording.flight)
         };

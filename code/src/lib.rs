@@ -16,6 +16,7 @@
 
 pub mod bearing;
 pub mod bundle_adjustment;
+pub mod consistency;
 pub mod datasets;
 pub mod factors;
 pub mod filtering;

@@ -12,14 +12,15 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, SVector, Vector1, Vector2, 
 use passing::{CAMERA, PARALLAX, SIGMA, normal, pass};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use vislam::consistency::Policy;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
 use vislam::filtering::{Belief, Form, attitude_in_world, nees};
 use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::msckf::{
-    LandmarkError, Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport,
-    Rest, Sight, Start, TrackError, WindowPolicy, landmark,
+    LandmarkError, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Rest, Sight,
+    Start, TrackError, WindowPolicy, landmark,
 };
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::TriangulationError;
@@ -336,10 +337,10 @@ fn kept_landmarks_say_nothing_of_yaw_if_derivatives_are_taken_at_first_estimates
     let recording = hover(10.0);
     let mut start = start(&recording, 4);
     start.covariance[(2, 2)] = 0.03 * 0.03;
-    let sigma_of_yaw = |linearization| {
+    let sigma_of_yaw = |policy: Policy| {
         let options = MsckfOptions {
             landmarks: 24,
-            linearization,
+            linearization: policy.into(),
             ..MsckfOptions::of_flight(&recording.flight)
         };
         let filter = fly(&recording, options, &start, |_, _, _| ());
@@ -347,8 +348,8 @@ fn kept_landmarks_say_nothing_of_yaw_if_derivatives_are_taken_at_first_estimates
         attitude_in_world(filter.state(), &own.fixed_view::<3, 3>(0, 0))[(2, 2)].sqrt()
     };
     let least = least_sigma_of_yaw(&start);
-    let first = sigma_of_yaw(Linearization::FirstEstimates);
-    let latest = sigma_of_yaw(Linearization::Latest);
+    let first = sigma_of_yaw(Policy::FirstEstimates);
+    let latest = sigma_of_yaw(Policy::Standard);
     assert!((1.0..1.01).contains(&(first / least)), "{first} {least}");
     assert!(latest < 0.5 * least, "{latest} {least}");
 }

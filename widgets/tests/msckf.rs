@@ -1,8 +1,9 @@
 //! What the picture of the filter shows is what the library flies, and its controls do what they say.
 
 use nalgebra::{Matrix3, Vector3};
+use vislam::consistency::Policy;
 use vislam::inertial::{ImuNoise, NavState};
-use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Start};
+use vislam::msckf::{Msckf, MsckfOptions, PictureReport, Start};
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use widgets::msckf::{Filter, SIGMAS};
 use widgets::{Player, Session, Widget};
@@ -151,7 +152,7 @@ fn with_all_controls_moved_it_shows_what_the_library_flies() {
         clones: 7,
         gate: 0.99,
         landmarks: 10,
-        linearization: Linearization::FirstEstimates,
+        linearization: Policy::FirstEstimates.into(),
         ..MsckfOptions::of_flight(&recording.flight)
     };
     let settings = [
@@ -165,7 +166,7 @@ fn with_all_controls_moved_it_shows_what_the_library_flies() {
         ("seed", 4.0),
     ];
     shows(&settings, flown(&recording, options, 4, 17.0));
-    let open = MsckfOptions { gate: 1.0, linearization: Linearization::Latest, ..options };
+    let open = MsckfOptions { gate: 1.0, linearization: Policy::Standard.into(), ..options };
     let settings = [&settings[..], &[LATEST, ("gate", 0.0)]].concat();
     shows(&settings, flown(&recording, open, 4, 17.0));
 }

@@ -4,6 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
 use super::{Correction, CorrectionError, Form, correct};
+use crate::consistency::Chart;
+use crate::inertial::NavState;
 use crate::least_squares::{Key, Manifold, Values};
 
 // ANCHOR: belief
@@ -12,13 +14,15 @@ use crate::least_squares::{Key, Manifold, Values};
 pub struct Belief {
     values: Values,
     covariance: DMatrix<f64>,
+    /// Directions that go along, a column each.
+    directions: DMatrix<f64>,
 }
 // ANCHOR_END: belief
 
 impl Belief {
     /// Nothing is believed of anything.
     pub fn new() -> Self {
-        Self { values: Values::new(), covariance: DMatrix::zeros(0, 0) }
+        Self::default()
     }
 
     // ANCHOR: add
@@ -74,6 +78,8 @@ impl Belief {
         covariance.view_mut((before, 0), (own, before)).copy_from(&with_all);
         covariance.view_mut((0, before), (before, own)).copy_from(&with_all.transpose());
         covariance.view_mut((before, before), (own, own)).copy_from(&with_itself);
+        let along = by_all * self.directions.rows(0, before);
+        self.directions.rows_mut(before, own).copy_from(&along);
         Ok(self.values.add(value))
     }
     // ANCHOR_END: add_function
@@ -113,6 +119,7 @@ impl Belief {
         let kept: Vec<usize> = variables.iter().filter_map(coordinates).flatten().collect();
         self.values = self.values.select(variables).unwrap_or_default();
         self.covariance = self.covariance.select_rows(&kept).select_columns(&kept);
+        self.directions = self.directions.select_rows(&kept);
         Ok(())
     }
     // ANCHOR_END: keep
@@ -137,6 +144,35 @@ impl Belief {
         Ok(correction)
     }
     // ANCHOR_END: correct_belief
+
+    // ANCHOR: correct_on_chart
+    /// The same, but the values are retracted as a chart does it, about the state `body`, and what
+    /// stays as it was is the error in the chart: the covariance is carried to the new estimates.
+    ///
+    /// # Errors
+    ///
+    /// A [`CorrectionError`]; the belief then stays as it was.
+    pub fn correct_on_chart(
+        &mut self,
+        (chart, body): (Chart, Key<NavState>),
+        jacobian: &DMatrix<f64>,
+        residual: &DVector<f64>,
+        form: Form,
+    ) -> Result<Correction, CorrectionError> {
+        if chart == Chart::Separate {
+            return self.correct(jacobian, residual, form);
+        }
+        let mut covariance = self.covariance.clone();
+        let correction = correct(&mut covariance, jacobian, residual, form)?;
+        let moved = chart.retract(&self.values, body, correction.step.as_slice());
+        let transport = chart.transport((&self.values, &moved), body);
+        let transport = transport.ok_or(CorrectionError::Covariance)?;
+        transport.carry(&mut covariance);
+        transport.apply(&mut self.directions);
+        (self.values, self.covariance) = (moved, covariance);
+        Ok(correction)
+    }
+    // ANCHOR_END: correct_on_chart
 
     /// The estimates.
     pub fn values(&self) -> &Values {
@@ -165,13 +201,37 @@ impl Belief {
         self.values.dimension()
     }
 
-    pub(crate) fn parts(&mut self) -> (&mut Values, &mut DMatrix<f64>) {
-        (&mut self.values, &mut self.covariance)
+    // ANCHOR: follow
+    /// Follows directions of the errors, a column each: from now on each goes where an error of the
+    /// same coordinates would go, through transitions, copies and functions. Nothing is believed of
+    /// them.
+    ///
+    /// # Errors
+    ///
+    /// [`BeliefError::Covariance`] when there is not a finite row for each coordinate.
+    pub fn follow(&mut self, directions: DMatrix<f64>) -> Result<(), BeliefError> {
+        let expected = (self.dimension(), directions.ncols());
+        check(directions.shape(), expected, directions.iter())?;
+        self.directions = directions;
+        Ok(())
+    }
+
+    /// Where the directions have come that are followed.
+    pub fn directions(&self) -> &DMatrix<f64> {
+        &self.directions
+    }
+    // ANCHOR_END: follow
+
+    pub(crate) fn parts(&mut self) -> (&mut Values, [&mut DMatrix<f64>; 2]) {
+        (&mut self.values, [&mut self.covariance, &mut self.directions])
     }
 
     fn resize(&mut self, dimension: usize) {
         let covariance = std::mem::take(&mut self.covariance);
         self.covariance = covariance.resize(dimension, dimension, 0.0);
+        let directions = std::mem::take(&mut self.directions);
+        let columns = directions.ncols();
+        self.directions = directions.resize(dimension, columns, 0.0);
     }
 
     fn no_such(&self, variable: usize) -> BeliefError {

@@ -35,11 +35,13 @@ impl Transition {
         bias: &ImuBias,
         gravity: &Vector3<f64>,
     ) -> Result<Self, TransitionError> {
-        Self::linearized_at(state, readings, state, bias, gravity)
+        let second = readings.sums.predict(state, gravity, bias);
+        Self::between((state, &second), readings, bias, gravity)
     }
 
-    /// The same with derivatives as if the interval had begun at another state: that of the first
-    /// estimate, so that what was once free stays free.
+    /// The transition to the second of two states, with derivatives at both. The first need not be
+    /// the state from which the second was predicted: it may be an earlier estimate of it, so that
+    /// what was once free stays free.
     ///
     /// The residual of the interval, r(x, b, y), is zero at the prediction y. Its derivatives there
     /// say how an error of y follows from those of x and b: {eq:residual-by-first},
@@ -49,16 +51,14 @@ impl Transition {
     /// # Errors
     ///
     /// As those of [`Transition::new`].
-    // ANCHOR: linearized_at
-    pub fn linearized_at(
-        first: &NavState,
+    // ANCHOR: between
+    pub fn between(
+        (first, second): (&NavState, &NavState),
         readings: &CombinedPreintegrated,
-        state: &NavState,
         bias: &ImuBias,
         gravity: &Vector3<f64>,
     ) -> Result<Self, TransitionError> {
-        let second = readings.sums.predict(state, gravity, bias);
-        let linear = linearize(&readings.sums, first, &second, gravity, bias);
+        let linear = linearize(&readings.sums, first, second, gravity, bias);
         let inverse = linear.by_second.try_inverse().ok_or(TransitionError::NotFinite)?;
         let mut by_error = Matrix15::identity();
         by_error.fixed_view_mut::<9, 9>(0, 0).copy_from(&(-inverse * linear.by_first));
@@ -67,10 +67,10 @@ impl Transition {
         unwhitened.fixed_view_mut::<9, 9>(0, 0).copy_from(&inverse);
         let noise = unwhitened * readings.covariance() * unwhitened.transpose();
         let is_finite = by_error.iter().chain(&noise).all(|number| number.is_finite());
-        let transition = Self { state: second, by_error, noise };
+        let transition = Self { state: *second, by_error, noise };
         is_finite.then_some(transition).ok_or(TransitionError::NotFinite)
     }
-    // ANCHOR_END: linearized_at
+    // ANCHOR_END: between
 }
 
 impl Belief {
@@ -93,11 +93,16 @@ impl Belief {
             let mut places = state.chain(bias);
             std::array::from_fn(|_| places.next().unwrap_or(0))
         };
-        let (values, covariance) = self.parts();
+        let (values, [covariance, directions]) = self.parts();
         if !values.set(state, transition.state) {
             return Err(missing);
         }
         let Transition { by_error, noise, .. } = transition;
+        for mut direction in directions.column_iter_mut() {
+            let before = SVector::<f64, 15>::from_fn(|row, _| direction[places[row]]);
+            let after = by_error * before;
+            places.iter().zip(&after).for_each(|(place, after)| direction[*place] = *after);
+        }
         let before = Matrix15::from_fn(|row, column| covariance[(places[row], places[column])]);
         let after = by_error * before * by_error.transpose() + noise;
         for other in (0..covariance.ncols()).filter(|column| !places.contains(column)) {

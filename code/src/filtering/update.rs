@@ -80,8 +80,10 @@ impl Belief {
             values = values.retract(step.as_slice());
             let last_step = self.largest(&step);
             if last_step <= options.tolerance || iterations >= options.iterations {
-                Moved::new(&prior, &values).reset(&mut covariance);
-                let (own, own_covariance) = self.parts();
+                let moved = Moved::new(&prior, &values);
+                moved.reset(&mut covariance);
+                let (own, [own_covariance, directions]) = self.parts();
+                moved.carry(directions);
                 (*own, *own_covariance) = (values, covariance);
                 let rows = residual.len();
                 return Ok(Update { innovation, rows, iterations, last_step });
@@ -159,11 +161,16 @@ impl Moved {
     // ANCHOR: reset
     /// Turns the covariance of the error of the belief into that of the values it has moved to.
     fn reset(&self, covariance: &mut DMatrix<f64>) {
+        self.carry(covariance);
+        covariance.transpose_mut();
+        self.carry(covariance);
+    }
+
+    /// Turns errors of the belief, a column each, into those of the values it has moved to.
+    fn carry(&self, errors: &mut DMatrix<f64>) {
         for (coordinates, inverse) in &self.inverse {
-            let rows = inverse * covariance.rows_range(coordinates.clone());
-            covariance.rows_range_mut(coordinates.clone()).copy_from(&rows);
-            let columns = covariance.columns_range(coordinates.clone()) * inverse.transpose();
-            covariance.columns_range_mut(coordinates.clone()).copy_from(&columns);
+            let rows = inverse * errors.rows_range(coordinates.clone());
+            errors.rows_range_mut(coordinates.clone()).copy_from(&rows);
         }
     }
     // ANCHOR_END: reset

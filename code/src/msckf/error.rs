@@ -32,6 +32,15 @@ pub enum MsckfError {
     /// The covariance cannot be corrected.
     #[error(transparent)]
     Correction(#[from] CorrectionError),
+    /// Derivatives are to be taken at the truth, and it is not known.
+    #[error(
+        "derivatives at the truth need that of picture {picture}; follow a simulated recording, or \
+         choose another policy"
+    )]
+    NoTruth {
+        /// The picture, counted from zero.
+        picture: usize,
+    },
     /// The gate is no probability.
     #[error(transparent)]
     Gate(#[from] ChiSquareError),

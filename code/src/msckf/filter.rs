@@ -1,15 +1,18 @@
 //! The filter: readings carry it on, tracks correct it.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Vector1, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector3};
 
 use super::update::seen;
 use super::window::{Clone, Kept, Window};
-use super::{Linearization, MsckfError, MsckfOptions, PictureReport, Rows};
+use super::{MsckfError, MsckfOptions, PictureReport, Rows};
+use crate::consistency::{Linearization, Point, certificate, constrained};
 use crate::datasets::tracks::{Feature, Picture};
 use crate::filtering::{Belief, Transition, chi_square_quantile};
 use crate::inertial::{BodyPose, CameraImu, ImuBias, NavState, StampedSample, between};
 use crate::least_squares::Key;
+use crate::observability::{WorldMotion, four_motions, steps_of_state};
 use crate::preintegration::{Matrix15, preintegrate_combined};
+use crate::simulation::Truth;
 
 // ANCHOR: start
 /// What a filter begins with.
@@ -51,6 +54,10 @@ pub struct Msckf {
     /// By degrees of freedom, the largest innovation that passes.
     pub(super) gates: Vec<f64>,
     pub(super) stacked: Rows,
+    /// How many pictures were taken.
+    taken: usize,
+    /// What derivatives at the truth are taken at.
+    truth: Option<Truth>,
 }
 // ANCHOR_END: msckf
 
@@ -85,6 +92,7 @@ impl Msckf {
             belief.add(Vector1::new(start.rig.time_offset), &variance)
         });
         let gate = |degrees| chi_square_quantile(options.gate, degrees);
+        belief.follow(free_directions(&options.gravity, &start.state, belief.dimension()))?;
         Ok(Self {
             options,
             state,
@@ -100,7 +108,31 @@ impl Msckf {
             last: Vec::new(),
             gates: (0..=2 * options.clones).map(gate).collect::<Result<_, _>>()?,
             stacked: Rows::default(),
+            taken: 0,
+            truth: None,
         })
+    }
+
+    /// Tells the filter the truth, at which derivatives are taken if its options say so. The filter
+    /// begins with the first picture then.
+    ///
+    /// # Errors
+    ///
+    /// [`MsckfError::NoTruth`] when there is no state.
+    pub fn tell(&mut self, truth: &Truth) -> Result<(), MsckfError> {
+        let first = truth.states.first().ok_or(MsckfError::NoTruth { picture: 0 })?;
+        if self.options.linearization.pixels == Point::Truth && self.taken == 0 {
+            let (gravity, dimension) = (&self.options.gravity, self.belief.dimension());
+            self.belief.follow(free_directions(gravity, first, dimension))?;
+        }
+        self.truth = Some(truth.clone());
+        Ok(())
+    }
+
+    /// Whether the truth is needed and not known yet.
+    pub(super) fn lacks_truth(&self) -> bool {
+        let Linearization { transitions, pixels, .. } = self.options.linearization;
+        [transitions, pixels].contains(&Point::Truth) && self.truth.is_none()
     }
 
     /// The estimate of the state.
@@ -164,7 +196,11 @@ impl Msckf {
     ///
     /// An [`MsckfError`]; the filter then stays as it was but for what the readings carried on.
     pub fn picture(&mut self, picture: &Picture) -> Result<PictureReport, MsckfError> {
+        if self.lacks_truth() {
+            return Err(MsckfError::NoTruth { picture: self.taken });
+        }
         let turning = self.carry_to(self.rig().imu_nanoseconds(picture.nanoseconds))?;
+        self.taken += 1;
         if let Some(rest) = self.options.rest.filter(|rest| self.is_at_rest(picture, rest)) {
             return self.stand_still(&rest, &turning);
         }
@@ -196,13 +232,7 @@ impl Msckf {
             return Ok(at_end(&self.readings));
         }
         let readings = between(&self.readings, self.nanoseconds, nanoseconds)?;
-        let sums = preintegrate_combined(&readings, &bias, &self.options.noise)?;
-        let (state, gravity) = (*self.state(), self.options.gravity);
-        let first = match self.options.linearization {
-            Linearization::Latest => state,
-            Linearization::FirstEstimates => self.first,
-        };
-        let transition = Transition::linearized_at(&first, &sums, &state, &bias, &gravity)?;
+        let transition = self.transition(&readings)?;
         self.belief.carry_on((self.state, self.bias), &transition)?;
         self.first = transition.state;
         self.nanoseconds = nanoseconds;
@@ -211,6 +241,78 @@ impl Msckf {
         Ok(at_end(&readings))
     }
     // ANCHOR_END: carry_to
+
+    // ANCHOR: transition_at
+    /// What readings do to the state and its errors, with derivatives where the options say.
+    fn transition(&self, readings: &[StampedSample]) -> Result<Transition, MsckfError> {
+        let MsckfOptions { linearization, ref noise, ref gravity, .. } = self.options;
+        let (state, bias) = (self.state(), self.bias());
+        let sums = preintegrate_combined(readings, bias, noise)?;
+        let second = sums.sums.predict(state, gravity, bias);
+        let mut transition = match linearization.transitions {
+            Point::Latest => Transition::between((state, &second), &sums, bias, gravity)?,
+            Point::First => Transition::between((&self.first, &second), &sums, bias, gravity)?,
+            Point::Truth => {
+                let (first, bias) = self.true_state(self.taken.wrapping_sub(1))?;
+                let (last, _) = self.true_state(self.taken)?;
+                let sums = preintegrate_combined(readings, &bias, noise)?;
+                Transition::between((&first, &last), &sums, &bias, gravity)?
+            }
+        };
+        transition.state = second;
+        if linearization.constrained {
+            transition.by_error = self.freed(&transition);
+        }
+        Ok(transition)
+    }
+    // ANCHOR_END: transition_at
+
+    // ANCHOR: freed
+    /// A transition changed as little as can be to take the free directions from where they are
+    /// followed to those of its second state.
+    fn freed(&self, transition: &Transition) -> Matrix15 {
+        let Transition { state, by_error, .. } = transition;
+        let free = self.belief.directions().rows(0, 15).into_owned();
+        let wanted = free_directions(&self.options.gravity, state, 15);
+        let rows = DMatrix::from_column_slice(15, 15, by_error.as_slice());
+        let freed = constrained(&rows, &free, &wanted);
+        freed.map_or(*by_error, |freed| Matrix15::from_column_slice(freed.as_slice()))
+    }
+    // ANCHOR_END: freed
+
+    /// The true state and biases at a picture.
+    fn true_state(&self, picture: usize) -> Result<(NavState, ImuBias), MsckfError> {
+        let known = self
+            .truth
+            .as_ref()
+            .and_then(|truth| Some((*truth.states.get(picture)?, *truth.biases.get(picture)?)));
+        known.ok_or(MsckfError::NoTruth { picture })
+    }
+
+    /// Where the landmark of a track truly is.
+    pub(super) fn true_landmark(&self, track: usize) -> Option<Vector3<f64>> {
+        let truth = self.truth.as_ref()?;
+        truth.landmarks.get(*truth.landmark_of_track.get(track)?).copied()
+    }
+
+    /// The four motions that no sensor sees.
+    pub(super) fn motions(&self) -> [WorldMotion; 4] {
+        motions(&self.options.gravity)
+    }
+
+    // ANCHOR: filter_certificate
+    /// The 4×4 matrix of what is believed to be known along the free directions: shifts along the
+    /// axes, in 1/m², and a turn about the vertical, in 1/rad². The newest pose is left out: it is a
+    /// part of the state and says nothing of its own. `None` where something is known exactly.
+    pub fn certificate(&self) -> Option<SMatrix<f64, 4, 4>> {
+        let newest = self.window.clones.last()?.variable;
+        let newest = self.belief.values().coordinates_of(newest)?;
+        let others: Vec<usize> =
+            (0..self.belief.dimension()).filter(|at| !newest.contains(at)).collect();
+        let covariance = self.belief.covariance().select_rows(&others).select_columns(&others);
+        certificate(&covariance, &self.belief.directions().select_rows(&others))
+    }
+    // ANCHOR_END: filter_certificate
 
     // ANCHOR: add_clone
     /// Adds the pose of the picture. When the time offset is estimated, its error moves the pose
@@ -230,7 +332,8 @@ impl Msckf {
         let key = self.belief.add_function(pose, &by_all, &nothing)?;
         let serial = self.window.next_serial;
         self.window.next_serial += 1;
-        self.window.clones.push(Clone { variable: key.index(), serial, first: pose });
+        let picture = self.taken - 1;
+        self.window.clones.push(Clone { variable: key.index(), serial, picture, first: pose });
         Ok(serial)
     }
     // ANCHOR_END: add_clone
@@ -240,10 +343,12 @@ impl Msckf {
         let clone = self.window.clones[self.window.place(serial)?];
         let values = self.belief.values();
         let pose = *values.get(values.key::<BodyPose>(clone.variable)?)?;
-        match self.options.linearization {
-            Linearization::Latest => Some((pose, pose)),
-            Linearization::FirstEstimates => Some((pose, clone.first)),
-        }
+        let linearized_at = match self.options.linearization.pixels {
+            Point::Latest => pose,
+            Point::First => clone.first,
+            Point::Truth => BodyPose::from(&self.true_state(clone.picture).ok()?.0),
+        };
+        Some((pose, linearized_at))
     }
 
     /// Drops the landmarks that this picture does not show.
@@ -276,4 +381,15 @@ impl Msckf {
         self.window.renumber(|number| stays.partition_point(|other| *other < number));
         Ok(())
     }
+}
+
+fn motions(gravity: &Vector3<f64>) -> [WorldMotion; 4] {
+    four_motions(&(-gravity).try_normalize(0.0).unwrap_or_else(Vector3::z))
+}
+
+/// The steps of a state under the four free motions, in the first of `dimension` rows.
+fn free_directions(gravity: &Vector3<f64>, state: &NavState, dimension: usize) -> DMatrix<f64> {
+    let mut free = DMatrix::zeros(dimension, 4);
+    free.fixed_rows_mut::<9>(0).copy_from(&steps_of_state(&motions(gravity), state));
+    free
 }

@@ -1,6 +1,6 @@
 //! Simulated flights, as a filter follows them.
 
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -28,6 +28,49 @@ impl Start {
     }
 }
 
+impl Start {
+    // ANCHOR: at_the_origin
+    /// What is believed when a recording begins by somebody who calls where he stands the origin and
+    /// where he looks ahead: yaw and position are exact, as everything else is measured from them.
+    /// `sigmas` are the standard deviations of tilt, velocity and the biases of gyroscope and
+    /// accelerometer on each axis, in rad, m/s, rad/s and m/s². `None` when there is no picture yet.
+    pub fn at_the_origin(
+        recording: &FlightRecording,
+        [tilt, velocity, gyro, accelerometer]: [f64; 4],
+        seed: u64,
+    ) -> Option<Self> {
+        let truth = recording.truth.states.first()?;
+        let body_from_world = truth.world_from_body.inverse();
+        let mut in_world = [0.0; 15];
+        in_world[..2].fill(tilt);
+        in_world[3..6].fill(velocity);
+        in_world[9..12].fill(gyro);
+        in_world[12..].fill(accelerometer);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut off = SVector::from(in_world.map(|sigma| sigma * normal(&mut random)));
+        let turn = body_from_world * Vector3::new(off[0], off[1], off[2]);
+        off.fixed_rows_mut::<3>(0).copy_from(&turn);
+        let state = truth.retract(&off.as_slice()[..9]);
+        let in_body = state.world_from_body.inverse();
+        let mut covariance =
+            Matrix15::from_diagonal(&SVector::from(in_world.map(|sigma| sigma * sigma)));
+        let turned =
+            in_body.matrix() * covariance.fixed_view::<3, 3>(0, 0) * in_body.matrix().transpose();
+        covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+        Some(Self {
+            nanoseconds: recording
+                .flight
+                .rig
+                .imu_nanoseconds(recording.pictures.first()?.nanoseconds),
+            state,
+            bias: recording.truth.biases.first()?.retract(&off.as_slice()[9..]),
+            covariance,
+            rig: recording.flight.rig,
+        })
+    }
+    // ANCHOR_END: at_the_origin
+}
+
 impl Msckf {
     /// Takes a picture of a recording, and the readings since the last one that reach its time.
     /// `None` when there is no such picture.
@@ -41,6 +84,9 @@ impl Msckf {
         number: usize,
     ) -> Result<Option<PictureReport>, MsckfError> {
         let Some(picture) = recording.pictures.get(number) else { return Ok(None) };
+        if self.lacks_truth() {
+            self.tell(&recording.truth)?;
+        }
         let time = self.rig().imu_nanoseconds(picture.nanoseconds);
         let mut last = self.readings.last().map_or(i64::MIN, |reading| reading.nanoseconds);
         let read = recording.readings.partition_point(|reading| reading.nanoseconds <= last);

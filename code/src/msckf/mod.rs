@@ -20,7 +20,7 @@ mod window;
 pub use error::MsckfError;
 pub use filter::{Msckf, Start};
 pub use landmark::{LandmarkError, landmark};
-pub use options::{Linearization, MsckfOptions, Rest, WindowPolicy};
+pub use options::{MsckfOptions, Rest, WindowPolicy};
 pub use rows::Rows;
 pub use track::{LinearizedTrack, Sight, TrackError};
 pub use window::{PictureReport, Refusals};

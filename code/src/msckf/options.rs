@@ -2,23 +2,11 @@
 
 use nalgebra::Vector3;
 
+use crate::consistency::{Linearization, Policy};
 use crate::filtering::Form;
 use crate::inertial::{Calibrated, GRAVITY, ImuNoise};
 use crate::reprojection::Pinhole;
 use crate::simulation::Flight;
-
-// ANCHOR: linearization
-/// Where derivatives are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Linearization {
-    /// At the estimates of the moment.
-    #[default]
-    Latest,
-    /// Of a pose or velocity always at the first estimate that there was of it, and of a kept
-    /// landmark where its track was linearized, so that all derivatives belong to one trajectory.
-    FirstEstimates,
-}
-// ANCHOR_END: linearization
 
 /// Which pose goes when the window is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,7 +55,7 @@ pub struct MsckfOptions {
     pub largest_sigma: f64,
     /// The probability that a track without fault passes the gate.
     pub gate: f64,
-    /// Where derivatives are taken.
+    /// Where derivatives are taken, and how the estimate moves; a [`Policy`] says it in a word.
     pub linearization: Linearization,
     /// How covariances are corrected.
     pub form: Form,
@@ -94,7 +82,7 @@ impl MsckfOptions {
             least_parallax: 1e-3,
             largest_sigma: 10.0,
             gate: 0.99,
-            linearization: Linearization::Latest,
+            linearization: Policy::Standard.into(),
             form: Form::Difference,
             calibrated: Calibrated::default(),
             landmarks: 0,

@@ -34,8 +34,8 @@ impl Msckf {
         let velocity = self.state().velocity / rest.velocity_sigma;
         let turning = turning / rest.turning_sigma;
         let residual = DVector::from_iterator(6, velocity.iter().chain(&turning).copied());
-        self.belief.correct(&jacobian, &residual, self.options.form)?;
-        Ok(PictureReport { at_rest: true, rows: 6, ..PictureReport::default() })
+        let claimed = self.apply(jacobian, &residual)?;
+        Ok(PictureReport { at_rest: true, rows: 6, claimed, ..PictureReport::default() })
     }
     // ANCHOR_END: stand_still
 }

@@ -44,6 +44,21 @@ impl LinearizedTrack {
         sights: &[Sight],
         landmark: &Vector3<f64>,
         body_from_camera: &Isometry3<f64>,
+        camera: (&Pinhole, f64),
+    ) -> Result<(), TrackError> {
+        self.linearize_at(sights, [landmark; 2], body_from_camera, camera)
+    }
+
+    /// The same for a landmark whose derivatives are taken at another place, the second one.
+    ///
+    /// # Errors
+    ///
+    /// As [`LinearizedTrack::linearize`].
+    pub fn linearize_at(
+        &mut self,
+        sights: &[Sight],
+        [landmark, at_landmark]: [&Vector3<f64>; 2],
+        body_from_camera: &Isometry3<f64>,
         (camera, sigma): (&Pinhole, f64),
     ) -> Result<(), TrackError> {
         let width = 3 + 6 * sights.len() + 6 + 1;
@@ -51,15 +66,16 @@ impl LinearizedTrack {
         self.sights = sights.len();
         for (sight, &Sight { pose, linearized_at, pixel }) in sights.iter().enumerate() {
             let seen = BodyPixel { camera, pixel, inverse_sigma: 1.0 / sigma };
-            let at = |pose: &BodyPose| {
+            let at = |pose: &BodyPose, landmark: &Vector3<f64>| {
                 let linear = seen.linearize((pose, landmark, body_from_camera));
                 linear.ok_or(TrackError::Behind { sight })
             };
-            let (residual, jacobians) = at(&pose)?;
-            let (by_pose, by_landmark, by_camera) = match pose == linearized_at {
-                true => jacobians,
-                false => at(&linearized_at)?.1,
-            };
+            let (residual, jacobians) = at(&pose, landmark)?;
+            let (by_pose, by_landmark, by_camera) =
+                match pose == linearized_at && landmark == at_landmark {
+                    true => jacobians,
+                    false => at(&linearized_at, at_landmark)?.1,
+                };
             for axis in 0..2 {
                 let row = self.rows.add();
                 let mut put = |from: usize, numbers: &[f64]| {

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::track::entries;
 use super::window::{Kept, Waiting};
 use super::{
-    Linearization, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Sight,
-    TrackError, landmark,
+    LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Sight, TrackError, landmark,
 };
+use crate::consistency::{Claimed, Linearization, Point, constrained};
 use crate::datasets::tracks::{Feature, Picture};
 use crate::factors::BodyPixel;
 use crate::filtering::innovation_squared;
@@ -18,6 +18,8 @@ struct Judged<'a> {
     waiting: &'a Waiting,
     linear: LinearizedTrack,
     landmark: Vector3<f64>,
+    /// Where its derivatives were taken.
+    at: Vector3<f64>,
 }
 
 /// Where the columns of some rows stand in the belief; `None` for what is not estimated.
@@ -58,11 +60,35 @@ impl Msckf {
         report.rows = self.stacked.len();
         if !self.stacked.is_empty() {
             let (jacobian, residual) = self.stacked.system();
-            self.belief.correct(&jacobian, &residual, self.options.form)?;
+            report.claimed = self.apply(jacobian, &residual)?;
         }
         Ok(report)
     }
     // ANCHOR_END: correct
+
+    // ANCHOR: apply
+    /// Corrects the belief by whitened rows, and says what they claimed of the free directions.
+    pub(super) fn apply(
+        &mut self,
+        mut jacobian: DMatrix<f64>,
+        residual: &DVector<f64>,
+    ) -> Result<Claimed, MsckfError> {
+        let Linearization { chart, constrained, .. } = self.options.linearization;
+        if constrained {
+            let nothing = DMatrix::zeros(jacobian.nrows(), 4);
+            jacobian = self.constrained(jacobian, &nothing);
+        }
+        let claimed = Claimed::of(&jacobian, self.belief.directions());
+        let chart = (chart, self.state);
+        self.belief.correct_on_chart(chart, &jacobian, residual, self.options.form)?;
+        Ok(claimed)
+    }
+    // ANCHOR_END: apply
+
+    /// The rows changed as little as can be to have this product with the free directions.
+    fn constrained(&self, rows: DMatrix<f64>, wanted: &DMatrix<f64>) -> DMatrix<f64> {
+        constrained(&rows, self.belief.directions(), wanted).unwrap_or(rows)
+    }
 
     // ANCHOR: judge
     /// The rows of a track and its landmark, if it may correct the filter.
@@ -77,11 +103,15 @@ impl Msckf {
         let landmark = landmark(&sights, &rig.body_from_camera, camera, least_parallax);
         let landmark = landmark.map_err(|_| Refusal::Landmark)?;
         let mut linear = LinearizedTrack::default();
-        linear.linearize(&sights, &landmark, &rig.body_from_camera, camera)?;
+        let at = match self.options.linearization.pixels {
+            Point::Latest | Point::First => landmark,
+            Point::Truth => self.true_landmark(track).ok_or(Refusal::Landmark)?,
+        };
+        linear.linearize_at(&sights, [&landmark, &at], &rig.body_from_camera, camera)?;
         linear.project(largest_sigma)?;
         let rows: Vec<&[f64]> = linear.constraints().collect();
         let passes = self.passes(&self.columns(waiting), &rows);
-        passes.then_some(Judged { track, waiting, linear, landmark }).ok_or(Refusal::Gated)
+        passes.then_some(Judged { track, waiting, linear, landmark, at }).ok_or(Refusal::Gated)
     }
     // ANCHOR_END: judge
 
@@ -148,7 +178,7 @@ impl Msckf {
     /// room. The first three rows of the track, R e_f + H e + r with white noise, say how its error
     /// follows from that of the poses.
     fn keep_landmark(&mut self, judged: &Judged) -> Result<(), MsckfError> {
-        let Judged { track, waiting, ref linear, landmark } = *judged;
+        let Judged { track, waiting, ref linear, landmark, at } = *judged;
         let is_full = waiting.len() >= self.options.clones;
         let has_room = self.window.kept.len() < self.options.landmarks;
         let Some(inverse) = linear.landmark_root().try_inverse().filter(|_| is_full && has_room)
@@ -163,11 +193,16 @@ impl Msckf {
                 by_all.set_column(*into, &(-inverse * column(3 + place)));
             }
         }
+        if self.options.linearization.constrained {
+            let moved = self.motions().map(|motion| motion.of_point(&at));
+            let wanted = DMatrix::from_fn(3, 4, |row, column| moved[column][row]);
+            by_all = self.constrained(by_all, &wanted);
+        }
         let estimate = landmark - inverse * column(rows.width() - 1);
         let noise = inverse * inverse.transpose();
         let noise = DMatrix::from_column_slice(3, 3, noise.as_slice());
         let key = self.belief.add_function(estimate, &by_all, &noise)?;
-        self.window.kept.push(Kept { track, variable: key.index(), first: landmark });
+        self.window.kept.push(Kept { track, variable: key.index(), first: at });
         Ok(())
     }
     // ANCHOR_END: keep_landmark
@@ -180,9 +215,10 @@ impl Msckf {
         let (pose, linearized_at) = self.pose(newest.serial)?;
         let values = self.belief.values();
         let landmark = *values.get(values.key::<Vector3<f64>>(kept.variable)?)?;
-        let linearized = match self.options.linearization {
-            Linearization::Latest => landmark,
-            Linearization::FirstEstimates => kept.first,
+        let linearized = match self.options.linearization.pixels {
+            Point::Latest => landmark,
+            // At the truth, its track was linearized there too.
+            Point::First | Point::Truth => kept.first,
         };
         let (camera, inverse_sigma) = (&self.options.camera, 1.0 / self.options.pixel_sigma);
         let pixel = BodyPixel { camera, pixel: feature.pixel, inverse_sigma };

@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::WindowPolicy;
 use super::update::seen;
+use crate::consistency::Claimed;
 use crate::datasets::tracks::Picture;
 use crate::inertial::BodyPose;
 
@@ -16,6 +17,8 @@ pub(super) struct Clone {
     pub variable: usize,
     /// Its number among all that there ever were.
     pub serial: usize,
+    /// The picture that was taken there, counted from zero.
+    pub picture: usize,
     /// The estimate that it began with.
     pub first: BodyPose,
 }
@@ -89,7 +92,7 @@ impl Window {
 }
 
 /// What became of the tracks of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PictureReport {
     /// Tracks that corrected the filter.
     pub used: usize,
@@ -99,6 +102,8 @@ pub struct PictureReport {
     pub refused: Refusals,
     /// Whether the body was at rest, so that the picture was not kept.
     pub at_rest: bool,
+    /// What the correction claims to know of shifts and of a turn about the vertical.
+    pub claimed: Claimed,
 }
 
 /// Tracks that did not correct a filter, by the reason.

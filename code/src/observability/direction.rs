@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::{DVector, Vector3};
 
-use super::Window;
+use super::{Window, WorldMotion};
 use crate::least_squares::Columns;
 
 // ANCHOR: direction
@@ -87,16 +87,15 @@ impl Window {
         columns: &Columns,
     ) -> DVector<f64> {
         let mut whole = Vec::new();
+        let motion = WorldMotion { shift: *shift, turn: *turn };
         for (k, state) in self.states.iter().enumerate() {
-            let phi = state.world_from_body.inverse() * turn;
-            let v = turn.cross(&state.velocity) + scale * self.camera_velocity(k);
+            let [phi, v, p] = motion.of_state(state);
             let centre = self.rig.world_from_camera(state).translation.vector;
-            let p = shift + turn.cross(&state.position) + scale * centre;
-            whole.extend([phi, v, p]);
+            whole.extend([phi, v + scale * self.camera_velocity(k), p + scale * centre]);
         }
         let hiding = self.hiding_bias(scale, &turn.cross(&self.gravity));
         whole.extend(self.biases.iter().flat_map(|_| [Vector3::zeros(), hiding]));
-        whole.extend(self.landmarks.iter().map(|f| shift + turn.cross(f) + scale * f));
+        whole.extend(self.landmarks.iter().map(|f| motion.of_point(f) + scale * f));
         unknown(columns, &whole, &Vector3::zeros())
     }
     // ANCHOR_END: null_vector

@@ -1,10 +1,11 @@
 //! A camera that hovers for a minute before the same landmarks.
 
 use nalgebra::{SMatrix, Vector3};
+use vislam::consistency::Policy;
 use vislam::filtering::{StateError, attitude_in_world};
 use vislam::inertial::NavState;
 use vislam::least_squares::Manifold;
-use vislam::msckf::{Linearization, Msckf, MsckfOptions, Start};
+use vislam::msckf::{Msckf, MsckfOptions, Start};
 use vislam::preintegration::Matrix15;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
@@ -71,10 +72,10 @@ fn yaw(filter: &Msckf, recording: &FlightRecording, picture: usize) -> [f64; 2] 
 }
 
 /// At each of the times.
-fn hovered(linearization: Linearization, seconds: f64, seed: u64) -> [[f64; 2]; 8] {
+fn hovered(policy: Policy, seconds: f64, seed: u64) -> [[f64; 2]; 8] {
     let recording = recorded(seconds, seed);
     let options = MsckfOptions {
-        linearization,
+        linearization: policy.into(),
         landmarks: KEPT,
         clones: 11,
         ..MsckfOptions::of_flight(&recording.flight)
@@ -94,7 +95,7 @@ fn hovered(linearization: Linearization, seconds: f64, seed: u64) -> [[f64; 2]; 
 /// What is believed of the yaw after the first five seconds of one flight, at the latest estimates and
 /// at the first.
 pub fn live() -> [f64; 2] {
-    POLICIES.map(|(_, linearization)| hovered(linearization, LIVE_SECONDS, 0)[4][0])
+    POLICIES.map(|(_, policy)| hovered(policy, LIVE_SECONDS, 0)[4][0])
 }
 
 /// Registers the record.
@@ -113,8 +114,8 @@ pub fn record(chapter: &mut Chapter) {
     chapter.record("filter_hover", inputs, hover);
 }
 
-const POLICIES: [(&str, Linearization); 2] =
-    [("latest", Linearization::Latest), ("first", Linearization::FirstEstimates)];
+const POLICIES: [(&str, Policy); 2] =
+    [("latest", Policy::Standard), ("first", Policy::FirstEstimates)];
 
 fn hover() -> Vec<RecordValue> {
     let least = (0..SEEDS as u64).map(|seed| least_sigma(&start(&recorded(1.0, seed), seed)));
@@ -123,9 +124,8 @@ fn hover() -> Vec<RecordValue> {
         RecordValue::new("seeds", SEEDS as f64, "", 0, 0.0),
         RecordValue::new("least_sigma", least, "°", 2, 1e-3),
     ];
-    for (word, linearization) in POLICIES {
-        let runs: Vec<_> =
-            (0..SEEDS as u64).map(|seed| hovered(linearization, SECONDS, seed)).collect();
+    for (word, policy) in POLICIES {
+        let runs: Vec<_> = (0..SEEDS as u64).map(|seed| hovered(policy, SECONDS, seed)).collect();
         for at in 0..TIMES.len() {
             let mean = |of: &dyn Fn([f64; 2]) -> f64| {
                 runs.iter().map(|run| of(run[at])).sum::<f64>() / SEEDS as f64

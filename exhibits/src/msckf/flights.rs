@@ -1,9 +1,10 @@
 //! Flights with the filter of `examples/filter.rs`.
 
 use nalgebra::{UnitQuaternion, Vector3};
+use vislam::consistency::Policy;
 use vislam::filtering::{BlockNees, StateError, attitude_in_world};
 use vislam::inertial::NavState;
-use vislam::msckf::{Linearization, Msckf, MsckfOptions, PictureReport, Refusals, Rest};
+use vislam::msckf::{Msckf, MsckfOptions, PictureReport, Refusals, Rest};
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
 use crate::chapter::Chapter;
@@ -245,14 +246,15 @@ const EXTRINSIC_OFF: f64 = 1.0;
 /// The standard deviation of yaw with kept landmarks, by the places of linearization.
 fn heading(chapter: &mut Chapter) {
     let recording = flown(&example::flight(40.0), 4);
-    let yaw = |landmarks, linearization| {
+    let yaw = |landmarks, policy: Policy| {
+        let linearization = policy.into();
         let options = MsckfOptions { landmarks, linearization, ..options(&recording) };
         let seen = followed(&recording, options, 4);
         1e3 * seen[seen.len() - 1].yaw
     };
     chapter.number("kept", 30.0, "", 0);
     chapter.number("heading_seconds", 40.0, "s", 0);
-    chapter.number("heading_none", yaw(0, Linearization::Latest), "mrad", 2);
-    chapter.number("heading_latest", yaw(30, Linearization::Latest), "mrad", 2);
-    chapter.number("heading_first", yaw(30, Linearization::FirstEstimates), "mrad", 2);
+    chapter.number("heading_none", yaw(0, Policy::Standard), "mrad", 2);
+    chapter.number("heading_latest", yaw(30, Policy::Standard), "mrad", 2);
+    chapter.number("heading_first", yaw(30, Policy::FirstEstimates), "mrad", 2);
 }

@@ -1,8 +1,9 @@
 //! What the controls ask for: a flight, and a filter.
 
 use nalgebra::Vector3;
+use vislam::consistency::Policy;
 use vislam::inertial::ImuNoise;
-use vislam::msckf::{Linearization, MsckfOptions};
+use vislam::msckf::MsckfOptions;
 use vislam::simulation::{Flight, FlightError, Recorder, Trajectory};
 
 /// How long the flight is, in seconds.
@@ -39,7 +40,7 @@ pub struct Setting {
     /// Landmarks that stay in the state, at most.
     pub landmarks: usize,
     /// Where derivatives are taken.
-    pub linearization: Linearization,
+    pub policy: Policy,
     /// Of all that is random.
     pub seed: u64,
 }
@@ -50,10 +51,10 @@ impl Setting {
         let &[time, window, features, pixel, imu, percent, gate, kept, seed] = controls else {
             return None;
         };
-        let (landmarks, linearization) = match kept.round() as usize {
-            0 => (0, Linearization::Latest),
-            1 => (KEPT, Linearization::Latest),
-            _ => (KEPT, Linearization::FirstEstimates),
+        let (landmarks, policy) = match kept.round() as usize {
+            0 => (0, Policy::Standard),
+            1 => (KEPT, Policy::Standard),
+            _ => (KEPT, Policy::FirstEstimates),
         };
         let setting = Self {
             window: window.round() as usize,
@@ -63,7 +64,7 @@ impl Setting {
             outliers: percent / 100.0,
             gate: gate.round() > 0.0,
             landmarks,
-            linearization,
+            policy,
             seed: seed.round() as u64,
         };
         Some((setting, (time * PICTURES + 1e-9) as usize))
@@ -102,7 +103,7 @@ impl Setting {
             clones: self.window,
             gate: if self.gate { GATE } else { 1.0 },
             landmarks: self.landmarks,
-            linearization: self.linearization,
+            linearization: self.policy.into(),
             ..MsckfOptions::of_flight(flight)
         }
     }

@@ -1,0 +1,71 @@
+//! The directions in which a filter may know nothing, and what it has come to know along them.
+
+use nalgebra::{DMatrix, DVector, SMatrix};
+
+// ANCHOR: constrained
+/// Rows whose product with N, the free directions, is `wanted`, and which differ from the given ones
+/// as little as can be: H − (H N − wanted)(Nᵀ N)⁻¹ Nᵀ. Implements {eq:constrained-jacobian}.
+/// `None` when the directions depend on one another.
+pub fn constrained(
+    rows: &DMatrix<f64>,
+    free: &DMatrix<f64>,
+    wanted: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let gram = free.tr_mul(free).cholesky()?;
+    let excess = rows * free - wanted;
+    Some(rows - excess * gram.solve(&free.transpose()))
+}
+// ANCHOR_END: constrained
+
+// ANCHOR: spurious
+/// What rows claim of directions that should be free.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Claimed {
+    /// For each direction n the information |H n|² that the rows add along it.
+    pub gained: [f64; 4],
+    /// For each direction the sum of |H_i n_i|² over the coordinates: what it would be if nothing
+    /// cancelled. What is gained is judged by it.
+    pub whole: [f64; 4],
+}
+
+impl Claimed {
+    /// What the whitened rows H claim along the free directions N.
+    pub fn of(rows: &DMatrix<f64>, free: &DMatrix<f64>) -> Self {
+        let directions = free.ncols().min(4);
+        let mut claimed = Self::default();
+        for direction in 0..directions {
+            let along: DVector<f64> = free.column(direction).into_owned();
+            claimed.gained[direction] = (rows * &along).norm_squared();
+            let parts = along.iter().zip(rows.column_iter());
+            claimed.whole[direction] =
+                parts.map(|(part, column)| part * part * column.norm_squared()).sum();
+        }
+        claimed
+    }
+
+    /// Both added up.
+    pub fn add(&mut self, other: &Self) {
+        let add = |sums: &mut [f64; 4], more: &[f64; 4]| {
+            sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        };
+        add(&mut self.gained, &other.gained);
+        add(&mut self.whole, &other.whole);
+    }
+}
+// ANCHOR_END: spurious
+
+// ANCHOR: certificate
+/// The 4×4 matrix Nᵀ P⁻¹ N, {eq:certificate}: what a covariance P claims to know along the directions
+/// N. `None` when P is not positive definite.
+pub fn certificate(covariance: &DMatrix<f64>, free: &DMatrix<f64>) -> Option<SMatrix<f64, 4, 4>> {
+    // In standard deviations, so that radians and metres have the same size.
+    let sigmas = covariance.diagonal().map(f64::sqrt);
+    let scaled = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |row, column| {
+        covariance[(row, column)] / (sigmas[row] * sigmas[column])
+    });
+    let free = DMatrix::from_fn(free.nrows(), 4, |row, column| free[(row, column)] / sigmas[row]);
+    let whitened = scaled.cholesky()?.l().solve_lower_triangular(&free)?;
+    let information = whitened.tr_mul(&whitened);
+    Some(SMatrix::from_fn(|row, column| information[(row, column)]))
+}
+// ANCHOR_END: certificate
