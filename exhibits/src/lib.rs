@@ -6,6 +6,7 @@ pub mod bearing;
 pub mod bundle_adjustment;
 pub mod chapter;
 pub mod comparison;
+pub mod consistency;
 pub mod counter;
 pub mod data;
 pub mod diagram;
@@ -61,6 +62,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("filtering", filtering::exhibits, filtering::records),
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
+    ("consistency", consistency::exhibits, consistency::records),
     ("algorithms", algorithms::exhibits, no_records),
     ("factrs", factrs::exhibits, factrs::records),
     ("loop_closure", loop_closure::exhibits, loop_closure::records),

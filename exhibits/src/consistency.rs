@@ -1,0 +1,30 @@
+//! What chapter `consistency` shows: the directions of which nothing may be known, how a filter comes
+//! to know of them all the same, and seven ways to linearize it.
+
+mod certificate;
+mod charts;
+mod constrained;
+mod directions;
+mod draws;
+mod figures;
+mod flown;
+mod map;
+mod numbers;
+mod theorem;
+
+use crate::chapter::Chapter;
+
+pub fn exhibits(chapter: &mut Chapter) {
+    directions::exhibits(chapter);
+    certificate::exhibits(chapter);
+    theorem::exhibits(chapter);
+    charts::exhibits(chapter);
+    constrained::exhibits(chapter);
+    numbers::numbers(chapter);
+    figures::figures(chapter);
+}
+
+pub fn records(chapter: &mut Chapter) {
+    flown::record(chapter);
+    map::record(chapter);
+}

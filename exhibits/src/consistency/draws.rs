@@ -1,0 +1,1 @@
+//! Random states, readings and landmarks.
