@@ -11,11 +11,25 @@ pub fn constrained(
     free: &DMatrix<f64>,
     wanted: &DMatrix<f64>,
 ) -> Option<DMatrix<f64>> {
-    let gram = free.tr_mul(free).cholesky()?;
-    let excess = rows * free - wanted;
-    Some(rows - excess * gram.solve(&free.transpose()))
+    // With columns of length one, a small pivot is a direction that the others make up.
+    let lengths: Vec<f64> = free.column_iter().map(|column| column.norm()).collect();
+    let scaled = |matrix: &DMatrix<f64>| {
+        DMatrix::from_fn(matrix.nrows(), lengths.len(), |row, column| {
+            matrix[(row, column)] / lengths[column]
+        })
+    };
+    let unit = scaled(free);
+    let gram = unit.tr_mul(&unit).cholesky()?;
+    if gram.l_dirty().diagonal().min() < INDEPENDENT {
+        return None;
+    }
+    let excess = rows * &unit - scaled(wanted);
+    Some(rows - excess * gram.solve(&unit.transpose()))
 }
 // ANCHOR_END: constrained
+
+/// The least part of a unit vector along a direction that the others may not make up.
+const INDEPENDENT: f64 = 1e-7;
 
 // ANCHOR: spurious
 /// What rows claim of directions that should be free.
