@@ -43,8 +43,7 @@ fn put<const R: usize, const C: usize>(
 
 impl Chart {
     // ANCHOR: frame_of_body
-    /// The 9×9 matrix from the step (φ, v, p) of the body to its coordinates in the chart. Implements
-    /// {eq:invariant-error} and {eq:robocentric-error}.
+    /// The 9×9 matrix from the step (φ, v, p) of the body to its coordinates in the chart.
     fn frame_of_body(self, body: &NavState) -> SMatrix<f64, 9, 9> {
         let mut by_step = SMatrix::identity();
         let rotation = body.world_from_body.matrix();
@@ -108,6 +107,31 @@ impl Chart {
         Frame { own, by_body }
     }
     // ANCHOR_END: frame_of_landmark
+
+    // ANCHOR: by_step
+    /// The square matrix from a step whose numbers are the errors of each variable, in the order of
+    /// the values, to the error in the chart. Implements {eq:invariant-error} and
+    /// {eq:robocentric-error}.
+    ///
+    /// `body` is the state to which the others belong. Biases and calibration are their own errors.
+    pub fn by_step(self, values: &Values, body: Key<NavState>) -> DMatrix<f64> {
+        let mut matrix = DMatrix::identity(values.dimension(), values.dimension());
+        let state = &values[body];
+        let start = |index| values.coordinates_of(index).map_or(0, |own| own.start);
+        let of_body = start(body.index());
+        let frame = self.frame_of_body(state);
+        matrix.fixed_view_mut::<9, 9>(of_body, of_body).copy_from(&frame);
+        for index in 0..values.len() {
+            let at = start(index);
+            if let Some(key) = values.key::<BodyPose>(index) {
+                self.frame_of_pose(state, &values[key]).put_into(&mut matrix, (at, of_body));
+            } else if let Some(key) = values.key::<Vector3<f64>>(index) {
+                self.frame_of_landmark(state, &values[key]).put_into(&mut matrix, (at, of_body));
+            }
+        }
+        matrix
+    }
+    // ANCHOR_END: by_step
 
     // ANCHOR: retract
     /// The values after a step whose numbers are the errors of each variable, as the chart retracts
@@ -256,6 +280,11 @@ impl Transport {
 }
 
 impl<const D: usize> Frame<D> {
+    fn put_into(&self, matrix: &mut DMatrix<f64>, (own, of_body): (usize, usize)) {
+        matrix.fixed_view_mut::<D, D>(own, own).copy_from(&self.own);
+        matrix.fixed_view_mut::<D, 9>(own, of_body).copy_from(&self.by_body);
+    }
+
     fn apply(&self, start: usize, body: &OMatrix<f64, U9, Dyn>, errors: &mut DMatrix<f64>) {
         let own = self.own * errors.fixed_rows::<D>(start);
         errors.fixed_rows_mut::<D>(start).copy_from(&(own + self.by_body * body));
