@@ -7,9 +7,11 @@ mod constrained;
 mod directions;
 mod draws;
 mod figures;
+mod flight;
 mod flown;
 mod map;
 mod numbers;
+mod real;
 mod theorem;
 
 use crate::chapter::Chapter;
@@ -20,6 +22,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     theorem::exhibits(chapter);
     charts::exhibits(chapter);
     constrained::exhibits(chapter);
+    flight::numbers(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
 }
@@ -27,4 +30,5 @@ pub fn exhibits(chapter: &mut Chapter) {
 pub fn records(chapter: &mut Chapter) {
     flown::record(chapter);
     map::record(chapter);
+    real::record(chapter);
 }

@@ -13,7 +13,7 @@ mod judged;
 mod linear;
 mod map;
 mod motions;
-mod real;
+pub mod real;
 mod rest;
 mod solutions;
 mod spectrum;

@@ -104,8 +104,9 @@ fn flown() -> Result<Vec<RecordValue>, NotMade> {
                     values.push(value(name(block), nees, "", 2));
                 }
                 let ideal = |what| of(time, Policy::Ideal.name(), what);
-                let sigma = of(time, policy, "sigma_yaw_mrad")?;
-                values.push(value(name("sigma"), sigma, "mrad", 2));
+                for (what, of_yaw) in [("sigma", "sigma_yaw_mrad"), ("turned", "error_yaw_mrad")] {
+                    values.push(value(name(what), of(time, policy, of_yaw)?, "mrad", 2));
+                }
                 let error = of(time, policy, "error_cm")? / ideal("error_cm")?;
                 values.push(value(name("error"), error, "", 3));
             }
@@ -115,8 +116,6 @@ fn flown() -> Result<Vec<RecordValue>, NotMade> {
             let name = |what: &str| format!("{sensor}_{policy}_{what}_{last}");
             let rmse = of(longest, policy, "rmse_cm")?;
             values.push(value(name("rmse"), rmse, "cm", 1));
-            let yaw = of(longest, policy, "error_yaw_mrad")?;
-            values.push(value(name("turned"), yaw, "mrad", 2));
             for claimed in ["claimed_yaw", "claimed_shift"] {
                 // What is zero but for rounding differs from machine to machine.
                 let part = of(longest, policy, claimed)?.max(1e-14);

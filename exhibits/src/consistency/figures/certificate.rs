@@ -1,0 +1,69 @@
+//! What a filter has come to know of a turn of everything about the vertical, along one flight.
+
+use plotters::coord::combinators::IntoLogRange;
+use vislam::consistency::Policy;
+
+use crate::consistency::flight::{PICTURE_RATE, Seen, seen};
+use crate::figure::{self, Draw, Figure, SERIES, decimals, powers};
+
+/// Those that differ in the figure.
+const SHOWN: [Policy; 4] =
+    [Policy::Standard, Policy::FirstEstimates, Policy::RightInvariant, Policy::Ideal];
+/// Parts of the whole below this are drawn at it: rounding.
+const ROUNDING: f64 = 1e-34;
+
+pub fn certificate() -> Figure {
+    let curves = SHOWN.map(seen);
+    let time = |number: usize| number as f64 / PICTURE_RATE;
+    let known = |curve: &[Seen]| -> Vec<(f64, f64)> {
+        let known = curve.iter().enumerate();
+        known.filter_map(|(number, seen)| Some((time(number), seen.heading?))).collect()
+    };
+    let claimed = |curve: &[Seen]| -> Vec<(f64, f64)> {
+        let part = |seen: &Seen| seen.claimed_heading.max(ROUNDING);
+        curve.iter().enumerate().map(|(number, seen)| (time(number), part(seen))).collect()
+    };
+    let each = || {
+        SHOWN.iter().zip(&curves).flat_map(|(policy, curve)| {
+            curve.iter().enumerate().map(move |(number, seen)| (policy, number, seen))
+        })
+    };
+    let columns = vec![
+        ("policy", each().map(|(policy, ..)| policy.to_string()).collect()),
+        ("time (s)", decimals(1, each().map(|(_, number, _)| time(number)))),
+        (
+            "known of the turn (1/rad²)",
+            powers(3, each().map(|(.., seen)| seen.heading.unwrap_or(f64::INFINITY))),
+        ),
+        (
+            "claimed of the turn until then, of the whole",
+            powers(1, each().map(|(.., seen)| seen.claimed_heading)),
+        ),
+        ("claimed of shifts", powers(1, each().map(|(.., seen)| seen.claimed_shifts))),
+    ];
+    Figure::new(1500, columns, |drawing| {
+        let halves = drawing.split_evenly((2, 1));
+        let last = time(curves[0].len() - 1);
+        let all: Vec<(f64, f64)> =
+            curves.iter().flat_map(|curve| known(curve)).filter(|(time, _)| *time > 5.0).collect();
+        let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, value)| {
+            (low.min(*value), high.max(*value))
+        });
+        let y_axis = ("known (1/rad²)", (0.5 * low..4.0 * high).log_scale(), 5);
+        let mut chart = figure::axes(&halves[0], ("", 0.0..last, 6), y_axis)?;
+        for (series, curve) in curves.iter().enumerate() {
+            let inside = known(curve).into_iter().filter(|(_, value)| *value < 4.0 * high);
+            chart.line(inside, SERIES[series], 4)?;
+            let at = (last * (0.03 + 0.5 * (series % 2) as f64), high * [2.6, 1.5][series / 2]);
+            chart.key(series, SHOWN[series].name(), at, at.0 + 0.025 * last)?;
+        }
+        let y_axis = ("claimed, of the whole", (1e-35..10.0).log_scale(), 5);
+        let mut chart = figure::axes(&halves[1], ("time (s)", 0.0..last, 6), y_axis)?;
+        for (series, curve) in curves.iter().enumerate() {
+            let points = claimed(curve);
+            chart.line(points.clone(), SERIES[series], 4)?;
+            chart.marks(points.into_iter().skip(10 + 4 * series).step_by(20), series)?;
+        }
+        Ok(())
+    })
+}
