@@ -26,13 +26,10 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("certificate-update", certificate_update, formula, &mutants);
 
-    let formula: Carried = |p, n, phi, q| {
-        claimed(p, n) - lost(p, n, &(phi.transpose() * inverse(q) * phi))
-    };
+    let formula: Carried =
+        |p, n, phi, q| claimed(p, n) - lost(p, n, &(phi.transpose() * inverse(q) * phi));
     let mutants: [(_, Carried); 4] = [
-        ("sign", |p, n, phi, q| {
-            claimed(p, n) + lost(p, n, &(phi.transpose() * inverse(q) * phi))
-        }),
+        ("sign", |p, n, phi, q| claimed(p, n) + lost(p, n, &(phi.transpose() * inverse(q) * phi))),
         ("noise not inverted", |p, n, phi, q| {
             claimed(p, n) - lost(p, n, &(phi.transpose() * q * phi))
         }),
@@ -109,8 +106,7 @@ fn certificate_update(formula: Updated) -> Comparison {
     })
 }
 
-type Carried =
-    fn(&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>) -> SMatrix<f64, 4, 4>;
+type Carried = fn(&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>) -> SMatrix<f64, 4, 4>;
 
 fn certificate_transition(formula: Carried) -> Comparison {
     let against = "the inverse of the covariance after the transition";
@@ -158,9 +154,8 @@ fn recorded() -> FlightRecording {
 /// In degrees, the least that the certificate allows the yaw's standard deviation to be, and what
 /// that is, after each picture.
 fn followed(recording: &FlightRecording, policy: Policy) -> Vec<[f64; 2]> {
-    let sigmas = [
-        0.01, 0.01, YAW, 0.05, 0.05, 0.05, 0.1, 0.1, 0.1, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02,
-    ];
+    let sigmas =
+        [0.01, 0.01, YAW, 0.05, 0.05, 0.05, 0.1, 0.1, 0.1, 2e-3, 2e-3, 2e-3, 0.02, 0.02, 0.02];
     let start = Start::drawn(recording, &sigmas, 4).expect("there are pictures");
     let options = MsckfOptions {
         landmarks: KEPT,

@@ -29,9 +29,7 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("gravity to the side", |interval| {
             interval.by_error(&Vector3::new(9.81, 0.0, 0.0)) * along(&interval.first)
         }),
-        ("transposed", |interval| {
-            interval.by_error(&GRAVITY).transpose() * along(&interval.first)
-        }),
+        ("transposed", |interval| interval.by_error(&GRAVITY).transpose() * along(&interval.first)),
     ];
     chapter.equation("free-carried", free_carried, formula, &mutants);
 
@@ -159,7 +157,8 @@ impl Track {
     ) -> DMatrix<f64> {
         let inverse = crate::comparison::inverse(triangle(self.linear.landmark_root()));
         let rows = self.linear.rows();
-        let rows: DMatrix<f64> = DMatrix::from_fn(3, 6 * SIGHTS, |row, column| rows.row(row)[3 + column]);
+        let rows: DMatrix<f64> =
+            DMatrix::from_fn(3, 6 * SIGHTS, |row, column| rows.row(row)[3 + column]);
         -DMatrix::from_column_slice(3, 3, inverse.as_slice()) * rows
     }
 

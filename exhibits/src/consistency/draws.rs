@@ -78,7 +78,8 @@ impl Eye {
         let seen = BodyPixel { camera: &self.camera, pixel, inverse_sigma: 1.0 / SIGMA };
         let pose = BodyPose::from(state);
         let linear = seen.linearize((&pose, landmark, &self.body_from_camera));
-        linear.map_or((SMatrix::repeat(f64::NAN), SMatrix::repeat(f64::NAN)), |(_, by)| (by.0, by.1))
+        linear
+            .map_or((SMatrix::repeat(f64::NAN), SMatrix::repeat(f64::NAN)), |(_, by)| (by.0, by.1))
     }
 }
 
