@@ -1,8 +1,10 @@
 //! Derivatives that are changed as little as can be, and what an old tangent costs.
 
-use nalgebra::{DMatrix, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, SMatrix, SVector, Vector2, Vector3};
 use vislam::consistency::constrained;
 use vislam::inertial::NavState;
+use vislam::reprojection::CameraModel;
+use vislam::simulation::{Flight, Trajectory};
 
 use super::draws::{self, Eye, SIGMA};
 use crate::chapter::Chapter;
@@ -39,6 +41,25 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("latest tangent", |second, e, _| second * (0.5 * e)),
     ];
     chapter.equation("old-tangent", old_tangent, formula, &mutants);
+    numbers(chapter);
+}
+
+/// A landmark ahead whose depth was wrong when its tangent was taken, and how far a step across the
+/// line of sight moves its pixel.
+fn numbers(chapter: &mut Chapter) {
+    const DEPTH: f64 = 5.0;
+    const OFF: f64 = 1.0;
+    const ERROR: f64 = 0.05;
+    let camera = Flight::brief(Trajectory::hover()).camera;
+    let by_side = |depth: f64| {
+        let by_point = camera.projection_jacobian(&Vector3::new(0.0, 0.0, depth));
+        by_point.map_or(f64::NAN, |by_point| by_point[(0, 0)])
+    };
+    chapter.number("old_depth", DEPTH, "m", 0);
+    chapter.number("old_off", OFF, "m", 0);
+    chapter.number("old_error", 100.0 * ERROR, "cm", 0);
+    chapter.number("old_true_px", by_side(DEPTH) * ERROR, "px", 2);
+    chapter.number("old_px", by_side(DEPTH + OFF) * ERROR, "px", 2);
 }
 
 type Constrained = fn(&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>) -> Option<DMatrix<f64>>;

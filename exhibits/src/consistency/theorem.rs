@@ -17,6 +17,8 @@ const FLIGHTS: usize = 20;
 const LANDMARKS: usize = 6;
 /// Rounding leaves less than this of what rows would say if nothing cancelled.
 const ROUNDING: f64 = 1e-9;
+/// By how much derivatives are taken elsewhere about the vertical, in rad.
+const TURN: f64 = 0.4;
 
 pub fn exhibits(chapter: &mut Chapter) {
     let formula: Gained = |eye, (state, point), (other, other_point)| {
@@ -54,8 +56,8 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("one-point", first, latest),
         (
             "common",
-            Case { points: Points::Moved { apart: false }, ..first },
-            Case { points: Points::Moved { apart: true }, ..first },
+            Case { points: Points::Moved { apart: false, turn: TURN }, ..first },
+            Case { points: Points::Moved { apart: true, turn: TURN }, ..first },
         ),
         (
             "constant",
@@ -65,18 +67,16 @@ pub fn exhibits(chapter: &mut Chapter) {
     ] {
         chapter.counterexample("one-point", condition, nothing_gained, [kept, dropped]);
     }
-    let yaw = |case: Case| {
-        let mut random = Random::new(11);
-        let shares = (0..FLIGHTS).map(|_| case.claimed(&mut random));
-        let mut sum = Claimed::default();
-        shares.for_each(|claimed| sum.add(&claimed));
-        sum.gained.map(f64::sqrt)
-    };
     let alone = Case { chart: Chart::RightInvariantPoses, ..latest };
-    let [x, y, z, turn] = yaw(latest);
-    let shifts = x.max(y).max(z) / turn;
-    chapter.number("mixed_shift_exponent", shifts.max(1e-16).log10().ceil(), "", 0);
-    chapter.number("alone_part", 100.0 * yaw(alone)[3] / turn, "%", 0);
+    let shifted = Case { points: Points::Moved { apart: true, turn: 0.0 }, ..first };
+    let [x, y, z, turn] = latest.sum().gained.map(f64::sqrt);
+    let exponent = |part: f64| part.max(1e-16).log10().ceil();
+    chapter.number("small_landmarks", LANDMARKS as f64, "", 0);
+    chapter.number("mixed_shift_exponent", exponent(x.max(y).max(z) / turn), "", 0);
+    chapter.number("alone_part", 100.0 * alone.sum().gained[3].sqrt() / turn, "%", 0);
+    let Claimed { gained, whole } = shifted.sum();
+    let part = gained.iter().zip(&whole).map(|(gained, whole)| gained / whole).fold(0.0, f64::max);
+    chapter.number("apart_shift_exponent", exponent(part), "", 0);
 }
 
 /// A camera, a state and a landmark at which directions are taken, and the same elsewhere, where
@@ -110,6 +110,7 @@ enum Points {
     /// after one and readings after none.
     Moved {
         apart: bool,
+        turn: f64,
     },
 }
 
@@ -150,6 +151,13 @@ struct Filter {
 }
 
 impl Case {
+    /// What the rows of many such filters claim.
+    fn sum(self) -> Claimed {
+        let (mut random, mut sum) = (Random::new(11), Claimed::default());
+        (0..FLIGHTS).for_each(|_| sum.add(&self.claimed(&mut random)));
+        sum
+    }
+
     fn claimed(self, random: &mut Random) -> Claimed {
         let (eye, truth) = (Eye::any(random), draws::state(random));
         let (sums, bias) = draws::readings(random);
@@ -178,7 +186,7 @@ impl Case {
         let add = |point: &Vector3<f64>| belief.add(*point, &diagonal(3, 0.1)).expect("it fits");
         let landmarks = guesses.iter().map(add).collect();
         let symmetry = match self.points {
-            Points::Moved { .. } => Shifted::new(0.3, -0.2, 0.5, 0.4),
+            Points::Moved { turn, .. } => Shifted::new(0.3, -0.2, 0.5, turn),
             _ => Shifted::zeros(),
         };
         let mut free = DMatrix::zeros(belief.dimension(), 4);
@@ -240,7 +248,7 @@ impl Filter {
         let (state, bias) = (values[self.state], values[self.bias]);
         let second = sums.sums.predict(&state, &GRAVITY, &bias);
         let at = |state: &NavState| match self.case.points {
-            Points::Moved { apart: false } => draws::moved(state, &self.symmetry),
+            Points::Moved { apart: false, .. } => draws::moved(state, &self.symmetry),
             _ => *state,
         };
         let first = match self.case.points {
