@@ -72,6 +72,7 @@ impl Policy {
         Self::Ideal,
     ];
 
+    // ANCHOR: choices
     /// What it chooses.
     pub const fn linearization(self) -> Linearization {
         use Chart::{RightInvariant, Robocentric, Separate};
@@ -87,6 +88,7 @@ impl Policy {
         };
         Linearization { transitions, pixels, chart, constrained }
     }
+    // ANCHOR_END: choices
     // ANCHOR_END: policy
 
     /// Its name, as [`Policy::from_str`] reads it.
