@@ -4,6 +4,7 @@
 pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
+pub mod first_estimates;
 pub mod left_perturbation;
 pub mod misconceptions;
 pub mod nees_diagnosis;
@@ -61,5 +62,6 @@ pub fn answers() -> Vec<Answers> {
         null_space,
         fill_in,
         square_root_prior,
+        first_estimates,
     ]
 }

@@ -7,6 +7,7 @@
 pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
+pub mod first_estimates;
 pub mod left_perturbation;
 pub mod nees_diagnosis;
 pub mod noise_growth;
@@ -40,6 +41,7 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
         "null_space" => Some(null_space::checks(seed)),
         "fill_in" => Some(fill_in::checks(seed)),
         "square_root_prior" => Some(square_root_prior::checks(seed)),
+        "first_estimates" => Some(first_estimates::checks(seed)),
         _ => None,
     }
 }

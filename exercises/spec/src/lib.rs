@@ -12,6 +12,7 @@ pub mod along_or_across;
 pub mod camera;
 pub mod declaration;
 pub mod fill_in;
+pub mod first_estimates;
 pub mod left_perturbation;
 pub mod navigation;
 pub mod nees_diagnosis;
@@ -47,6 +48,7 @@ pub const EXERCISES: &[&Exercise] = &[
     &null_space::EXERCISE,
     &fill_in::EXERCISE,
     &square_root_prior::EXERCISE,
+    &first_estimates::EXERCISE,
 ];
 
 /// The exercise of a name.

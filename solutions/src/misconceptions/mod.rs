@@ -3,6 +3,7 @@
 pub mod align_gravity;
 pub mod along_or_across;
 pub mod fill_in;
+pub mod first_estimates;
 pub mod left_perturbation;
 pub mod nees_diagnosis;
 pub mod noise_growth;
