@@ -488,10 +488,19 @@ impl Same for na::DVector<f64> {{ fn same() -> Self {{ Self::repeat(6, {number})
 impl Same for na::Isometry3<f64> {{
     fn same() -> Self {{ Self::translation({number}, {number}, {number}) }}
 }}
+impl Same for na::Rotation3<f64> {{
+    fn same() -> Self {{ Self::new(na::Vector3::repeat({number})) }}
+}}
 fn same<T: Same>() -> T {{ T::same() }}
 "
     );
     let own = match slug {
+        "align_gravity" => {
+            "impl Same for Fit { fn same() -> Self { Self { velocity: Same::same(), \
+             gravity: Same::same(), squares: Same::same() } } }\n\
+             impl Same for Solution { fn same() -> Self { Self { scale: Same::same(), \
+             sigma: Same::same(), velocity: Same::same(), gravity: Same::same() } } }"
+        }
         "noise_growth" => {
             "impl Same for Exponents { fn same() -> Self { Self { attitude: Same::same(), \
              velocity: Same::same(), position: Same::same() } } }"
