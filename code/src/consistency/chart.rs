@@ -209,10 +209,10 @@ impl Chart {
         }
     }
 
-    // ANCHOR: transport
     /// What takes errors at one estimate to those at another that are the same in the chart: the
     /// frame there, undone, after the frame here. Implements {eq:chart-transport}. `None` when an
     /// estimate is not finite.
+    // ANCHOR: transport
     pub fn transport(
         self,
         (before, after): (&Values, &Values),

@@ -145,13 +145,13 @@ impl Belief {
     }
     // ANCHOR_END: correct_belief
 
-    // ANCHOR: correct_on_chart
     /// The same, but the values are retracted as a chart does it, about the state `body`, and what
     /// stays as it was is the error in the chart: the covariance is carried to the new estimates.
     ///
     /// # Errors
     ///
     /// A [`CorrectionError`]; the belief then stays as it was.
+    // ANCHOR: correct_on_chart
     pub fn correct_on_chart(
         &mut self,
         (chart, body): (Chart, Key<NavState>),

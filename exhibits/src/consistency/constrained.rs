@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, SMatrix, SVector, Vector2, Vector3};
 use vislam::consistency::constrained;
 use vislam::inertial::NavState;
-use vislam::reprojection::CameraModel;
 use vislam::simulation::{Flight, Trajectory};
 
 use super::draws::{self, Eye, SIGMA};
