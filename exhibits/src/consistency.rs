@@ -9,7 +9,6 @@ mod draws;
 mod figures;
 mod flight;
 mod flown;
-mod map;
 mod numbers;
 mod real;
 mod theorem;
@@ -29,6 +28,5 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 pub fn records(chapter: &mut Chapter) {
     flown::record(chapter);
-    map::record(chapter);
     real::record(chapter);
 }

@@ -79,6 +79,7 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
     let seconds = 1e-9
         * (flight.pictures[flight.pictures.len() - 1].nanoseconds - flight.pictures[0].nanoseconds)
             as f64;
+    let (mut others, mut surest, mut surer) = (0.0_f64, f64::NAN, f64::NAN);
     let mut values = vec![RecordValue::new("seconds", seconds, "s", 0, 1e-3)];
     for kept in KEPT {
         for policy in policies() {
@@ -90,9 +91,21 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             };
             push("ate", ate(&states, &flight.truth, Freedom::Four)?, "cm", 1, 0.02);
             push("sigma", 1e3 * sigma, "mrad", 2, 0.02);
-            // What is zero but for rounding differs from machine to machine.
-            push("claimed", (gained[3] / whole[3]).max(1e-14), "", 2, 10.0);
+            let part = 100.0 * gained[3] / whole[3];
+            if policy == Policy::Standard {
+                values.push(RecordValue::new(format!("claimed_{kept}"), part, "%", 1, 0.02));
+                surest = sigma;
+            } else {
+                others = others.max(part);
+            }
+            if policy == Policy::RightInvariant {
+                surer = 100.0 * (1.0 - surest / sigma);
+            }
         }
     }
+    // What is zero but for rounding differs from machine to machine: the power of ten above it.
+    let power = 10_f64.powf((-others.log10()).floor().min(9.0));
+    values.push(RecordValue::new("others", power, "", 0, 0.0));
+    values.push(RecordValue::new("surer", surer, "%", 0, 0.02));
     Ok(values)
 }
