@@ -152,16 +152,13 @@ pub fn lost(
         let along = directions.column(direction);
         let parts = rows.row_iter().map(|row| row.transpose().component_mul(&along).abs().sum());
         let whole: f64 = parts.map(|sum| sum * sum).sum();
-        let (mut all, mut most, mut row) = (0.0, (0.0, 0), 0);
-        for (measurement, size) in sizes.iter().enumerate() {
-            let claim = (rows.rows(row, *size) * along).norm_squared();
-            if claim > most.0 {
-                most = (claim, measurement);
-            }
-            all += claim;
+        let (mut row, mut claims) = (0, Vec::new());
+        for size in &sizes {
+            claims.push((rows.rows(row, *size) * along).norm_squared());
             row += size;
         }
-        (all > 1e-16 * whole).then_some(most.1)
+        let most = (0..claims.len()).max_by(|a, b| claims[*a].total_cmp(&claims[*b]));
+        most.filter(|_| claims.iter().sum::<f64>() > 1e-16 * whole)
     };
     (0..3).map(claimed_most).collect()
 }
