@@ -40,8 +40,8 @@ fn world_from_step(pose: &Pose, steps: Steps) -> Matrix2<f64> {
     }
 }
 
-/// Derivatives and residuals of all measurements, whitened: each row is divided by its standard
-/// deviation.
+/// Derivatives of all measurements by the steps of all variables, and residuals. Both are
+/// whitened: each row is divided by its standard deviation.
 ///
 /// Two rows for each measurement of a landmark and three for each of a pose, in the order of
 /// the window and of `What`. Columns as the rows of `free_directions`. The derivatives of a
@@ -152,16 +152,13 @@ pub fn lost(
         let along = directions.column(direction);
         let parts = rows.row_iter().map(|row| row.transpose().component_mul(&along).abs().sum());
         let whole: f64 = parts.map(|sum| sum * sum).sum();
-        let (mut all, mut most, mut row) = (0.0, (0.0, 0), 0);
-        for (measurement, size) in sizes.iter().enumerate() {
-            let claim = (rows.rows(row, *size) * along).norm_squared();
-            if claim > most.0 {
-                most = (claim, measurement);
-            }
-            all += claim;
+        let (mut row, mut claims) = (0, Vec::new());
+        for size in &sizes {
+            claims.push((rows.rows(row, *size) * along).norm_squared());
             row += size;
         }
-        (all > 1e-16 * whole).then_some(most.1)
+        let most = (0..claims.len()).max_by(|a, b| claims[*a].total_cmp(&claims[*b]));
+        most.filter(|_| claims.iter().sum::<f64>() > 1e-16 * whole)
     };
     (0..3).map(claimed_most).collect()
 }

@@ -188,13 +188,13 @@ impl Msckf {
         }
     }
 
-    // ANCHOR: picture
     /// Takes a picture's tracks, when the readings reach its time: carries the estimate on, adds
     /// the pose, and lets the tracks correct it that have ended or grown as long as the window.
     ///
     /// # Errors
     ///
     /// An [`MsckfError`]; the filter then stays as it was but for what the readings carried on.
+    // ANCHOR: picture
     pub fn picture(&mut self, picture: &Picture) -> Result<PictureReport, MsckfError> {
         if self.lacks_truth() {
             return Err(MsckfError::NoTruth { picture: self.taken });

@@ -80,8 +80,8 @@ crate::signatures! {
     // ANCHOR_END: free
 
     // ANCHOR: linearized
-    /// Derivatives and residuals of all measurements, whitened: each row is divided by its standard
-    /// deviation.
+    /// Derivatives of all measurements by the steps of all variables, and residuals. Both are
+    /// whitened: each row is divided by its standard deviation.
     ///
     /// Two rows for each measurement of a landmark and three for each of a pose, in the order of
     /// the window and of `What`. Columns as the rows of `free_directions`. The derivatives of a

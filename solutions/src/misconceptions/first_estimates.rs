@@ -22,11 +22,6 @@ pub fn wrong() -> Vec<Wrong> {
     wrong.extend(choices());
     wrong.extend(verdicts());
     wrong.extend(rows());
-    // One mistake can be made in several functions.
-    let place = |wrong: &Wrong| {
-        MISCONCEPTIONS.iter().position(|known| known.name == wrong.misconception.name)
-    };
-    wrong.sort_by_key(place);
     wrong
 }
 
@@ -66,6 +61,14 @@ fn directions() -> Vec<Wrong> {
         directions_are(&STEPS_IN_THE_WORLD, |poses, landmarks, _| {
             right::free_directions(poses, landmarks, Steps::World)
         }),
+        // The same mistake in another function.
+        Wrong::new(
+            &STEPS_IN_THE_WORLD,
+            Functions {
+                linearized: |window, points, _| right::linearized(window, points, Steps::World),
+                ..REFERENCE
+            },
+        ),
         directions_are(&ROTATION_INVERTED, |poses, landmarks, steps| {
             let mut directions = right::free_directions(poses.clone(), landmarks, Steps::World);
             for (k, pose) in poses.iter().enumerate().filter(|_| steps == Steps::Body) {
@@ -83,9 +86,6 @@ fn equations() -> Vec<Wrong> {
         Wrong::new(misconception, Functions { linearized, ..REFERENCE })
     };
     vec![
-        linearized_is(&STEPS_IN_THE_WORLD, |window, points, _| {
-            right::linearized(window, points, Steps::World)
-        }),
         linearized_is(&HEADING_SLOPE, |window, points, steps| {
             let (mut rows, residual) = right::linearized(window.clone(), points, steps);
             let mut row = 0;

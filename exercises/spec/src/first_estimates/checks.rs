@@ -33,6 +33,7 @@ pub const EXERCISE: Exercise = Exercise {
         "marginalization",
         "msckf",
         "observability",
+        "simulation",
     ],
     hints: include_str!("hints.md"),
     checks,

@@ -393,7 +393,7 @@ pub fn which_is_lost(answer: &dyn Transport, displaced: &Displaced) -> Result<()
     let Displaced { points, trajectory, steps, kind, .. } = displaced;
     let ask =
         |times: f64| Answer(answer).lost(&displaced.with_sigmas(times), points, trajectory, steps);
-    let (obtained, others) = (ask(1.0)?, [ask(1e8)?, ask(1e-8)?]);
+    let (obtained, others) = (ask(1.0)?, [ask(1e20)?, ask(1e-20)?]);
     let expected = displaced.expected();
     // Numbers from one, and zero where nothing is lost.
     let shown = |verdict: &Verdict| -> Vec<f64> {
