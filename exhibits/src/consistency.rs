@@ -6,10 +6,10 @@ mod charts;
 mod constrained;
 mod directions;
 mod draws;
+mod exercise;
 mod figures;
 mod flight;
 mod flown;
-mod numbers;
 mod real;
 mod theorem;
 
@@ -22,7 +22,8 @@ pub fn exhibits(chapter: &mut Chapter) {
     charts::exhibits(chapter);
     constrained::exhibits(chapter);
     flight::numbers(chapter);
-    numbers::numbers(chapter);
+    flown::numbers(chapter);
+    exercise::numbers(chapter);
     figures::figures(chapter);
 }
 

@@ -52,6 +52,9 @@ pub const PICTURE_RATE: f64 = 5.0;
 const LANDMARKS: usize = 800;
 const TRACKS: usize = 40;
 
+/// Of the flights at constant velocity, in m/s.
+pub const SPEED: f64 = 1.0;
+
 /// How the body moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
@@ -67,7 +70,7 @@ impl Motion {
         match self {
             Self::FigureEight => eight,
             Self::ConstantVelocity => {
-                Trajectory::constant_velocity(&Vector3::new(1.0, 0.0, 0.0), eight.angles)
+                Trajectory::constant_velocity(&Vector3::new(SPEED, 0.0, 0.0), eight.angles)
             }
         }
     }

@@ -30,7 +30,7 @@ pub enum Steps {
 }
 // ANCHOR_END: pose
 
-// ANCHOR: window
+// ANCHOR: measurement
 /// What has been measured, by the numbers of poses and landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum What {
@@ -52,6 +52,9 @@ pub struct Measurement {
     pub kept: Option<[usize; 2]>,
 }
 
+// ANCHOR_END: measurement
+
+// ANCHOR: window
 /// Variables with all their estimates, numbered from zero in the order in which they were made. The
 /// last one is the latest. Each variable has one at least.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use vislam::consistency::Policy;
 
+use super::flight::example::{ESTIMATED, SPEED};
 use crate::chapter::Chapter;
 use crate::data::NotMade;
 use crate::record::RecordValue;
@@ -52,6 +53,11 @@ pub fn record(chapter: &mut Chapter) {
         ("motion", "constant velocity, 1 m/s".to_owned()),
     ];
     chapter.record_of_data("consistency_straight", &[], inputs, straight);
+}
+
+pub fn numbers(chapter: &mut Chapter) {
+    chapter.number("straight_speed", SPEED, "m/s", 0);
+    chapter.number("straight_start", 1e3 * ESTIMATED[1], "mm/s", 0);
 }
 
 fn straight() -> Result<Vec<RecordValue>, NotMade> {
