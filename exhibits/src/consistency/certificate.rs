@@ -191,7 +191,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("worked_sigma_first", first[last][1], "°", 2);
     let falls = |floors: &[[f64; 2]]| {
         let pairs = floors.windows(2).skip(1);
-        pairs.map(|pair| pair[0][0] / pair[1][0] - 1.0).fold(f64::NEG_INFINITY, f64::max)
+        pairs.map(|pair| 1.0 - pair[1][0] / pair[0][0]).fold(f64::NEG_INFINITY, f64::max)
     };
     chapter.number("worked_falls_standard", 100.0 * falls(&standard), "%", 0);
     // How far from never falling: rounding alone.
