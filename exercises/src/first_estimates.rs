@@ -5,9 +5,9 @@
 use exercise_spec::first_estimates::{Pose, Steps, Window};
 use nalgebra::{DMatrix, DVector, Vector2};
 
-/// The steps of all variables under three motions of the world, in three columns: a shift by a
-/// metre along its first axis, one along its second, and a turn by a radian about its origin,
-/// from the first axis to the second, to first order.
+/// The steps of all variables under three motions of the world, in three columns: a shift
+/// by a metre along its first axis, one along its second, and a turn by a radian about its
+/// origin, from the first axis to the second, to first order.
 ///
 /// Three rows for each pose, (δθ, δp), and then two for each landmark.
 pub fn free_directions(
@@ -22,11 +22,12 @@ pub fn free_directions(
 /// Derivatives of all measurements by the steps of all variables, and residuals. Both are
 /// whitened: each row is divided by its standard deviation.
 ///
-/// Two rows for each measurement of a landmark and three for each of a pose, in the order of
-/// the window and of `What`. Columns as the rows of `free_directions`. The derivatives of a
-/// measurement are taken at those estimates of its two variables that `points` numbers, which
-/// is as long as the list of measurements. The residual is predicted less measured at the
-/// latest estimates of all variables; that of an angle lies between −π and π.
+/// Two rows for each measurement of a landmark and three for each of a pose, in the order
+/// of the window and of `What`. Columns as the rows of `free_directions`. The derivatives
+/// of a measurement are taken at those estimates of its two variables that `points`
+/// numbers, which is as long as the list of measurements. The residual is predicted less
+/// measured at the latest estimates of all variables; that of an angle lies between −π and
+/// π.
 pub fn linearized(
     window: Window,
     points: Vec<[usize; 2]>,
@@ -36,21 +37,23 @@ pub fn linearized(
     todo!("how do the numbers of each measurement change, and how far are they off?")
 }
 
-/// One estimate of each variable at which the derivatives of all measurements can be taken: the
-/// latest that is possible, where measurements that are kept have had theirs taken already. The
-/// numbers of the estimates, poses first. `None` when no estimate of some variable will do.
+/// One estimate of each variable at which the derivatives of all measurements can be
+/// taken: the latest that is possible, where measurements that are kept have had theirs
+/// taken already. The numbers of the estimates, poses first. `None` when no estimate of
+/// some variable will do.
 pub fn one_trajectory(window: Window) -> Option<Vec<usize>> {
     let _ = window;
     todo!("which estimates can all derivatives share?")
 }
 
-/// Which free directions the derivatives at `points` claim to know, and why. The directions are those
-/// of `free_directions`, taken at the estimates that `trajectory` numbers, poses first.
+/// Which free directions the derivatives at `points` claim to know, and why. The
+/// directions are those of `free_directions`, taken at the estimates that `trajectory`
+/// numbers, poses first.
 ///
-/// For each direction the number of the measurement that claims most of it. What rows claim of a
-/// direction n is the information nᵀ Hᵀ H n. `None` where all rows together claim 1e-16 or
-/// less of what it would be if nothing cancelled: of the sum over all rows h of (Σᵢ |hᵢ nᵢ|)².
-/// It does not matter whether a measurement is kept.
+/// For each direction the number of the measurement that claims most of it. What rows
+/// claim of a direction n is the information nᵀ Hᵀ H n. `None` where all rows together
+/// claim 1e-16 or less of what it would be if nothing cancelled: of the sum over all rows
+/// h of (Σᵢ |hᵢ nᵢ|)². It does not matter whether a measurement is kept.
 pub fn lost(
     window: Window,
     points: Vec<[usize; 2]>,
@@ -61,10 +64,10 @@ pub fn lost(
     todo!("which direction do the rows claim to know, and which measurement says so?")
 }
 
-/// The rows H + D that claim nothing along any combination of the columns of `directions`, with
-/// the least change D: what D e is on average, squared and summed, is as little as can be
-/// for errors e of mean zero and of this covariance. The covariance is positive definite, and the
-/// directions do not depend on one another.
+/// The rows H + D that claim nothing along any combination of the columns of `directions`,
+/// with the least change D: what D e is on average, squared and summed, is as little as
+/// can be for errors e of mean zero and of this covariance. The covariance is positive
+/// definite, and the directions do not depend on one another.
 pub fn restored(
     rows: DMatrix<f64>,
     directions: DMatrix<f64>,

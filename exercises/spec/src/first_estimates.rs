@@ -1,4 +1,4 @@
-//! Which direction is lost when derivatives are taken at several estimates, and which estimates to take.
+//! Which direction is lost when derivatives belong to several trajectories, and which to choose.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
@@ -12,8 +12,9 @@ pub use checks::*;
 /// Where a body stands in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// The angle θ from the world's first axis to the body's first axis, in radians, positive from
-    /// the first axis to the second. R(θ) takes coordinates of the body to those of the world.
+    /// The angle θ from the world's first axis to the body's first axis, in radians, positive
+    /// from the first axis to the second. R(θ) takes coordinates of the body to those of the
+    /// world.
     pub heading: f64,
     /// The position p in the world, in metres.
     pub position: Vector2<f64>,
@@ -47,16 +48,15 @@ pub struct Measurement {
     pub what: What,
     /// The standard deviation of each of its numbers, in metres and in radians.
     pub sigma: f64,
-    /// A measurement that has gone into a prior is kept: its derivatives have been taken at these
-    /// estimates of its two variables and cannot be taken anew.
+    /// A measurement that has gone into a prior is kept: its derivatives have been taken at
+    /// these estimates of its two variables and cannot be taken anew.
     pub kept: Option<[usize; 2]>,
 }
-
 // ANCHOR_END: measurement
 
 // ANCHOR: window
-/// Variables with all their estimates, numbered from zero in the order in which they were made. The
-/// last one is the latest. Each variable has one at least.
+/// Variables with all their estimates, numbered from zero in the order in which they were
+/// made. The last one is the latest. Each variable has one at least.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// The estimates of each pose.
@@ -70,9 +70,9 @@ pub struct Window {
 
 crate::signatures! {
     // ANCHOR: free
-    /// The steps of all variables under three motions of the world, in three columns: a shift by a
-    /// metre along its first axis, one along its second, and a turn by a radian about its origin,
-    /// from the first axis to the second, to first order.
+    /// The steps of all variables under three motions of the world, in three columns: a shift
+    /// by a metre along its first axis, one along its second, and a turn by a radian about its
+    /// origin, from the first axis to the second, to first order.
     ///
     /// Three rows for each pose, (δθ, δp), and then two for each landmark.
     fn free_directions(
@@ -86,11 +86,12 @@ crate::signatures! {
     /// Derivatives of all measurements by the steps of all variables, and residuals. Both are
     /// whitened: each row is divided by its standard deviation.
     ///
-    /// Two rows for each measurement of a landmark and three for each of a pose, in the order of
-    /// the window and of `What`. Columns as the rows of `free_directions`. The derivatives of a
-    /// measurement are taken at those estimates of its two variables that `points` numbers, which
-    /// is as long as the list of measurements. The residual is predicted less measured at the
-    /// latest estimates of all variables; that of an angle lies between −π and π.
+    /// Two rows for each measurement of a landmark and three for each of a pose, in the order
+    /// of the window and of `What`. Columns as the rows of `free_directions`. The derivatives
+    /// of a measurement are taken at those estimates of its two variables that `points`
+    /// numbers, which is as long as the list of measurements. The residual is predicted less
+    /// measured at the latest estimates of all variables; that of an angle lies between −π and
+    /// π.
     fn linearized(
         window: Window,
         points: Vec<[usize; 2]>,
@@ -99,20 +100,22 @@ crate::signatures! {
     // ANCHOR_END: linearized
 
     // ANCHOR: trajectory
-    /// One estimate of each variable at which the derivatives of all measurements can be taken: the
-    /// latest that is possible, where measurements that are kept have had theirs taken already. The
-    /// numbers of the estimates, poses first. `None` when no estimate of some variable will do.
+    /// One estimate of each variable at which the derivatives of all measurements can be
+    /// taken: the latest that is possible, where measurements that are kept have had theirs
+    /// taken already. The numbers of the estimates, poses first. `None` when no estimate of
+    /// some variable will do.
     fn one_trajectory(window: Window) -> Option<Vec<usize>>;
     // ANCHOR_END: trajectory
 
     // ANCHOR: lost
-    /// Which free directions the derivatives at `points` claim to know, and why. The directions are those
-    /// of `free_directions`, taken at the estimates that `trajectory` numbers, poses first.
+    /// Which free directions the derivatives at `points` claim to know, and why. The
+    /// directions are those of `free_directions`, taken at the estimates that `trajectory`
+    /// numbers, poses first.
     ///
-    /// For each direction the number of the measurement that claims most of it. What rows claim of a
-    /// direction n is the information nᵀ Hᵀ H n. `None` where all rows together claim 1e-16 or
-    /// less of what it would be if nothing cancelled: of the sum over all rows h of (Σᵢ |hᵢ nᵢ|)².
-    /// It does not matter whether a measurement is kept.
+    /// For each direction the number of the measurement that claims most of it. What rows
+    /// claim of a direction n is the information nᵀ Hᵀ H n. `None` where all rows together
+    /// claim 1e-16 or less of what it would be if nothing cancelled: of the sum over all rows
+    /// h of (Σᵢ |hᵢ nᵢ|)². It does not matter whether a measurement is kept.
     fn lost(
         window: Window,
         points: Vec<[usize; 2]>,
@@ -122,10 +125,10 @@ crate::signatures! {
     // ANCHOR_END: lost
 
     // ANCHOR: restored
-    /// The rows H + D that claim nothing along any combination of the columns of `directions`, with
-    /// the least change D: what D e is on average, squared and summed, is as little as can be
-    /// for errors e of mean zero and of this covariance. The covariance is positive definite, and the
-    /// directions do not depend on one another.
+    /// The rows H + D that claim nothing along any combination of the columns of `directions`,
+    /// with the least change D: what D e is on average, squared and summed, is as little as
+    /// can be for errors e of mean zero and of this covariance. The covariance is positive
+    /// definite, and the directions do not depend on one another.
     fn restored(
         rows: DMatrix<f64>,
         directions: DMatrix<f64>,
