@@ -69,11 +69,12 @@ fn straight() -> Result<Vec<RecordValue>, NotMade> {
             ("sigma_speed_mm_s", "mm/s", 0),
             ("error_speed_mm_s", "mm/s", 0),
             ("nees_velocity", "", 1),
-            ("error_cm", "cm", 0),
         ] {
             let value = of(&times[0], policy, name)?;
             values.push(RecordValue::new(format!("{policy}_{name}"), value, unit, decimals, 0.02));
         }
+        let error = 0.01 * of(&times[0], policy, "error_cm")?;
+        values.push(RecordValue::new(format!("{policy}_error"), error, "m", 1, 0.02));
     }
     Ok(values)
 }

@@ -103,9 +103,9 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             }
         }
     }
-    // What is zero but for rounding differs from machine to machine: the power of ten above it.
-    let power = 10_f64.powf((-others.log10()).floor().min(9.0));
-    values.push(RecordValue::new("others", power, "", 0, 0.0));
+    // What is zero but for rounding differs from machine to machine.
+    let above = others.log10().ceil().max(-9.0);
+    values.push(RecordValue::new("others_exponent", above, "", 0, 0.0));
     values.push(RecordValue::new("surer", surer, "%", 0, 0.02));
     Ok(values)
 }

@@ -125,15 +125,11 @@ struct Case {
 /// What rows claimed along the four directions, over what they would claim if nothing cancelled.
 fn nothing_gained(case: Case) -> Comparison {
     let against = "nothing gained in two pictures and the readings between them";
-    Comparison::absolute(against, ROUNDING, "of what the rows would say if nothing cancelled").over(
-        FLIGHTS,
-        8,
-        |random| {
-            let Claimed { gained, whole } = case.claimed(random);
-            let share: [f64; 4] = std::array::from_fn(|at| gained[at] / whole[at]);
-            (share, [0.0; 4])
-        },
-    )
+    Comparison::absolute(against, ROUNDING, "of the whole").over(FLIGHTS, 8, |random| {
+        let Claimed { gained, whole } = case.claimed(random);
+        let share: [f64; 4] = std::array::from_fn(|at| gained[at] / whole[at]);
+        (share, [0.0; 4])
+    })
 }
 
 /// A filter of a state, its biases and some landmarks, over two pictures.

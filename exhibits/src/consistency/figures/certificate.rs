@@ -1,6 +1,5 @@
 //! What a filter has come to know of a turn of everything about the vertical, along one flight.
 
-use plotters::coord::combinators::IntoLogRange;
 use vislam::consistency::Policy;
 
 use crate::consistency::flight::{PICTURE_RATE, Seen, seen};
@@ -44,25 +43,27 @@ pub fn certificate() -> Figure {
     Figure::new(1500, columns, |drawing| {
         let halves = drawing.split_evenly((2, 1));
         let last = time(curves[0].len() - 1);
-        let all: Vec<(f64, f64)> =
-            curves.iter().flat_map(|curve| known(curve)).filter(|(time, _)| *time > 5.0).collect();
-        let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, value)| {
-            (low.min(*value), high.max(*value))
-        });
-        let y_axis = ("known (1/rad²)", (0.5 * low..4.0 * high).log_scale(), 5);
-        let mut chart = figure::axes(&halves[0], ("", 0.0..last, 6), y_axis)?;
-        for (series, curve) in curves.iter().enumerate() {
-            let inside = known(curve).into_iter().filter(|(_, value)| *value < 4.0 * high);
-            chart.line(inside, SERIES[series], 4)?;
-            let at = (last * (0.03 + 0.5 * (series % 2) as f64), high * [2.6, 1.5][series / 2]);
+        let x_axis = |title| (title, 0.0..last, 6);
+        let powers =
+            |points: Vec<(f64, f64)>| points.into_iter().map(|(time, y)| (time, y.log10()));
+        let known: Vec<Vec<(f64, f64)>> =
+            curves.iter().map(|curve| powers(known(curve)).collect()).collect();
+        let all = || known.iter().flatten().map(|(_, power)| *power);
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let y_axis = ("known, power of ten", low - 0.2..high + 1.2, 5);
+        let mut chart = figure::axes(&halves[0], x_axis(""), y_axis)?;
+        for (series, curve) in known.into_iter().enumerate() {
+            chart.line(curve, SERIES[series], 4)?;
+            let row = (series / 2) as f64;
+            let at = (last * (0.03 + 0.5 * (series % 2) as f64), high + 0.9 - 0.45 * row);
             chart.key(series, SHOWN[series].name(), at, at.0 + 0.025 * last)?;
         }
-        let y_axis = ("claimed, of the whole", (1e-35..10.0).log_scale(), 5);
-        let mut chart = figure::axes(&halves[1], ("time (s)", 0.0..last, 6), y_axis)?;
+        let y_axis = ("claimed, power of ten", -36.0..2.0, 5);
+        let mut chart = figure::axes(&halves[1], x_axis("time (s)"), y_axis)?;
         for (series, curve) in curves.iter().enumerate() {
-            let points = claimed(curve);
+            let points = powers(claimed(curve));
             chart.line(points.clone(), SERIES[series], 4)?;
-            chart.marks(points.into_iter().skip(10 + 4 * series).step_by(20), series)?;
+            chart.marks(points.skip(10 + 4 * series).step_by(20), series)?;
         }
         Ok(())
     })
