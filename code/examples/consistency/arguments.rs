@@ -31,7 +31,7 @@ impl Arguments {
             policies: Policy::ALL.to_vec(),
             batch: false,
             motion: Motion::FigureEight,
-            setting: Setting::new(),
+            setting: Setting::default(),
         };
         while let Some(name) = given.next() {
             let mut value = || given.next().ok_or(format!("{name} needs a value; {USAGE}"));

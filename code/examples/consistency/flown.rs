@@ -26,10 +26,10 @@ pub struct Setting {
     pub start: [f64; 4],
 }
 
-impl Setting {
+impl Default for Setting {
     /// A good sensor, one pixel, tracks as long as they are seen, eleven poses, no kept landmarks,
     /// and a start as an initialization leaves it.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self {
             noise: ImuNoise::euroc(),
             pixel_sigma: 1.0,

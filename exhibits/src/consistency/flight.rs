@@ -31,7 +31,7 @@ pub struct Seen {
 }
 
 fn setting() -> Setting {
-    Setting { noise: ImuNoise::mems(), landmarks: KEPT, ..Setting::new() }
+    Setting { noise: ImuNoise::mems(), landmarks: KEPT, ..Setting::default() }
 }
 
 fn recording() -> FlightRecording {
