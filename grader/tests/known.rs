@@ -45,16 +45,19 @@ fn as_a_file(slug: &str, index: usize) -> String {
             _ => {}
         }
     }
-    let names: String = exercise(slug)
-        .into_iter()
-        .flat_map(|exercise| exercise.misconceptions)
-        .map(|known| format!("pub static {}: () = ();\n", known.name.to_uppercase()))
-        .collect();
+    let known = exercise(slug).map_or(&[][..], |exercise| exercise.misconceptions);
+    let names = known.iter().map(|known| known.name.to_uppercase()).collect::<Vec<_>>();
+    let all =
+        format!("pub static MISCONCEPTIONS: &[&Misconception] = &[&{}];\n", names.join(", &"));
+    let one = |name: &String| {
+        format!("pub static {name}: Misconception = Misconception {{ name: \"{name}\" }};\n")
+    };
+    let names = names.iter().map(one).collect::<String>() + &all;
     format!(
         "{uses}\nuse exercise_spec::{slug}::Functions;\n\
-         type Misconception = ();\nmod named {{\n{names}}}\n\
-         pub struct Wrong {{ functions: Functions }}\n\
-         impl Wrong {{ fn new(_: &'static Misconception, functions: Functions) -> Self {{ Self {{ functions }} }} }}\n\
+         pub struct Misconception {{ name: &'static str }}\nmod named {{\nuse super::Misconception;\n{names}}}\n\
+         pub struct Wrong {{ misconception: &'static Misconception, functions: Functions }}\n\
+         impl Wrong {{ fn new(misconception: &'static Misconception, functions: Functions) -> Self {{ Self {{ misconception, functions }} }} }}\n\
          mod right {{\n{right}\n}}\nmod wrong {{\n{wrong}\n}}\n{functions}"
     )
 }

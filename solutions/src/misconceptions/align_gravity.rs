@@ -23,6 +23,11 @@ pub fn wrong() -> Vec<Wrong> {
     wrong.extend(stands());
     wrong.extend(fits());
     wrong.extend(sizes());
+    // Some mistakes can be made in several functions.
+    let place = |wrong: &Wrong| {
+        MISCONCEPTIONS.iter().position(|known| known.name == wrong.misconception.name)
+    };
+    wrong.sort_by_key(place);
     wrong
 }
 
