@@ -87,9 +87,8 @@ impl fmt::Display for Judged {
         let distance = 0.1 * distance;
         let rmse = 100.0 * (self.distances / self.pictures).sqrt();
         let time = 1e3 * self.time.as_secs_f64() / self.pictures;
-        let Claimed { gained, whole } = self.claimed;
-        let shifts = gained[..3].iter().sum::<f64>() / whole[..3].iter().sum::<f64>();
-        let turn = gained[3] / whole[3];
+        let shifts = self.claimed.part_of_shifts().unwrap_or(f64::NAN);
+        let turn = self.claimed.part_of_turn().unwrap_or(f64::NAN);
         write!(
             f,
             "nees_position {position:.3}  nees_tilt {tilt:.3}  nees_yaw {yaw:.3}  rmse_cm \

@@ -108,6 +108,24 @@ impl Chart {
     }
     // ANCHOR_END: frame_of_landmark
 
+    // ANCHOR: frames
+    /// The frames of all variables.
+    fn frames(self, values: &Values, body: Key<NavState>) -> Tied {
+        let state = &values[body];
+        let start = |index| values.coordinates_of(index).map_or(0, |own| own.start);
+        let own = (start(body.index()), self.frame_of_body(state));
+        let mut frames = Tied { body: own, poses: Vec::new(), landmarks: Vec::new() };
+        for index in 0..values.len() {
+            if let Some(key) = values.key(index) {
+                frames.poses.push((start(index), self.frame_of_pose(state, &values[key])));
+            } else if let Some(key) = values.key(index) {
+                frames.landmarks.push((start(index), self.frame_of_landmark(state, &values[key])));
+            }
+        }
+        frames
+    }
+    // ANCHOR_END: frames
+
     // ANCHOR: by_step
     /// The square matrix from a step whose numbers are the errors of each variable, in the order of
     /// the values, to the error in the chart. Implements {eq:invariant-error} and
@@ -116,19 +134,7 @@ impl Chart {
     /// `body` is the state to which the others belong. Biases and calibration are their own errors.
     pub fn by_step(self, values: &Values, body: Key<NavState>) -> DMatrix<f64> {
         let mut matrix = DMatrix::identity(values.dimension(), values.dimension());
-        let state = &values[body];
-        let start = |index| values.coordinates_of(index).map_or(0, |own| own.start);
-        let of_body = start(body.index());
-        let frame = self.frame_of_body(state);
-        matrix.fixed_view_mut::<9, 9>(of_body, of_body).copy_from(&frame);
-        for index in 0..values.len() {
-            let at = start(index);
-            if let Some(key) = values.key::<BodyPose>(index) {
-                self.frame_of_pose(state, &values[key]).put_into(&mut matrix, (at, of_body));
-            } else if let Some(key) = values.key::<Vector3<f64>>(index) {
-                self.frame_of_landmark(state, &values[key]).put_into(&mut matrix, (at, of_body));
-            }
-        }
+        self.frames(values, body).apply(&mut matrix);
         matrix
     }
     // ANCHOR_END: by_step
@@ -143,10 +149,12 @@ impl Chart {
         if self == Self::Separate {
             return moved;
         }
-        let old = values[body];
-        let by_body = part::<9>(values, body.index(), step);
-        let xi = self.frame_of_body(&old) * by_body;
-        let [phi, rho, shift] = [0, 3, 6].map(|at| xi.fixed_rows::<3>(at).into_owned());
+        let frames = self.frames(values, body);
+        let mut xi = DMatrix::from_column_slice(step.len(), 1, step);
+        frames.apply(&mut xi);
+        let part = |at: usize| xi.fixed_view::<3, 1>(at, 0).into_owned();
+        let (old, at) = (values[body], frames.body.0);
+        let [phi, rho, shift] = [0, 3, 6].map(|from| part(at + from));
         let pose = left(&BodyPose::from(&old), &phi, &shift);
         let velocity = match self {
             Self::Robocentric => {
@@ -157,15 +165,12 @@ impl Chart {
         let state = NavState { velocity, ..pose.at_rest() };
         moved.set(body, state);
         for index in 0..values.len() {
+            let at = values.coordinates_of(index).map_or(0, |own| own.start);
             if let Some(key) = values.key::<BodyPose>(index) {
-                let Frame { own, by_body: tied } = self.frame_of_pose(&old, &values[key]);
-                let xi = own * part::<6>(values, index, step) + tied * by_body;
-                let [phi, shift] = [0, 3].map(|at| xi.fixed_rows::<3>(at).into_owned());
-                moved.set(key, self.moved_pose((&old, &state), &values[key], (&phi, &shift)));
+                let xi = (&part(at), &part(at + 3));
+                moved.set(key, self.moved_pose((&old, &state), &values[key], xi));
             } else if let Some(key) = values.key::<Vector3<f64>>(index) {
-                let Frame { own, by_body: tied } = self.frame_of_landmark(&old, &values[key]);
-                let xi = own * part::<3>(values, index, step) + tied * by_body;
-                moved.set(key, self.moved_point((&old, &state), &values[key], &phi, &xi));
+                moved.set(key, self.moved_point((&old, &state), &values[key], &phi, &part(at)));
             }
         }
         moved
@@ -218,23 +223,7 @@ impl Chart {
         (before, after): (&Values, &Values),
         body: Key<NavState>,
     ) -> Option<Transport> {
-        let (old, new) = (&before[body], &after[body]);
-        let by_body = self.frame_of_body(new).try_inverse()? * self.frame_of_body(old);
-        let (mut poses, mut landmarks) = (Vec::new(), Vec::new());
-        for index in 0..before.len() {
-            let start = before.coordinates_of(index)?.start;
-            if let Some(key) = before.key::<BodyPose>(index) {
-                let frame = |body, values: &Values| self.frame_of_pose(body, &values[key]);
-                let here = frame(old, before);
-                poses.push((start, frame(new, after).undone_after(&here, &by_body)?));
-            } else if let Some(key) = before.key::<Vector3<f64>>(index) {
-                let frame = |body, values: &Values| self.frame_of_landmark(body, &values[key]);
-                let here = frame(old, before);
-                landmarks.push((start, frame(new, after).undone_after(&here, &by_body)?));
-            }
-        }
-        let start = before.coordinates_of(body.index())?.start;
-        Some(Transport { body: (start, by_body), poses, landmarks })
+        self.frames(after, body).undone_after(&self.frames(before, body)).map(Transport)
     }
     // ANCHOR_END: transport
 }
@@ -251,23 +240,56 @@ impl<const D: usize> Frame<D> {
     // ANCHOR_END: undone_after
 }
 
-/// What takes errors at one estimate to those at another: a matrix that ties each variable to itself
-/// and to the body's state alone.
-pub struct Transport {
+/// A matrix that ties each variable to itself and to the body's state alone: blocks with the places
+/// where their rows begin.
+struct Tied {
     body: (usize, SMatrix<f64, 9, 9>),
     poses: Vec<(usize, Frame<6>)>,
     landmarks: Vec<(usize, Frame<3>)>,
 }
 
-impl Transport {
-    // ANCHOR: apply
-    /// Takes each column of a matrix with a row for each coordinate there.
-    pub fn apply(&self, errors: &mut DMatrix<f64>) {
+impl Tied {
+    // ANCHOR: tied_undone
+    /// This matrix, undone, after another one of the same variables.
+    fn undone_after(&self, before: &Self) -> Option<Self> {
+        let of_body = self.body.1.try_inverse()? * before.body.1;
+        let poses = undone_after(&self.poses, &before.poses, &of_body)?;
+        let landmarks = undone_after(&self.landmarks, &before.landmarks, &of_body)?;
+        Some(Self { body: (self.body.0, of_body), poses, landmarks })
+    }
+    // ANCHOR_END: tied_undone
+
+    /// Multiplies a matrix with a row for each coordinate.
+    fn apply(&self, errors: &mut DMatrix<f64>) {
         let (start, of_body) = &self.body;
         let body = errors.fixed_rows::<9>(*start).into_owned();
         errors.fixed_rows_mut::<9>(*start).copy_from(&(of_body * &body));
         self.poses.iter().for_each(|(start, frame)| frame.apply(*start, &body, errors));
         self.landmarks.iter().for_each(|(start, frame)| frame.apply(*start, &body, errors));
+    }
+}
+
+/// The same block by block, for variables of one kind.
+fn undone_after<const D: usize>(
+    after: &[(usize, Frame<D>)],
+    before: &[(usize, Frame<D>)],
+    of_body: &SMatrix<f64, 9, 9>,
+) -> Option<Vec<(usize, Frame<D>)>> {
+    let pairs = after.iter().zip(before);
+    let undone = |((start, after), (_, before)): (&(usize, Frame<D>), &(usize, Frame<D>))| {
+        Some((*start, after.undone_after(before, of_body)?))
+    };
+    pairs.map(undone).collect()
+}
+
+/// What takes errors at one estimate to those at another.
+pub struct Transport(Tied);
+
+impl Transport {
+    // ANCHOR: apply
+    /// Takes each column of a matrix with a row for each coordinate there.
+    pub fn apply(&self, errors: &mut DMatrix<f64>) {
+        self.0.apply(errors);
     }
 
     /// Takes a covariance there, T P Tᵀ.
@@ -280,11 +302,6 @@ impl Transport {
 }
 
 impl<const D: usize> Frame<D> {
-    fn put_into(&self, matrix: &mut DMatrix<f64>, (own, of_body): (usize, usize)) {
-        matrix.fixed_view_mut::<D, D>(own, own).copy_from(&self.own);
-        matrix.fixed_view_mut::<D, 9>(own, of_body).copy_from(&self.by_body);
-    }
-
     fn apply(&self, start: usize, body: &OMatrix<f64, U9, Dyn>, errors: &mut DMatrix<f64>) {
         let own = self.own * errors.fixed_rows::<D>(start);
         errors.fixed_rows_mut::<D>(start).copy_from(&(own + self.by_body * body));
@@ -302,10 +319,4 @@ fn left(pose: &BodyPose, phi: &Vector3<f64>, rho: &Vector3<f64>) -> BodyPose {
 /// What exp(φ, ρ) does to a point.
 fn left_point(point: &Vector3<f64>, phi: &Vector3<f64>, rho: &Vector3<f64>) -> Vector3<f64> {
     so3::exp(phi) * point + so3::left_jacobian(phi) * rho
-}
-
-/// The part of a step that is one variable's.
-fn part<const D: usize>(values: &Values, index: usize, step: &[f64]) -> SMatrix<f64, D, 1> {
-    let start = values.coordinates_of(index).map_or(0, |own| own.start);
-    SMatrix::from_column_slice(&step[start..start + D])
 }

@@ -1,6 +1,6 @@
 //! The directions in which a filter may know nothing, and what it has come to know along them.
 
-use nalgebra::{DMatrix, DVector, SMatrix};
+use nalgebra::{DMatrix, SMatrix};
 
 // ANCHOR: constrained
 /// Rows whose product with N, the free directions, is `wanted`, and which differ from the given ones
@@ -45,16 +45,26 @@ pub struct Claimed {
 impl Claimed {
     /// What the whitened rows H claim along the free directions N.
     pub fn of(rows: &DMatrix<f64>, free: &DMatrix<f64>) -> Self {
-        let directions = free.ncols().min(4);
         let mut claimed = Self::default();
-        for direction in 0..directions {
-            let along: DVector<f64> = free.column(direction).into_owned();
-            claimed.gained[direction] = (rows * &along).norm_squared();
-            let parts = along.iter().zip(rows.column_iter());
-            claimed.whole[direction] =
-                parts.map(|(part, column)| part * part * column.norm_squared()).sum();
+        let seen = rows * free;
+        let squares: Vec<f64> = rows.column_iter().map(|column| column.norm_squared()).collect();
+        for (direction, along) in free.column_iter().take(4).enumerate() {
+            claimed.gained[direction] = seen.column(direction).norm_squared();
+            let parts = along.iter().zip(&squares);
+            claimed.whole[direction] = parts.map(|(part, square)| part * part * square).sum();
         }
         claimed
+    }
+
+    /// What is gained along shifts, as a part of the whole; `None` where no rows say anything.
+    pub fn part_of_shifts(&self) -> Option<f64> {
+        let sum = |[x, y, z, _]: [f64; 4]| x + y + z;
+        part(sum(self.gained), sum(self.whole))
+    }
+
+    /// The same along the turn about the vertical.
+    pub fn part_of_turn(&self) -> Option<f64> {
+        part(self.gained[3], self.whole[3])
     }
 
     /// Both added up.
@@ -67,6 +77,10 @@ impl Claimed {
     }
 }
 // ANCHOR_END: spurious
+
+fn part(gained: f64, whole: f64) -> Option<f64> {
+    (whole > 0.0).then(|| gained / whole)
+}
 
 // ANCHOR: certificate
 /// The 4×4 matrix Nᵀ P⁻¹ N, {eq:certificate}: what a covariance P claims to know along the directions

@@ -10,7 +10,7 @@ use crate::datasets::tracks::{Feature, Picture};
 use crate::filtering::{Belief, Transition, chi_square_quantile};
 use crate::inertial::{BodyPose, CameraImu, ImuBias, NavState, StampedSample, between};
 use crate::least_squares::Key;
-use crate::observability::{WorldMotion, four_motions, steps_of_state};
+use crate::observability::{WorldMotion, four_motions, steps_of_state, vertical};
 use crate::preintegration::{Matrix15, preintegrate_combined};
 use crate::simulation::Truth;
 
@@ -384,7 +384,7 @@ impl Msckf {
 }
 
 fn motions(gravity: &Vector3<f64>) -> [WorldMotion; 4] {
-    four_motions(&(-gravity).try_normalize(0.0).unwrap_or_else(Vector3::z))
+    four_motions(&vertical(gravity))
 }
 
 /// The steps of a state under the four free motions, in the first of `dimension` rows.

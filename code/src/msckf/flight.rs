@@ -1,6 +1,6 @@
 //! Simulated flights, as a filter follows them.
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -15,20 +15,25 @@ impl Start {
     /// are the standard deviations of turns, velocity, position and the biases of gyroscope and
     /// accelerometer, in rad, m/s, m, rad/s and m/s². `None` when there is no picture yet.
     pub fn drawn(recording: &FlightRecording, sigmas: &[f64; 15], seed: u64) -> Option<Self> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let off = sigmas.map(|sigma| sigma * normal(&mut random));
+        Self::off_by(recording, &drawn(sigmas, seed), sigmas)
+    }
+
+    /// The truth at the first picture, off by a step, with independent errors.
+    fn off_by(
+        recording: &FlightRecording,
+        off: &SVector<f64, 15>,
+        sigmas: &[f64; 15],
+    ) -> Option<Self> {
         let (truth, rig) = (&recording.truth, recording.flight.rig);
         Some(Self {
             nanoseconds: rig.imu_nanoseconds(recording.pictures.first()?.nanoseconds),
-            state: truth.states.first()?.retract(&off[..9]),
-            bias: truth.biases.first()?.retract(&off[9..]),
+            state: truth.states.first()?.retract(&off.as_slice()[..9]),
+            bias: truth.biases.first()?.retract(&off.as_slice()[9..]),
             covariance: Matrix15::from_diagonal(&SVector::from(sigmas.map(|sigma| sigma * sigma))),
             rig,
         })
     }
-}
 
-impl Start {
     // ANCHOR: at_the_origin
     /// What is believed when a recording begins by somebody who calls where he stands the origin and
     /// where he looks ahead: yaw and position are exact, as everything else is measured from them.
@@ -39,36 +44,30 @@ impl Start {
         [tilt, velocity, gyro, accelerometer]: [f64; 4],
         seed: u64,
     ) -> Option<Self> {
-        let truth = recording.truth.states.first()?;
-        let body_from_world = truth.world_from_body.inverse();
         let mut in_world = [0.0; 15];
         in_world[..2].fill(tilt);
         in_world[3..6].fill(velocity);
         in_world[9..12].fill(gyro);
         in_world[12..].fill(accelerometer);
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut off = SVector::from(in_world.map(|sigma| sigma * normal(&mut random)));
-        let turn = body_from_world * Vector3::new(off[0], off[1], off[2]);
+        let mut off = drawn(&in_world, seed);
+        let truth = recording.truth.states.first()?;
+        let turn = truth.world_from_body.inverse() * off.fixed_rows::<3>(0);
         off.fixed_rows_mut::<3>(0).copy_from(&turn);
-        let state = truth.retract(&off.as_slice()[..9]);
-        let in_body = state.world_from_body.inverse();
-        let mut covariance =
-            Matrix15::from_diagonal(&SVector::from(in_world.map(|sigma| sigma * sigma)));
-        let turned =
-            in_body.matrix() * covariance.fixed_view::<3, 3>(0, 0) * in_body.matrix().transpose();
-        covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        Some(Self {
-            nanoseconds: recording
-                .flight
-                .rig
-                .imu_nanoseconds(recording.pictures.first()?.nanoseconds),
-            state,
-            bias: recording.truth.biases.first()?.retract(&off.as_slice()[9..]),
-            covariance,
-            rig: recording.flight.rig,
-        })
+        let mut start = Self::off_by(recording, &off, &in_world)?;
+        let body_from_world = start.state.world_from_body.inverse();
+        let body_from_world = body_from_world.matrix();
+        let turns = start.covariance.fixed_view::<3, 3>(0, 0);
+        let turns = body_from_world * turns * body_from_world.transpose();
+        start.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&turns);
+        Some(start)
     }
     // ANCHOR_END: at_the_origin
+}
+
+/// Errors with these standard deviations.
+fn drawn(sigmas: &[f64; 15], seed: u64) -> SVector<f64, 15> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    SVector::from(sigmas.map(|sigma| sigma * normal(&mut random)))
 }
 
 impl Msckf {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::{DVector, Vector3};
 
-use super::{Window, WorldMotion};
+use super::{Window, WorldMotion, vertical};
 use crate::least_squares::Columns;
 
 // ANCHOR: direction
@@ -45,7 +45,7 @@ impl fmt::Display for Direction {
 impl Window {
     /// The vertical, upward, and two horizontal axes. Without gravity they are z, x and y.
     pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
-        let up = (-self.gravity).try_normalize(0.0).unwrap_or_else(Vector3::z);
+        let up = vertical(&self.gravity);
         // The axis of the world that is least vertical, beginning with x, made horizontal.
         let forward = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
         let forward = (forward - forward.dot(&up) * up).normalize();

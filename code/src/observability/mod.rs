@@ -20,7 +20,7 @@ use thiserror::Error;
 pub use direction::Direction;
 pub use nullity::{FreeDirections, Mixture};
 pub use similarity::Similarity;
-pub use symmetry::{WorldMotion, four_motions, steps_of_state};
+pub use symmetry::{WorldMotion, four_motions, steps_of_state, vertical};
 pub use window::{BiasAssumption, UnknownCalibration, Window};
 
 use crate::least_squares::{NullSpaceError, ProblemError, SolveError, WhiteningError};

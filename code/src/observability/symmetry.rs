@@ -29,6 +29,11 @@ impl WorldMotion {
 }
 // ANCHOR_END: world_motion
 
+/// The unit vector upwards, against free fall. Without gravity it is z.
+pub fn vertical(gravity: &Vector3<f64>) -> Vector3<f64> {
+    (-gravity).try_normalize(0.0).unwrap_or_else(Vector3::z)
+}
+
 // ANCHOR: four_motions
 /// The four motions that gravity and pixels leave free: shifts by a metre along the axes of the
 /// world, then a turn by a radian about the vertical. `up` has length one.

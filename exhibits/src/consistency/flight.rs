@@ -43,13 +43,11 @@ pub fn seen(policy: Policy) -> Vec<Seen> {
     let (mut seen, mut sum) = (Vec::new(), Claimed::default());
     follow(&recording(), &setting(), policy, SEED, |number, filter, report| {
         sum.add(&report.claimed);
-        let Claimed { gained, whole } = sum;
         let certificate = filter.certificate().filter(|_| number >= FREE);
-        let part = |gained: f64, whole: f64| if whole > 0.0 { gained / whole } else { 0.0 };
         seen.push(Seen {
             heading: certificate.map(|known| known[(3, 3)]),
-            claimed_heading: part(gained[3], whole[3]),
-            claimed_shifts: part(gained[..3].iter().sum(), whole[..3].iter().sum()),
+            claimed_heading: sum.part_of_turn().unwrap_or(0.0),
+            claimed_shifts: sum.part_of_shifts().unwrap_or(0.0),
         });
     })
     .expect("the flight is followed");

@@ -84,14 +84,13 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
     for kept in KEPT {
         for policy in policies() {
             let Followed { states, sigma, claimed } = follow(&flight, &start, policy, kept)?;
-            let Claimed { gained, whole } = claimed;
             let name = |what: &str| format!("{policy}_{kept}_{what}");
             let mut push = |what: &str, value, unit, decimals, within| {
                 values.push(RecordValue::new(name(what), value, unit, decimals, within));
             };
             push("ate", ate(&states, &flight.truth, Freedom::Four)?, "cm", 1, 0.02);
             push("sigma", 1e3 * sigma, "mrad", 2, 0.02);
-            let part = 100.0 * gained[3] / whole[3];
+            let part = 100.0 * claimed.part_of_turn().unwrap_or(f64::NAN);
             if policy == Policy::Standard {
                 values.push(RecordValue::new(format!("claimed_{kept}"), part, "%", 1, 0.02));
                 surest = sigma;

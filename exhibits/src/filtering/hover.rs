@@ -3,9 +3,9 @@
 use nalgebra::{SMatrix, Vector3};
 use vislam::consistency::Policy;
 use vislam::filtering::{StateError, attitude_in_world};
-use vislam::inertial::NavState;
 use vislam::least_squares::Manifold;
 use vislam::msckf::{Msckf, MsckfOptions, Start};
+use vislam::observability::{four_motions, steps_of_state};
 use vislam::preintegration::Matrix15;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 
@@ -52,15 +52,11 @@ fn start(recording: &FlightRecording, seed: u64) -> Start {
 /// The least standard deviation of the yaw, in degrees, of a filter that nothing tells where north is: what a start
 /// itself says of a turn of everything about the vertical, which turns its velocity too.
 fn least_sigma(start: &Start) -> f64 {
-    let NavState { world_from_body, velocity, position } = start.state;
-    let up = Vector3::z();
     let mut free = SMatrix::<f64, 15, 4>::zeros();
-    free.fixed_view_mut::<3, 1>(0, 0).copy_from(&(world_from_body.inverse() * up));
-    free.fixed_view_mut::<3, 1>(3, 0).copy_from(&up.cross(&velocity));
-    free.fixed_view_mut::<3, 1>(6, 0).copy_from(&up.cross(&position));
-    free.fixed_view_mut::<3, 3>(6, 1).fill_with_identity();
+    let of_state = steps_of_state(&four_motions(&Vector3::z()), &start.state);
+    free.fixed_rows_mut::<9>(0).copy_from(&of_state);
     let information = free.transpose() * inverse(start.covariance) * free;
-    inverse(information)[(0, 0)].sqrt().to_degrees()
+    inverse(information)[(3, 3)].sqrt().to_degrees()
 }
 
 /// The standard deviation of the yaw and its error, in degrees.
