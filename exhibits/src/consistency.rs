@@ -23,6 +23,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     constrained::exhibits(chapter);
     flight::numbers(chapter);
     flown::numbers(chapter);
+    real::numbers(chapter);
     exercise::numbers(chapter);
     figures::figures(chapter);
 }

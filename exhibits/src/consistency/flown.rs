@@ -58,6 +58,7 @@ pub fn record(chapter: &mut Chapter) {
 pub fn numbers(chapter: &mut Chapter) {
     chapter.number("straight_speed", SPEED, "m/s", 0);
     chapter.number("straight_start", 1e3 * ESTIMATED[1], "mm/s", 0);
+    chapter.number("straight_scale", 100.0 * ESTIMATED[1] / SPEED, "%", 0);
 }
 
 fn straight() -> Result<Vec<RecordValue>, NotMade> {

@@ -28,6 +28,10 @@ pub fn record(chapter: &mut Chapter) {
     chapter.record_of_data("consistency_real", &FILES, inputs, real);
 }
 
+pub fn numbers(chapter: &mut Chapter) {
+    chapter.number("real_kept", KEPT[1] as f64, "", 0);
+}
+
 /// The policies that need no truth.
 pub fn policies() -> impl Iterator<Item = Policy> {
     Policy::ALL.into_iter().filter(|policy| *policy != Policy::Ideal)
