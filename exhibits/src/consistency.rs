@@ -10,8 +10,12 @@ mod exercise;
 mod figures;
 mod flight;
 mod flown;
+mod map;
 mod real;
+mod small;
+mod straight;
 mod theorem;
+mod told;
 
 use crate::chapter::Chapter;
 
@@ -23,6 +27,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     constrained::exhibits(chapter);
     flight::numbers(chapter);
     flown::numbers(chapter);
+    straight::numbers(chapter);
     real::numbers(chapter);
     exercise::numbers(chapter);
     figures::figures(chapter);
@@ -30,5 +35,7 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 pub fn records(chapter: &mut Chapter) {
     flown::record(chapter);
+    map::record(chapter);
+    straight::record(chapter);
     real::record(chapter);
 }

@@ -28,13 +28,18 @@ pub fn state(random: &mut Random) -> NavState {
 /// Readings of a fifth of a second, and the bias at which they are summed.
 pub fn readings(random: &mut Random) -> (CombinedPreintegrated, ImuBias) {
     let bias = ImuBias { gyro: random.direction(0.05), accelerometer: random.direction(0.2) };
-    let mut sums = CombinedPreintegrator::new(&bias, &NOISE).expect("the bias is finite");
+    (summed(&bias, random), bias)
+}
+
+/// Readings of a fifth of a second, summed at a bias.
+pub fn summed(bias: &ImuBias, random: &mut Random) -> CombinedPreintegrated {
+    let mut sums = CombinedPreintegrator::new(bias, &NOISE).expect("the bias is finite");
     for _ in 0..10 {
         let gyro = random.direction(1.5);
         let accelerometer = random.direction(3.0) - GRAVITY;
         sums.integrate(&ImuSample { gyro, accelerometer }, 0.02).expect("the reading is finite");
     }
-    (sums.finish().expect("there are readings"), bias)
+    sums.finish().expect("there are readings")
 }
 
 /// A camera on a body, and the pixel that it has of a landmark.

@@ -22,9 +22,9 @@ const FREE: usize = 13;
 
 /// A filter after a picture.
 pub struct Seen {
-    /// What is known of a turn of everything about the vertical, in 1/rad²; `None` while it is known
-    /// exactly.
-    pub heading: Option<f64>,
+    /// The least standard deviation of the yaw that the certificate allows, in rad; `None` while the
+    /// heading is known exactly.
+    pub floor: Option<f64>,
     /// What was claimed until then of the turn and of shifts, as a part of the whole.
     pub claimed_heading: f64,
     pub claimed_shifts: f64,
@@ -45,7 +45,7 @@ pub fn seen(policy: Policy) -> Vec<Seen> {
         sum.add(&report.claimed);
         let certificate = filter.certificate().filter(|_| number >= FREE);
         seen.push(Seen {
-            heading: certificate.map(|known| known[(3, 3)]),
+            floor: certificate.and_then(|known| Some(known.try_inverse()?[(3, 3)].sqrt())),
             claimed_heading: sum.part_of_turn().unwrap_or(0.0),
             claimed_shifts: sum.part_of_shifts().unwrap_or(0.0),
         });
@@ -71,7 +71,8 @@ pub fn numbers(chapter: &mut Chapter) {
         "",
         0,
     );
-    let ideal = others.last().and_then(|seen| seen.heading).unwrap_or(f64::NAN);
-    let standard = standard.heading.unwrap_or(f64::NAN);
-    chapter.number("known_ratio", standard / ideal, "", 1);
+    let ideal = others.last().and_then(|seen| seen.floor).unwrap_or(f64::NAN);
+    let standard = standard.floor.unwrap_or(f64::NAN);
+    chapter.number("floor_ideal", 1e3 * ideal, "mrad", 1);
+    chapter.number("floor_standard", 1e3 * standard, "mrad", 1);
 }

@@ -16,9 +16,9 @@ const ROUNDING: f64 = 1e-34;
 pub fn certificate() -> Figure {
     let curves = SHOWN.map(seen);
     let time = |number: usize| number as f64 / PICTURE_RATE;
-    let known = |curve: &[Seen]| -> Vec<(f64, f64)> {
-        let known = curve.iter().enumerate();
-        known.filter_map(|(number, seen)| Some((time(number), seen.heading?))).collect()
+    let floor = |curve: &[Seen]| -> Vec<(f64, f64)> {
+        let floors = curve.iter().enumerate();
+        floors.filter_map(|(number, seen)| Some((time(number), 1e3 * seen.floor?))).collect()
     };
     let claimed = |curve: &[Seen]| -> Vec<(f64, f64)> {
         let part = |seen: &Seen| seen.claimed_heading.max(ROUNDING);
@@ -33,8 +33,8 @@ pub fn certificate() -> Figure {
         ("policy", each().map(|(policy, ..)| policy.to_string()).collect()),
         ("time (s)", decimals(1, each().map(|(_, number, _)| time(number)))),
         (
-            "known of the turn (1/rad²)",
-            powers(3, each().map(|(.., seen)| seen.heading.unwrap_or(f64::INFINITY))),
+            "floor of the yaw’s σ (mrad)",
+            decimals(2, each().map(|(.., seen)| 1e3 * seen.floor.unwrap_or(0.0))),
         ),
         (
             "claimed of the turn until then, of the whole",
@@ -46,24 +46,20 @@ pub fn certificate() -> Figure {
         let halves = drawing.split_evenly((2, 1));
         let last = time(curves[0].len() - 1);
         let x_axis = |title| (title, 0.0..last, 6);
-        let powers =
-            |points: Vec<(f64, f64)>| points.into_iter().map(|(time, y)| (time, y.log10()));
-        let known: Vec<Vec<(f64, f64)>> =
-            curves.iter().map(|curve| powers(known(curve)).collect()).collect();
-        let all = || known.iter().flatten().map(|(_, power)| *power);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-        let y_axis = ("known, power of ten", low - 0.2..high + 1.2, 5);
+        let floors: Vec<Vec<(f64, f64)>> = curves.iter().map(|curve| floor(curve)).collect();
+        let high = floors.iter().flatten().fold(0.0_f64, |high, (_, floor)| high.max(*floor));
+        let y_axis = ("floor of the yaw’s σ (mrad)", 0.0..1.4 * high, 5);
         let mut chart = figure::axes(&halves[0], x_axis(""), y_axis)?;
-        for (series, curve) in known.into_iter().enumerate() {
+        for (series, curve) in floors.into_iter().enumerate() {
             chart.line(curve, SERIES[series], 4)?;
             let row = (series / 2) as f64;
-            let at = (last * (0.03 + 0.5 * (series % 2) as f64), high + 0.9 - 0.45 * row);
+            let at = (last * (0.03 + 0.5 * (series % 2) as f64), high * (1.32 - 0.12 * row));
             chart.key(series, SHOWN[series].name(), at, at.0 + 0.025 * last)?;
         }
         let y_axis = ("claimed, power of ten", -36.0..2.0, 5);
         let mut chart = figure::axes(&halves[1], x_axis("time (s)"), y_axis)?;
         for (series, curve) in curves.iter().enumerate() {
-            let points = powers(claimed(curve));
+            let points = claimed(curve).into_iter().map(|(time, part)| (time, part.log10()));
             chart.line(points.clone(), SERIES[series], 4)?;
             chart.marks(points.skip(10 + 4 * series).step_by(20), series)?;
         }

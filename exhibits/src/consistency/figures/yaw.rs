@@ -1,0 +1,54 @@
+//! What the policies believe of their yaw, and by how much they err.
+
+use plotters::coord::combinators::IntoLogRange;
+use vislam::consistency::Policy;
+
+use super::SHOWN;
+use crate::consistency::flown::{MINUTES, SENSORS, recorded};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
+
+fn panel(drawing: &Drawing, sensor: &str, x_title: &str) -> Drawn {
+    let curve = |policy, what: &str| {
+        MINUTES.map(|minutes| (minutes as f64, recorded(sensor, policy, what, minutes)))
+    };
+    let curves = SHOWN.map(|policy| ["sigma", "turned"].map(|what| curve(policy, what)));
+    let all = curves.iter().flatten().flatten().map(|(_, value)| *value);
+    let (least, most) = all
+        .fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
+    let x_axis = (x_title, (0.9..11.0).log_scale(), 4);
+    let y_axis = ("yaw (mrad)", (0.9 * least..1.3 * most).log_scale(), 5);
+    let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+    for (series, [sigma, error]) in curves.into_iter().enumerate() {
+        chart.line(sigma, SERIES[series], 5)?;
+        chart.marks(error, series)?;
+    }
+    chart.write(sensor, (0.95, 1.15 * most), letters_right_of(INK))
+}
+
+pub fn yaw() -> Figure {
+    let each = || {
+        SENSORS.into_iter().flat_map(|sensor| {
+            Policy::ALL
+                .into_iter()
+                .flat_map(move |policy| MINUTES.map(move |minutes| (sensor, policy, minutes)))
+        })
+    };
+    let of = |what: &'static str| {
+        let value = move |(sensor, policy, minutes)| recorded(sensor, policy, what, minutes);
+        decimals(2, each().map(value))
+    };
+    let columns = vec![
+        ("sensor", each().map(|(sensor, ..)| sensor.to_owned()).collect()),
+        ("policy", each().map(|(_, policy, _)| policy.to_string()).collect()),
+        ("time (min)", each().map(|(.., minutes)| minutes.to_string()).collect()),
+        ("believed σ (mrad)", of("sigma")),
+        ("error, root mean square (mrad)", of("turned")),
+    ];
+    Figure::new(1500, columns, |drawing| {
+        let (keys, panels) = drawing.split_vertically(150);
+        super::keys(&keys)?;
+        let halves = panels.split_evenly((2, 1));
+        panel(&halves[0], SENSORS[0], "")?;
+        panel(&halves[1], SENSORS[1], "time (min)")
+    })
+}
