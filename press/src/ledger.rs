@@ -243,6 +243,19 @@ fn figures(here: &Page, pages: &[Page], exhibits: &Exhibits, found: &mut Found<'
     }
 }
 
+/// A record of more values is not listed.
+const MOST_VALUES: usize = 60;
+
+/// A name that may go on in the next line behind each of its underscores.
+fn breakable(name: &str) -> Markup {
+    html! {
+        @for (at, part) in name.split('_').enumerate() {
+            @if at > 0 { "_" wbr; }
+            (part)
+        }
+    }
+}
+
 fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
     let mut rows = Vec::new();
     for record in exhibits.records.values() {
@@ -250,9 +263,13 @@ fn records(here: &Page, exhibits: &Exhibits, found: &mut Found<'_>) -> Table {
         rows.push(html! {
             td { (code_link(&href, &record.name)) }
             td {
-                @for (at, (name, value)) in record.values.iter().enumerate() {
-                    @if at > 0 { br; }
-                    (name) " = " (value.text) " " (value.unit)
+                @if record.values.len() > MOST_VALUES {
+                    (record.values.len()) " values, in its file"
+                } @else {
+                    @for (at, (name, value)) in record.values.iter().enumerate() {
+                        @if at > 0 { br; }
+                        (breakable(name)) " = " (value.text) " " (value.unit)
+                    }
                 }
             }
             td { code { (record.command) } }
@@ -327,4 +344,15 @@ pub fn bibliography(here: &Page, pages: &[Page], known: &Known<'_>, found: &Foun
         }
     };
     list.into_string() + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::breakable;
+
+    #[test]
+    fn a_long_name_may_break_behind_its_underscores() {
+        assert_eq!(breakable("a_mean_2").into_string(), "a_<wbr>mean_<wbr>2");
+        assert_eq!(breakable("mean").into_string(), "mean");
+    }
 }
