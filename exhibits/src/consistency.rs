@@ -10,7 +10,6 @@ mod exercise;
 mod figures;
 mod flight;
 mod flown;
-mod map;
 mod real;
 mod small;
 mod straight;
@@ -35,7 +34,6 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 pub fn records(chapter: &mut Chapter) {
     flown::record(chapter);
-    map::record(chapter);
     straight::record(chapter);
     real::record(chapter);
 }

@@ -96,6 +96,8 @@ export async function launch({ graphics = false } = {}) {
             // The page with the whole book takes ten seconds and more on a busy machine.
             context.setDefaultTimeout(60_000);
             const page = await context.newPage();
+            // The page for printing asks for the printer as soon as it is there, and while it is asked nothing else prints.
+            await page.addInitScript(() => { window.print = () => {}; });
             if (!folded) {
                 await page.addInitScript(() => {
                     try { localStorage.depth ??= "all"; } catch { /* a test of just that */ }

@@ -1,7 +1,6 @@
 //! The chapter's figures.
 
 mod certificate;
-mod map;
 mod nees;
 mod nullity;
 mod yaw;
@@ -20,7 +19,6 @@ pub fn figures(chapter: &mut Chapter) {
     chapter.figure("nullity", nullity::nullity);
     chapter.figure("nees", nees::nees);
     chapter.figure("yaw", yaw::yaw);
-    chapter.figure("map", map::map);
 }
 
 /// The marks of the policies and their names, over the whole width.

@@ -62,11 +62,13 @@ impl Case {
         let points: Vec<_> = (0..LANDMARKS).map(|_| eye.ahead(&truth, random)).collect();
         let mut filter = self.filter((eye, &truth, &points), bias, random);
         filter.picture((&truth, &points), random);
-        for _ in 1..pictures {
+        for picture in 1..pictures {
+            if picture > 1 {
+                sums = draws::summed(&bias, random);
+            }
             truth = sums.sums.predict(&truth, &GRAVITY, &bias);
             filter.carry_on(&sums);
             filter.picture((&truth, &points), random);
-            sums = draws::summed(&bias, random);
         }
         filter
     }
@@ -98,10 +100,10 @@ impl Case {
         let mut free = DMatrix::zeros(size, 4 + size);
         free.columns_mut(4, size).fill_with_identity();
         let moved = draws::moved(&first, &symmetry);
-        free.fixed_rows_mut::<9>(0).copy_from(&draws::free(&moved));
+        free.fixed_view_mut::<9, 4>(0, 0).copy_from(&draws::free(&moved));
         for (at, point) in guesses.iter().enumerate() {
             let point = draws::moved_point(point, &symmetry);
-            free.fixed_rows_mut::<3>(15 + 3 * at).copy_from(&draws::free_of_point(&point));
+            free.fixed_view_mut::<3, 4>(15 + 3 * at, 0).copy_from(&draws::free_of_point(&point));
         }
         belief.follow(free).expect("a row for each coordinate");
         let (first, claimed, seen) = ((first, guesses), Claimed::default(), Vec::new());
@@ -145,15 +147,19 @@ impl Filter {
             let is_known = self.case.known && at == 0;
             let estimate = if is_known { &points[at] } else { &values[self.landmarks[at]] };
             let (by_pose, by_landmark) = self.eye.rows(&state, landmark);
+            let noise = Vector2::from_fn(|_, _| random.normal(1.0));
+            let off =
+                self.eye.seen(&values[self.state], estimate) - self.eye.seen(truth, &points[at]);
+            // What is behind a camera is not seen: its rows stay empty.
+            if !(off.sum() + by_landmark.sum()).is_finite() {
+                continue;
+            }
+            residual.fixed_rows_mut::<2>(2 * at).copy_from(&(off / SIGMA - noise));
             rows.fixed_view_mut::<2, 3>(2 * at, 0).copy_from(&by_pose.fixed_columns::<3>(0));
             rows.fixed_view_mut::<2, 3>(2 * at, 6).copy_from(&by_pose.fixed_columns::<3>(3));
             if !is_known {
                 rows.fixed_view_mut::<2, 3>(2 * at, 15 + 3 * at).copy_from(&by_landmark);
             }
-            let noise = Vector2::from_fn(|_, _| random.normal(1.0));
-            let off =
-                self.eye.seen(&values[self.state], estimate) - self.eye.seen(truth, &points[at]);
-            residual.fixed_rows_mut::<2>(2 * at).copy_from(&(off / SIGMA - noise));
         }
         let directions = self.belief.directions();
         self.claimed.add(&Claimed::of(&rows, directions));

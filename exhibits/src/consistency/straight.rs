@@ -39,8 +39,18 @@ fn straight() -> Result<Vec<RecordValue>, NotMade> {
             let value = times[0].of(policy, name)?;
             values.push(RecordValue::new(format!("{policy}_{name}"), value, unit, decimals, 0.02));
         }
-        let error = 0.01 * times[0].of(policy, "error_cm")?;
-        values.push(RecordValue::new(format!("{policy}_error"), error, "m", 1, 0.02));
     }
+    let error = |policy: Policy| Ok(0.01 * times[0].of(policy.name(), "error_cm")?);
+    let mut push = |name, error| values.push(RecordValue::new(name, error, "m", 1, 0.02));
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for policy in Policy::ALL {
+        match policy {
+            Policy::FirstEstimates => push("first_estimates_error", error(policy)?),
+            Policy::Ideal => push("ideal_error", error(policy)?),
+            _ => (least, most) = (least.min(error(policy)?), most.max(error(policy)?)),
+        }
+    }
+    push("others_error_least", least);
+    push("others_error_most", most);
     Ok(values)
 }
