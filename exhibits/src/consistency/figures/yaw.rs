@@ -1,6 +1,5 @@
 //! What the policies believe of their yaw, and by how much they err.
 
-use plotters::coord::combinators::IntoLogRange;
 use vislam::consistency::Policy;
 
 use super::SHOWN;
@@ -13,16 +12,14 @@ fn panel(drawing: &Drawing, sensor: &str, x_title: &str) -> Drawn {
     };
     let curves = SHOWN.map(|policy| ["sigma", "turned"].map(|what| curve(policy, what)));
     let all = curves.iter().flatten().flatten().map(|(_, value)| *value);
-    let (least, most) = all
-        .fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
-    let x_axis = (x_title, (0.9..11.0).log_scale(), 4);
-    let y_axis = ("yaw (mrad)", (0.9 * least..1.3 * most).log_scale(), 5);
-    let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+    let most = all.fold(0.0_f64, f64::max);
+    let y_axis = ("yaw (mrad)", 0.0..1.15 * most, 5);
+    let mut chart = figure::axes(drawing, (x_title, 0.0..10.5, 6), y_axis)?;
     for (series, [sigma, error]) in curves.into_iter().enumerate() {
         chart.line(sigma, SERIES[series], 5)?;
         chart.marks(error, series)?;
     }
-    chart.write(sensor, (0.95, 1.15 * most), letters_right_of(INK))
+    chart.write(sensor, (0.3, 1.08 * most), letters_right_of(INK))
 }
 
 pub fn yaw() -> Figure {
