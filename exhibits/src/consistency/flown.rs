@@ -37,6 +37,11 @@ pub fn numbers(chapter: &mut Chapter) {
     let worse = |sensor: &str| 100.0 * (recorded(sensor, Policy::Standard, "error", LAST) - 1.0);
     chapter.number("standard_worse_euroc", worse("euroc"), "%", 0);
     chapter.number("standard_worse_mems", worse("mems"), "%", 0);
+    chapter.number("all_bands", (SENSORS.len() * MINUTES.len() * BLOCKS.len()) as f64, "", 0);
+    chapter.number("ideal_outside", outside(Policy::Ideal) as f64, "", 0);
+    chapter.number("standard_outside", outside(Policy::Standard) as f64, "", 0);
+    chapter.number("cures_outside", cures().map(outside).sum::<usize>() as f64, "", 0);
+    chapter.number("cures_apart", (100.0 * cures().map(apart).fold(0.0, f64::max)).ceil(), "%", 0);
     let [yaw, position] = [bands()[0], bands()[BLOCKS.len() - 1]];
     chapter.number("band_yaw_low", yaw.low, "", 2);
     chapter.number("band_yaw_high", yaw.high, "", 2);
@@ -91,6 +96,39 @@ fn flown() -> Result<Vec<RecordValue>, NotMade> {
     let above = others.log10().ceil().max(-12.0);
     values.push(RecordValue::new("claimed_others_power", above, "", 0, 0.0));
     Ok(values)
+}
+
+/// The filters that neither mix linearization points nor know the truth.
+fn cures() -> impl Iterator<Item = Policy> {
+    let is_none = |policy: &Policy| [Policy::Standard, Policy::Ideal].contains(policy);
+    Policy::ALL.into_iter().filter(move |policy| !is_none(policy))
+}
+
+/// How many bands of both sensors a policy leaves.
+fn outside(policy: Policy) -> usize {
+    let of_sensor = |sensor| {
+        let leaves = |minutes| {
+            let blocks = BLOCKS.iter().zip(bands());
+            let left = |((block, _), band): &(&(&str, usize), NeesBand)| {
+                !band.contains(recorded(sensor, policy, block, minutes))
+            };
+            blocks.filter(left).count()
+        };
+        MINUTES.map(leaves).iter().sum::<usize>()
+    };
+    SENSORS.map(of_sensor).iter().sum()
+}
+
+/// By which part a policy differs at the end from the one that is told the truth.
+fn apart(policy: Policy) -> f64 {
+    let of_sensor = |sensor| {
+        let by_ideal = |what| {
+            let of = |policy| recorded(sensor, policy, what, LAST);
+            (of(policy) / of(Policy::Ideal) - 1.0).abs()
+        };
+        ["yaw", "surer", "error"].map(by_ideal).into_iter().fold(0.0, f64::max)
+    };
+    SENSORS.map(of_sensor).into_iter().fold(0.0, f64::max)
 }
 
 /// The band of each block, the same at all times.

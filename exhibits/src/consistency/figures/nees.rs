@@ -3,11 +3,10 @@
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::Rectangle;
 use plotters::style::Color;
-use vislam::consistency::Policy;
 
 use super::SHOWN;
 use crate::consistency::flown::{BLOCKS, MINUTES, SENSORS, bands, recorded};
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, letters_right_of};
 
 /// The time in minutes at which the axis begins and ends.
 const TIMES: [f64; 2] = [0.8, 12.5];
@@ -38,27 +37,12 @@ fn panel(drawing: &Drawing, sensor: &str, block: usize) -> Drawn {
 }
 
 pub fn nees() -> Figure {
-    let each = || {
-        SENSORS.into_iter().flat_map(|sensor| {
-            Policy::ALL
-                .into_iter()
-                .flat_map(move |policy| MINUTES.map(move |minutes| (sensor, policy, minutes)))
-        })
-    };
-    let of = |block: usize| {
-        let value =
-            move |(sensor, policy, minutes)| recorded(sensor, policy, BLOCKS[block].0, minutes);
-        decimals(2, each().map(value))
-    };
-    let columns = vec![
-        ("sensor", each().map(|(sensor, ..)| sensor.to_owned()).collect()),
-        ("policy", each().map(|(_, policy, _)| policy.to_string()).collect()),
-        ("time (min)", each().map(|(.., minutes)| minutes.to_string()).collect()),
-        ("yaw: mean NEES, divided", of(0)),
-        ("tilt", of(1)),
-        ("velocity", of(2)),
-        ("position", of(3)),
-    ];
+    let columns = super::columns(&[
+        ("yaw: mean NEES, divided", "yaw"),
+        ("tilt", "tilt"),
+        ("velocity", "velocity"),
+        ("position", "position"),
+    ]);
     Figure::new(1900, columns, |drawing| {
         let (keys, panels) = drawing.split_vertically(150);
         super::keys(&keys)?;

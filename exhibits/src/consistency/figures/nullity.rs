@@ -37,8 +37,8 @@ fn spectra(case: Case) -> Vec<Vec<f64>> {
     (FIRST..=PICTURES).map(until).collect()
 }
 
-fn panel(drawing: &Drawing, name: &str, series: usize, x_title: &str) -> Drawn {
-    let spectra = spectra(CASES[series].1);
+fn panel(drawing: &Drawing, series: usize, spectra: &[Vec<f64>], x_title: &str) -> Drawn {
+    let (name, _) = CASES[series];
     let x_axis = (x_title, FIRST as f64 - 0.5..PICTURES as f64 + 0.5, PICTURES + 1 - FIRST);
     let mut chart = figure::axes(drawing, x_axis, ("power of ten", LEAST..2.0, 5))?;
     for index in 0..SHOWN {
@@ -79,7 +79,7 @@ pub fn nullity() -> Figure {
     ];
     Figure::new(1400, columns, |drawing| {
         let halves = drawing.split_evenly((2, 1));
-        panel(&halves[0], CASES[0].0, 0, "")?;
-        panel(&halves[1], CASES[1].0, 1, "pictures")
+        panel(&halves[0], 0, &spectra[0], "")?;
+        panel(&halves[1], 1, &spectra[1], "pictures")
     })
 }

@@ -1,10 +1,8 @@
 //! What the policies believe of their yaw, and by how much they err.
 
-use vislam::consistency::Policy;
-
 use super::SHOWN;
 use crate::consistency::flown::{MINUTES, SENSORS, recorded};
-use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, letters_right_of};
 
 fn panel(drawing: &Drawing, sensor: &str, x_title: &str) -> Drawn {
     let curve = |policy, what: &str| {
@@ -23,24 +21,10 @@ fn panel(drawing: &Drawing, sensor: &str, x_title: &str) -> Drawn {
 }
 
 pub fn yaw() -> Figure {
-    let each = || {
-        SENSORS.into_iter().flat_map(|sensor| {
-            Policy::ALL
-                .into_iter()
-                .flat_map(move |policy| MINUTES.map(move |minutes| (sensor, policy, minutes)))
-        })
-    };
-    let of = |what: &'static str| {
-        let value = move |(sensor, policy, minutes)| recorded(sensor, policy, what, minutes);
-        decimals(2, each().map(value))
-    };
-    let columns = vec![
-        ("sensor", each().map(|(sensor, ..)| sensor.to_owned()).collect()),
-        ("policy", each().map(|(_, policy, _)| policy.to_string()).collect()),
-        ("time (min)", each().map(|(.., minutes)| minutes.to_string()).collect()),
-        ("believed σ (mrad)", of("sigma")),
-        ("error, root mean square (mrad)", of("turned")),
-    ];
+    let columns = super::columns(&[
+        ("believed σ (mrad)", "sigma"),
+        ("error, root mean square (mrad)", "turned"),
+    ]);
     Figure::new(1500, columns, |drawing| {
         let (keys, panels) = drawing.split_vertically(150);
         super::keys(&keys)?;
