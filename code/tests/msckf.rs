@@ -19,8 +19,8 @@ use vislam::filtering::{Belief, Form, attitude_in_world, nees};
 use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::msckf::{
-    LandmarkError, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Rest, Sight,
-    Start, TrackError, WindowPolicy, landmark,
+    LandmarkError, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Rest, Rows,
+    Sight, Start, TrackError, WindowPolicy, landmark,
 };
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
 use vislam::two_views::TriangulationError;
@@ -421,4 +421,27 @@ fn what_comes_late_or_too_early_is_refused_and_nothing_is_lost() {
         filter.picture(&Picture { nanoseconds: 100_000_000 * k, features }).unwrap();
     }
     assert!(state.position.iter().chain(&filter.state().position).all(|x| x.is_finite()));
+}
+
+/// What rounding leaves in a column may be so small that its square is zero. The rows are turned all
+/// the same, and nothing that they say of the other columns is lost.
+#[test]
+fn dust_in_a_column_loses_nothing() {
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    for dust in [0.0, 1e-170, 1e-158, 1e-320] {
+        let mut rows = Rows::new(4);
+        (0..9).for_each(|_| {
+            let numbers: [f64; 4] = std::array::from_fn(|_| normal(&mut random));
+            rows.add().copy_from_slice(&[dust * numbers[0], numbers[1], numbers[2], numbers[3]]);
+        });
+        let products = |rows: &Rows| {
+            let (jacobian, residual) = rows.system();
+            (jacobian.tr_mul(&jacobian), jacobian.tr_mul(&residual))
+        };
+        let before = products(&rows);
+        rows.compress();
+        let after = products(&rows);
+        assert!(rows.len() <= 3, "{} rows", rows.len());
+        assert!((before.0 - after.0).norm() < 1e-13 && (before.1 - after.1).norm() < 1e-13);
+    }
 }

@@ -1,6 +1,7 @@
 //! What chapter `consistency` shows: the directions of which nothing may be known, how a filter comes
 //! to know of them all the same, and seven ways to linearize it.
 
+mod bound;
 mod certificate;
 mod charts;
 mod constrained;
@@ -10,6 +11,7 @@ mod exercise;
 mod figures;
 mod flight;
 mod flown;
+mod map;
 mod real;
 mod small;
 mod straight;
@@ -26,6 +28,8 @@ pub fn exhibits(chapter: &mut Chapter) {
     constrained::exhibits(chapter);
     flight::numbers(chapter);
     flown::numbers(chapter);
+    bound::numbers(chapter);
+    map::numbers(chapter);
     straight::numbers(chapter);
     real::numbers(chapter);
     exercise::numbers(chapter);
@@ -34,6 +38,8 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 pub fn records(chapter: &mut Chapter) {
     flown::record(chapter);
+    bound::record(chapter);
+    map::record(chapter);
     straight::record(chapter);
     real::record(chapter);
 }

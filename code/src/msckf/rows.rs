@@ -109,11 +109,16 @@ impl Rows {
         let end = ((first + 1) * width).min(self.numbers.len());
         let (above, below) = self.numbers.split_at_mut(end);
         let Some(top) = above.get_mut(first * width..) else { return false };
-        let square: f64 = below.chunks_exact(width).map(|row| row[column] * row[column]).sum();
-        let head = top[column];
-        if square == 0.0 {
+        let largest = |rows: &[f64]| {
+            rows.chunks_exact(width).fold(0.0_f64, |largest, row| largest.max(row[column].abs()))
+        };
+        let (head, unit) = (top[column], largest(below).max(top[column].abs()));
+        if largest(below) == 0.0 {
             return head != 0.0;
         }
+        // What rounding has left may be so small that its square is not a number any more.
+        let (head, weight) = (head / unit, |row: &[f64]| row[column] / unit);
+        let square: f64 = below.chunks_exact(width).map(|row| weight(row).powi(2)).sum();
         let length = (head * head + square).sqrt().copysign(head);
         let pivot = head + length;
         sums.fill(0.0);
@@ -123,12 +128,12 @@ impl Rows {
         add(&mut sums[column..], pivot, &top[column..]);
         below
             .chunks_exact(width)
-            .for_each(|row| add(&mut sums[column..], row[column], &row[column..]));
+            .for_each(|row| add(&mut sums[column..], weight(row), &row[column..]));
         let factor = -2.0 / (pivot * pivot + square);
         sums[column..].iter_mut().for_each(|sum| *sum *= factor);
         add(&mut top[column..], pivot, &sums[column..]);
         for row in below.chunks_exact_mut(width) {
-            let weight = row[column];
+            let weight = weight(row);
             add(&mut row[column..], weight, &sums[column..]);
             row[column] = 0.0;
         }

@@ -145,6 +145,9 @@ impl Msckf {
     /// Whether the normalized innovation squared of some rows, each with its residual at the end,
     /// passes the gate.
     fn passes(&self, columns: &Columns, rows: &[&[f64]]) -> bool {
+        if self.options.gate == 1.0 {
+            return true;
+        }
         let named = columns.iter().enumerate();
         let named: Vec<(usize, usize)> =
             named.filter_map(|(place, column)| Some((place, (*column)?))).collect();

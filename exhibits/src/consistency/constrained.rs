@@ -57,6 +57,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("old_depth", DEPTH, "m", 0);
     chapter.number("old_off", OFF, "m", 0);
     chapter.number("old_error", 100.0 * ERROR, "cm", 0);
+    chapter.number("old_focal", camera.fx, "px", 0);
     chapter.number("old_true_px", by_side(DEPTH) * ERROR, "px", 2);
     chapter.number("old_px", by_side(DEPTH + OFF) * ERROR, "px", 2);
 }

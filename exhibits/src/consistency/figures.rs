@@ -1,6 +1,7 @@
 //! The chapter's figures.
 
 mod certificate;
+mod map;
 mod nees;
 mod nullity;
 mod yaw;
@@ -20,6 +21,7 @@ pub fn figures(chapter: &mut Chapter) {
     chapter.figure("nullity", nullity::nullity);
     chapter.figure("nees", nees::nees);
     chapter.figure("yaw", yaw::yaw);
+    chapter.figure("map", map::map);
 }
 
 /// Every sensor, policy and time of the flights, and what was recorded of each, under a title.

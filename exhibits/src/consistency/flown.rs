@@ -22,13 +22,17 @@ pub const BLOCKS: [(&str, usize); 4] = [("yaw", 1), ("tilt", 2), ("velocity", 3)
 
 /// Registers the record.
 pub fn record(chapter: &mut Chapter) {
-    let inputs = vec![
-        ("flights", format!("seeds 0 to {}", FLIGHTS - 1)),
+    chapter.record_of_data("consistency_flights", &[], inputs(FLIGHTS), flown);
+}
+
+/// What goes into a record of so many flights.
+pub fn inputs(flights: usize) -> Vec<(&'static str, String)> {
+    vec![
+        ("flights", format!("seeds 0 to {}", flights - 1)),
         ("minutes", MINUTES.map(|minutes| minutes.to_string()).join(" ")),
         ("kept", KEPT.to_string()),
         ("sensors", SENSORS.join(" ")),
-    ];
-    chapter.record_of_data("consistency_flights", &[], inputs, flown);
+    ]
 }
 
 pub fn numbers(chapter: &mut Chapter) {
@@ -49,17 +53,17 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("band_position_high", position.high, "", 2);
 }
 
-/// What the example says of the flights with a sensor, at all times.
-fn fly(sensor: &str) -> Result<Vec<Time>, NotMade> {
+/// What the example says of so many flights with a sensor, at all times.
+pub fn fly(flights: usize, sensor: &str, more: &str) -> Result<Vec<Time>, NotMade> {
     let seconds = MINUTES.map(|minutes| (60 * minutes).to_string()).join(",");
-    told(&format!("--flights {FLIGHTS} --at {seconds} --kept {KEPT} --sensor {sensor}"))
+    told(&format!("--flights {flights} --at {seconds} --kept {KEPT} --sensor {sensor} {more}"))
 }
 
 fn flown() -> Result<Vec<RecordValue>, NotMade> {
     let mut values = vec![RecordValue::new("flights", FLIGHTS as f64, "", 0, 0.0)];
     let mut others = 0.0_f64;
     for sensor in SENSORS {
-        let times = fly(sensor)?;
+        let times = fly(FLIGHTS, sensor, "")?;
         for (minutes, time) in MINUTES.iter().zip(&times) {
             for policy in Policy::ALL {
                 let mut push = |what: &str, value, unit, decimals| {

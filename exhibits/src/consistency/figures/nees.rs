@@ -20,8 +20,8 @@ fn panel(drawing: &Drawing, sensor: &str, block: usize) -> Drawn {
         all.fold((band.low, band.high), |(low, high), nees| (low.min(nees), high.max(nees)));
     let [begin, end] = TIMES;
     let is_last = block + 1 == BLOCKS.len();
-    let x_axis = (if is_last { "time (min)" } else { "" }, (begin..end).log_scale(), 4);
-    let y_axis = (name, (0.85 * low..1.5 * high).log_scale(), 4);
+    let x_axis = (if is_last { "time (min)" } else { "" }, (begin..end).log_scale().base(2.0), 4);
+    let y_axis = (name, (0.85 * low..1.5 * high).log_scale().base(2.0), 4);
     let mut chart = figure::axes(drawing, x_axis, y_axis)?;
     let inside = [(begin, band.low), (end, band.high)];
     chart.draw_series([Rectangle::new(inside, INK.mix(0.12).filled())])?;
