@@ -15,17 +15,24 @@ pub fn record(chapter: &mut Chapter) {
 }
 
 pub fn numbers(chapter: &mut Chapter) {
-    let less = |sensor: &str, what: &str, minutes: usize| {
+    let by_batch = |sensor: &str, what: &str, minutes: usize| {
         let of = |line| accepted("consistency_batch", &format!("{sensor}_{line}_{what}_{minutes}"));
-        100.0 * (1.0 - of("batch") / of(Policy::Ideal.name()))
+        of(Policy::Ideal.name()) / of("batch")
     };
-    let of_sensor = |sensor| MINUTES.map(|minutes| less(sensor, "sigma", minutes));
-    let surer = || SENSORS.into_iter().flat_map(of_sensor);
-    chapter.number("batch_surer_least", surer().fold(f64::INFINITY, f64::min), "%", 0);
-    chapter.number("batch_surer_most", surer().fold(0.0, f64::max), "%", 0);
-    let nearer = |sensor| less(sensor, "error", MINUTES[MINUTES.len() - 1]);
-    chapter.number("batch_nearer_euroc", nearer("euroc"), "%", 0);
-    chapter.number("batch_nearer_mems", nearer("mems"), "%", 0);
+    let each = |times: &'static [usize]| {
+        SENSORS.into_iter().flat_map(|sensor| times.iter().map(move |minutes| (sensor, *minutes)))
+    };
+    let surer = each(&MINUTES).map(|(sensor, minutes)| 1.0 / by_batch(sensor, "sigma", minutes));
+    let surer: Vec<f64> = surer.map(|part| 100.0 * (1.0 - part)).collect();
+    let nearer = each(&MINUTES[2..]).map(|(sensor, minutes)| by_batch(sensor, "error", minutes));
+    let nearer: Vec<f64> = nearer.map(|part| 100.0 * (part - 1.0)).collect();
+    for (least, most, percent) in [
+        ("batch_surer_least", "batch_surer_most", surer),
+        ("batch_nearer_least", "batch_nearer_most", nearer),
+    ] {
+        chapter.number(least, percent.iter().copied().fold(f64::INFINITY, f64::min), "%", 0);
+        chapter.number(most, percent.iter().copied().fold(0.0, f64::max), "%", 0);
+    }
 }
 
 fn bound() -> Result<Vec<RecordValue>, NotMade> {

@@ -38,9 +38,14 @@ pub fn inputs(flights: usize) -> Vec<(&'static str, String)> {
 pub fn numbers(chapter: &mut Chapter) {
     chapter.number("band_outside", 100.0 * OUTSIDE, "%", 0);
     chapter.number("bands", (MINUTES.len() * BLOCKS.len()) as f64, "", 0);
-    let worse = |sensor: &str| 100.0 * (recorded(sensor, Policy::Standard, "error", LAST) - 1.0);
-    chapter.number("standard_worse_euroc", worse("euroc"), "%", 0);
-    chapter.number("standard_worse_mems", worse("mems"), "%", 0);
+    let by_ideal = |sensor: &str, what: &str| {
+        let of = |policy| recorded(sensor, policy, what, LAST);
+        100.0 * (of(Policy::Standard) / of(Policy::Ideal) - 1.0)
+    };
+    chapter.number("standard_worse_euroc", by_ideal("euroc", "error"), "%", 0);
+    chapter.number("standard_worse_mems", by_ideal("mems", "error"), "%", 0);
+    chapter.number("standard_turned_euroc", by_ideal("euroc", "turned"), "%", 0);
+    chapter.number("standard_turned_mems", by_ideal("mems", "turned"), "%", 0);
     chapter.number("all_bands", (SENSORS.len() * MINUTES.len() * BLOCKS.len()) as f64, "", 0);
     chapter.number("ideal_outside", outside(Policy::Ideal) as f64, "", 0);
     chapter.number("standard_outside", outside(Policy::Standard) as f64, "", 0);

@@ -59,6 +59,12 @@ impl Cell {
         (kept == 0 && longest > clones && clones <= LONGEST[0].1) || (kept > 0 && longest < clones)
     }
 
+    /// How long a landmark keeps its name, in a word.
+    pub fn track(&self) -> String {
+        let (name, pictures) = self.longest;
+        if name == LONGEST[0].0 { pictures.to_string() } else { name.to_owned() }
+    }
+
     fn name(&self, policy: Policy, what: &str) -> String {
         let Self { sensor, pixels, longest: (tracks, _), clones, kept, start: (start, _) } = self;
         format!("{sensor}_{start}_{kept}_{tracks}_{clones}_{pixels}_{policy}_{what}")

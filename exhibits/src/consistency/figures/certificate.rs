@@ -26,7 +26,11 @@ pub fn certificate() -> Figure {
     };
     let each = || {
         SHOWN.iter().zip(&curves).flat_map(|(policy, curve)| {
-            curve.iter().enumerate().step_by(TOLD).map(move |(number, seen)| (policy, number, seen))
+            let told = curve.iter().enumerate().rev().step_by(TOLD);
+            told.map(move |(number, seen)| (policy, number, seen))
+                .collect::<Vec<_>>()
+                .into_iter()
+                .rev()
         })
     };
     let columns = vec![

@@ -50,8 +50,7 @@ fn panel(drawing: &Drawing, sensor: &str) -> Drawn {
     for (number, cell) in cells.iter().enumerate() {
         let (row, column) = ((rows - 1 - number / PIXELS.len()) as f64, number % PIXELS.len());
         if column == 0 {
-            let track = if cell.longest.0 == "long" { "long" } else { "6" };
-            let of_row = [cell.kept.to_string(), track.to_owned(), cell.clones.to_string()];
+            let of_row = [cell.kept.to_string(), cell.track(), cell.clones.to_string()];
             for (at, text) in of_row.iter().enumerate() {
                 let place = (LEFT + 0.85 + 1.75 * at as f64, row + 0.5);
                 chart.write(text, place, letters_around(INK))?;
@@ -87,7 +86,7 @@ pub fn map() -> Figure {
         ("sensor", text(|cell| cell.sensor.to_owned())),
         ("start", text(|cell| cell.start.0.to_owned())),
         ("kept", text(|cell| cell.kept.to_string())),
-        ("tracks", text(|cell| cell.longest.0.to_owned())),
+        ("tracks", text(|cell| cell.track())),
         ("poses", text(|cell| cell.clones.to_string())),
         ("pixels (px)", text(|cell| cell.pixels.to_owned())),
         ("NEES of yaw: standard", value(Policy::Standard, "yaw")),
