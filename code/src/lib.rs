@@ -33,5 +33,6 @@ mod registers;
 pub mod reprojection;
 pub mod robust_two_view;
 pub mod simulation;
+pub mod smoother;
 pub mod structure_from_motion;
 pub mod two_views;

@@ -3,6 +3,7 @@
 use super::{Known, MotionOptions, NoStart, RestOptions, Sensors, Started, at_rest, in_motion};
 use crate::datasets::tracks::Picture;
 use crate::inertial::StampedSample;
+use crate::msckf::Start;
 
 // ANCHOR: begin_options
 /// How a beginning is looked for.
@@ -42,6 +43,8 @@ pub struct Beginning {
     pub seconds: f64,
     /// The standard deviation of the scale, as a part of it. A body that stands has none.
     pub scale_sigma: Option<f64>,
+    /// The last picture of which something is known, and what a filter begins with there.
+    pub start: (usize, Start),
 }
 
 // ANCHOR: begin
@@ -57,33 +60,122 @@ pub fn begin(
     pictures: &[Picture],
     options: &BeginOptions,
 ) -> Result<Beginning, NoStart> {
-    if let Some(beginning) = standing(sensors, readings, pictures, options) {
-        return Ok(beginning);
-    }
-    let seconds = |picture: usize| seconds_to(pictures, picture);
-    let mut last_error = NoStart::TooShort { pictures: pictures.len() };
-    let step = options.spans.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
-    let mut tried = 0.0;
+    let mut search = StartSearch::new(*sensors, options.clone());
     for until in 1..=pictures.len() {
-        let end = seconds(until - 1);
-        if end < tried + step {
-            continue;
-        }
-        tried = end;
-        for span in options.spans.iter().filter(|span| **span <= end + ROUNDING) {
-            let from =
-                (0..until).find(|picture| seconds(*picture) >= end - span - ROUNDING).unwrap_or(0);
-            let chosen = thinned(pictures, from..until, options.rate);
-            let some: Vec<Picture> = chosen.iter().map(|at| pictures[*at].clone()).collect();
-            match in_motion(sensors, readings, &some, &options.motion) {
-                Ok(found) => return Ok(moving(&found, &chosen, end)),
-                Err(error) => last_error = error,
-            }
+        if let Some(beginning) = search.look(readings, &pictures[..until]) {
+            return Ok(beginning);
         }
     }
-    Err(last_error)
+    search.at_the_end(pictures)
 }
 // ANCHOR_END: begin
+
+// ANCHOR: start_search
+/// Looks for the beginning of a flight while its pictures come.
+#[derive(Debug, Clone)]
+pub struct StartSearch {
+    sensors: Sensors,
+    options: BeginOptions,
+    /// The first picture of the window in which a stand is looked for; `None` when the body has moved.
+    window: Option<usize>,
+    /// The last picture of the stand so far, and what is known there.
+    stand: Option<(usize, Start)>,
+    /// Seconds at which a start in motion was looked for last.
+    tried: f64,
+    last_error: Option<NoStart>,
+}
+
+impl StartSearch {
+    /// A search that has seen nothing yet.
+    pub fn new(sensors: Sensors, options: BeginOptions) -> Self {
+        let window = Some(0);
+        Self { sensors, options, window, stand: None, tried: 0.0, last_error: None }
+    }
+
+    /// Looks at all pictures so far, one more than the last time, with the readings that reach their
+    /// last one.
+    pub fn look(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> Option<Beginning> {
+        if self.stands(readings, pictures) {
+            return None;
+        }
+        match self.stand {
+            Some(_) => self.at_the_end(pictures).ok(),
+            None => self.moves(readings, pictures),
+        }
+    }
+
+    /// What is known when no picture comes any more.
+    ///
+    /// # Errors
+    ///
+    /// The [`NoStart`] of the last span, when the body did not stand.
+    pub fn at_the_end(&self, pictures: &[Picture]) -> Result<Beginning, NoStart> {
+        let too_short = || NoStart::TooShort { pictures: pictures.len() };
+        match self.stand {
+            Some(start) => Ok(standing(start, pictures)),
+            None => Err(self.last_error.clone().unwrap_or_else(too_short)),
+        }
+    }
+
+    /// What is known while the body stands.
+    pub fn stand(&self) -> Option<&(usize, Start)> {
+        self.stand.as_ref()
+    }
+    // ANCHOR_END: start_search
+
+    // ANCHOR: standing
+    /// Whether nothing has moved so far: in windows of pictures, each as long as a body must stand and
+    /// beginning in the middle of the one before.
+    fn stands(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> bool {
+        let after = |from: usize, seconds: f64| {
+            let time = pictures[from].nanoseconds.saturating_add((1e9 * seconds) as i64);
+            pictures.iter().position(|picture| picture.nanoseconds >= time)
+        };
+        while let Some(from) = self.window {
+            let Some(until) = after(from, self.options.stand) else { return true };
+            let window = &pictures[from..=until];
+            self.window = match at_rest(&self.sensors, readings, window, &self.options.rest) {
+                Ok(start) => {
+                    self.stand = Some((until, start));
+                    let middle = after(from, 0.5 * self.options.stand);
+                    middle.map(|middle| middle.max(from + 1))
+                }
+                Err(_) => None,
+            };
+        }
+        false
+    }
+    // ANCHOR_END: standing
+
+    // ANCHOR: moves
+    /// A start in motion with the last of these pictures, if some span of them is enough.
+    fn moves(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> Option<Beginning> {
+        let seconds = |picture: usize| seconds_to(pictures, picture);
+        let BeginOptions { ref spans, ref motion, rate, .. } = self.options;
+        let end = seconds(pictures.len() - 1);
+        let step = spans.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
+        if end < self.tried + step {
+            return None;
+        }
+        self.tried = end;
+        for span in spans.iter().filter(|span| **span <= end + ROUNDING) {
+            let is_in_span = |picture: &usize| seconds(*picture) >= end - span - ROUNDING;
+            let from = (0..pictures.len()).find(is_in_span).unwrap_or(0);
+            let chosen = thinned(pictures, from..pictures.len(), rate);
+            let some: Vec<Picture> = chosen.iter().map(|at| pictures[*at].clone()).collect();
+            match in_motion(&self.sensors, readings, &some, motion) {
+                Ok(found) => {
+                    let last = chosen[found.pictures[found.pictures.len() - 1]];
+                    let start = found.start(&self.sensors, pictures[last].nanoseconds);
+                    return Some(moving(&found, (last, start), end));
+                }
+                Err(error) => self.last_error = Some(error),
+            }
+        }
+        None
+    }
+    // ANCHOR_END: moves
+}
 
 /// Times that differ by less are the same, in seconds.
 const ROUNDING: f64 = 1e-6;
@@ -111,40 +203,20 @@ fn thinned(pictures: &[Picture], range: std::ops::Range<usize>, rate: f64) -> Ve
 }
 
 /// What a start in motion knows at its last picture. The rest follows from there.
-fn moving(found: &Started, chosen: &[usize], seconds: f64) -> Beginning {
-    let last = found.pictures.len() - 1;
-    let (state, bias) = (found.batch.states[last], found.batch.biases[last]);
-    let states = vec![(found.values[state], found.values[bias])];
-    let first = chosen[found.pictures[last]];
-    let known = Known { first, states, standing: 0, start: None };
-    Beginning { known, seconds, scale_sigma: Some(found.scale_sigma) }
+fn moving(found: &Started, start: (usize, Start), seconds: f64) -> Beginning {
+    let states = vec![(start.1.state, start.1.bias)];
+    let known = Known { first: start.0, states, standing: 0, start: None };
+    Beginning { known, seconds, scale_sigma: Some(found.scale_sigma), start }
 }
 
-// ANCHOR: standing
-/// The stand with which a flight begins, if it does: windows of pictures, each as long as a body must
-/// stand and beginning in the middle of the one before, as long as nothing moves in them.
-fn standing(
-    sensors: &Sensors,
-    readings: &[StampedSample],
-    pictures: &[Picture],
-    options: &BeginOptions,
-) -> Option<Beginning> {
-    let after = |from: usize, seconds: f64| {
-        let time = pictures.get(from)?.nanoseconds.saturating_add((1e9 * seconds) as i64);
-        pictures.iter().position(|picture| picture.nanoseconds >= time)
-    };
-    let (mut found, mut from) = (None, 0);
-    while let Some(until) = after(from, options.stand) {
-        let Ok(start) = at_rest(sensors, readings, &pictures[from..=until], &options.rest) else {
-            break;
-        };
-        found = Some((until, start));
-        from = after(from, 0.5 * options.stand)?.max(from + 1);
-    }
-    let (last, start) = found?;
-    let seconds = seconds_to(pictures, last);
+/// What a stand knows at its last picture.
+fn standing((last, start): (usize, Start), pictures: &[Picture]) -> Beginning {
     let states = vec![(start.state, start.bias)];
     let known = Known { first: last, states, standing: last + 1, start: Some((last, start)) };
-    Some(Beginning { known, seconds, scale_sigma: None })
+    Beginning {
+        known,
+        seconds: seconds_to(pictures, last),
+        scale_sigma: None,
+        start: (last, start),
+    }
 }
-// ANCHOR_END: standing

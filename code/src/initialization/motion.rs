@@ -9,6 +9,8 @@ use super::{
 use crate::datasets::tracks::Picture;
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::least_squares::{Covariance, Kernel, Options, Values};
+use crate::msckf::Start;
+use crate::preintegration::Matrix15;
 use crate::structure_from_motion::ReconstructionError;
 
 // ANCHOR: motion_options
@@ -60,6 +62,31 @@ pub struct Started {
     pub tilt_sigma: f64,
     /// Which picture each state belongs to.
     pub pictures: Vec<usize>,
+}
+
+impl Started {
+    /// What a filter begins with at the last of its pictures, which was taken at this time on the
+    /// camera's clock.
+    pub fn start(&self, sensors: &Sensors, nanoseconds: i64) -> Start {
+        let last = self.batch.states.len() - 1;
+        let (state, bias) = (self.batch.states[last], self.batch.biases[last]);
+        let (state, bias) = (state.index(), bias.index());
+        let mut covariance = Matrix15::repeat(f64::NAN);
+        for (row, first) in [(0, state), (9, bias)] {
+            for (column, second) in [(0, state), (9, bias)] {
+                if let Some(part) = self.covariance.between_numbers(first, second) {
+                    covariance.view_mut((row, column), part.shape()).copy_from(&part);
+                }
+            }
+        }
+        Start {
+            nanoseconds: sensors.rig.imu_nanoseconds(nanoseconds),
+            state: self.values[self.batch.states[last]],
+            bias: self.values[self.batch.biases[last]],
+            covariance,
+            rig: sensors.rig,
+        }
+    }
 }
 
 /// Starts while the body moves: a motion up to scale from the pictures, what readings say of it

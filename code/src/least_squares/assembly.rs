@@ -1,7 +1,6 @@
 //! The normal equations of a problem, written to where they are eliminated.
 
 use std::array::from_fn;
-use std::ops::Range;
 
 use super::Linearized;
 use super::elimination_tree::Tree;
@@ -66,11 +65,6 @@ impl Segment {
         let next = (self.slot, self.first + self.len, self.column + self.len);
         next == (slot, coordinate, column)
     }
-
-    /// Its columns.
-    pub fn columns(&self) -> Range<usize> {
-        self.column..self.column + self.len
-    }
 }
 
 impl Assembly {
@@ -79,11 +73,11 @@ impl Assembly {
         let (mut segments, mut ends, mut products) = (Vec::new(), Vec::new(), Vec::new());
         for own in segments_of_factors {
             for (at, &segment) in own.iter().enumerate() {
-                let stride = tree.nodes[tree.front_of(segment.column)].width() + 1;
-                let right_side = tree.entry(segment.column, None);
+                let front = tree.front_of(segment.column);
+                let (node, first) = (&tree.nodes[front], tree.start_of(segment.column, front));
+                let (stride, right_side) = (node.width() + 1, first + node.width());
                 segments.push(Placed { segment, stride, right_side });
-                let entry = |later: &Segment| tree.entry(segment.column, Some(later.column));
-                products.extend(own[at..].iter().map(entry));
+                products.extend(own[at..].iter().map(|later| first + node.place(later.column)));
             }
             ends.push(segments.len());
         }
@@ -116,9 +110,9 @@ impl Cursor<'_> {
             let segments = &self.assembly.segments[self.segment..end];
             (self.factor, self.segment) = (self.factor + 1, end);
             let part = |Placed { segment: Segment { slot, first, len, .. }, .. }: &Placed| {
-                let width = linear.columns(*slot);
-                let size = rows * width;
-                (&linear.jacobian(*slot)[place * size..][..size], width, *first, *len)
+                let (width, filled) = (linear.columns(*slot), linear.filled(*slot));
+                let slopes = &linear.jacobian(*slot)[place * rows * width..][..filled * width];
+                (slopes, width, *first, *len)
             };
             for (at, left) in segments.iter().enumerate() {
                 for right in &segments[at..] {
@@ -168,7 +162,7 @@ fn add_product(into: &mut [f64], stride: usize, left: Part, right: Part) {
 /// The same with `N` columns on the right, three rows at a time.
 #[inline(always)]
 fn add_product_of<const N: usize>(into: &mut [f64], stride: usize, left: Part, right: Part) {
-    let rows = left.0.len() / left.1;
+    let rows = (left.0.len() / left.1).min(right.0.len() / right.1);
     for row in (0..rows).step_by(3) {
         let (left, right) = (
             (&left.0[row * left.1..], left.1, left.2, left.3),

@@ -32,14 +32,14 @@ impl SparseCholesky {
         let neighbours = neighbours(sizes.len(), pairs.iter().map(|pair| pair.to_vec()));
         let order = minimum_degree(neighbours, sizes);
         let (mut starts, mut blocks) = (vec![0; sizes.len()], Vec::with_capacity(sizes.len()));
+        let mut place = vec![0; sizes.len()];
         let mut end = 0;
         for block in order {
-            starts[block] = end;
+            (starts[block], place[block]) = (end, blocks.len());
             end += sizes[block];
             blocks.push(starts[block]..end);
         }
-        let columns = |block: &usize| starts[*block]..starts[*block] + sizes[*block];
-        let couplings = pairs.iter().map(|pair| pair.iter().flat_map(columns).collect());
+        let couplings = pairs.iter().map(|pair| pair.map(|block| place[block]).to_vec());
         let tree = Tree::new(elimination_tree(&blocks, couplings));
         let updates = (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect();
         let (matrix, factor) = (vec![0.0; tree.len()], vec![0.0; tree.len()]);
@@ -67,7 +67,7 @@ impl SparseCholesky {
         let (row, column) = (self.starts[rows], self.starts[columns]);
         let stride = self.tree.nodes[self.tree.front_of(column)].width() + 1;
         // Columns of a block are of one front, and so are its rows: they follow each other there.
-        let first = self.tree.entry(column, Some(row));
+        let first = self.tree.entry(column, row);
         for own in 0..self.sizes[columns].min(C) {
             let from = if rows == columns { own } else { 0 };
             for other in from..self.sizes[rows].min(R) {
@@ -85,7 +85,7 @@ impl SparseCholesky {
         for (block, (start, size)) in self.starts.iter().zip(&self.sizes).enumerate() {
             for coordinate in 0..*size {
                 let column = start + coordinate;
-                self.factor[self.tree.entry(column, Some(column))] += shift(block, coordinate);
+                self.factor[self.tree.entry(column, column)] += shift(block, coordinate);
             }
         }
         wide(

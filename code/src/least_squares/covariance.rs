@@ -75,7 +75,8 @@ impl Covariance {
         self.between_numbers(first.index(), second.index())
     }
 
-    fn between_numbers(&self, first: usize, second: usize) -> Option<DMatrix<f64>> {
+    /// The same of variables of any kind, by number.
+    pub fn between_numbers(&self, first: usize, second: usize) -> Option<DMatrix<f64>> {
         let columns = |index| self.columns.get(index).filter(|own: &&Vec<usize>| !own.is_empty());
         let (rows, columns) = (columns(first)?, columns(second)?);
         [rows[0], columns[0]].into_iter().find_map(|column| {

@@ -39,7 +39,7 @@ impl Node {
 }
 
 // ANCHOR: elimination_tree
-/// The fronts of an elimination, from the blocks of columns in its order and the lists of columns
+/// The fronts of an elimination, from the blocks of columns in its order and the lists of blocks
 /// that rows of the Jacobian couple.
 ///
 /// The rest of a front is what its rows name, together with the rests of the fronts that go into it
@@ -49,31 +49,33 @@ pub fn elimination_tree(
     blocks: &[Range<usize>],
     couplings: impl Iterator<Item = Vec<usize>>,
 ) -> Vec<Node> {
-    let block_of = |column: usize| blocks.partition_point(|block| block.end <= column);
     let mut rests = vec![BTreeSet::new(); blocks.len()];
     for coupled in couplings {
         if let Some(first) = coupled.iter().min() {
-            rests[block_of(*first)].extend(coupled);
+            rests[*first].extend(coupled);
         }
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(blocks.len());
-    let mut node_of_block = vec![0; blocks.len()];
+    let (mut node_of_block, mut parents) = (Vec::with_capacity(blocks.len()), Vec::new());
     for (number, own) in blocks.iter().enumerate() {
-        let rest: Vec<usize> = rests[number].split_off(&own.end).into_iter().collect();
-        if let Some(first) = rest.first() {
-            let parent = block_of(*first);
-            rests[parent].extend(&rest);
+        let mut later = rests[number].split_off(&(number + 1));
+        let rest: Vec<usize> = later.iter().flat_map(|block| blocks[*block].clone()).collect();
+        let parent = later.first().copied();
+        if let Some(parent) = parent {
+            rests[parent].append(&mut later);
         }
         match nodes.last_mut() {
             Some(last) if continues(last, own, &rest) => {
                 (last.own.end, last.rest) = (own.end, rest);
+                parents.pop();
             }
             _ => nodes.push(Node { own: own.clone(), rest, parent: None }),
         }
-        node_of_block[number] = nodes.len() - 1;
+        parents.push(parent);
+        node_of_block.push(nodes.len() - 1);
     }
-    for node in &mut nodes {
-        node.parent = node.rest.first().map(|first| node_of_block[block_of(*first)]);
+    for (node, parent) in nodes.iter_mut().zip(parents) {
+        node.parent = parent.map(|parent| node_of_block[parent]);
     }
     nodes
 }
@@ -124,11 +126,15 @@ impl Tree {
         self.nodes.partition_point(|node| node.own.end <= column)
     }
 
-    /// Where the entry of a column stands that belongs to a later column, or to the right-hand side.
-    pub fn entry(&self, column: usize, row: Option<usize>) -> usize {
+    /// Where the entry of a column stands that belongs to a later one, or to itself.
+    pub fn entry(&self, column: usize, row: usize) -> usize {
         let front = self.front_of(column);
+        self.start_of(column, front) + self.nodes[front].place(row)
+    }
+
+    /// Where a column begins that a front eliminates.
+    pub fn start_of(&self, column: usize, front: usize) -> usize {
         let node = &self.nodes[front];
-        let row = row.map_or(node.width(), |row| node.place(row));
-        self.start[front] + node.place(column) * (node.width() + 1) + row
+        self.start[front] + node.place(column) * (node.width() + 1)
     }
 }

@@ -65,9 +65,9 @@ impl Fronts {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
         let segments = Segment::of_factors(problem, &columns, &place);
-        let couplings = segments
-            .iter()
-            .map(|of_factor| of_factor.iter().flat_map(Segment::columns).collect::<Vec<_>>());
+        let block_with = |segment: &Segment| blocks.partition_point(|b| b.end <= segment.column);
+        let couplings =
+            segments.iter().map(|of_factor| of_factor.iter().map(block_with).collect::<Vec<_>>());
         let tree = Tree::new(elimination_tree(&blocks, couplings));
         let (zeros, numbers) = (vec![0.0; columns.count], vec![0.0; tree.len()]);
         Ok(Self {
@@ -204,12 +204,7 @@ impl Fronts {
             let factor = &self.factor[self.tree.panel(number)];
             let rest = node.parent.map_or_else(
                 || DMatrix::zeros(0, 0),
-                |parent| {
-                    let places = node.rest.iter().map(|column| nodes[parent].place(*column));
-                    let places: Vec<usize> = places.collect();
-                    let matrix = &parts[nodes.len() - 1 - parent].matrix;
-                    matrix.select_rows(&places).select_columns(&places)
-                },
+                |parent| self.rest_of(node, parent, &parts[nodes.len() - 1 - parent].matrix),
             );
             let matrix = covariance_of_front(factor, node.own.len(), rest);
             parts.push(Part { columns: node.columns().collect(), matrix });
@@ -217,6 +212,41 @@ impl Fronts {
         parts
     }
     // ANCHOR_END: covariances
+
+    // ANCHOR: covariance_of
+    /// The covariance of some variables of a problem, given by number, by what the last elimination
+    /// knows: from its last front back to the first that names one of them. `None` when no front has
+    /// all of them.
+    pub fn covariance_of(&self, problem: &Problem, variables: &[usize]) -> Option<DMatrix<f64>> {
+        let values = problem.values();
+        let coordinates = variables.iter().filter_map(|index| values.coordinates_of(*index));
+        let columns = coordinates.flat_map(|own| self.columns.select(own));
+        let columns: Vec<usize> = columns.map(|column| self.place[column]).collect();
+        let front = self.tree.front_of(*columns.iter().min()?);
+        let node = &self.tree.nodes[front];
+        let is_here = |column: &usize| node.own.contains(column) || node.rest.contains(column);
+        let places = columns.iter().map(|column| is_here(column).then(|| node.place(*column)));
+        let places: Vec<usize> = places.collect::<Option<_>>()?;
+        Some(self.covariance_at(front).select_rows(&places).select_columns(&places))
+    }
+
+    /// The covariance of the columns of a front.
+    fn covariance_at(&self, front: usize) -> DMatrix<f64> {
+        let node = &self.tree.nodes[front];
+        let rest = node.parent.map_or_else(
+            || DMatrix::zeros(0, 0),
+            |parent| self.rest_of(node, parent, &self.covariance_at(parent)),
+        );
+        covariance_of_front(&self.factor[self.tree.panel(front)], node.own.len(), rest)
+    }
+    // ANCHOR_END: covariance_of
+
+    /// The covariance of what a front leaves, which is a part of its parent's.
+    fn rest_of(&self, node: &Node, parent: usize, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        let places = node.rest.iter().map(|column| self.tree.nodes[parent].place(*column));
+        let places: Vec<usize> = places.collect();
+        matrix.select_rows(&places).select_columns(&places)
+    }
 
     /// How many columns the widest front has.
     pub fn widest(&self) -> usize {

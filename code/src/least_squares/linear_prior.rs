@@ -1,8 +1,9 @@
 //! What some factors have said, kept when they and some of their variables are gone.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 
 use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
@@ -25,6 +26,8 @@ pub struct LinearPrior {
     anchors: Values,
     /// Their dimensions.
     columns: Vec<usize>,
+    /// By variable, behind how many rows there are only zeros: the root is often a triangle.
+    filled: Vec<usize>,
     root: DMatrix<f64>,
     offset: DVector<f64>,
     /// For steps and derivatives. Factors may be asked from several threads.
@@ -54,16 +57,23 @@ impl LinearPrior {
         let columns = problem.columns();
         let (place, sizes) = first(&columns, values, variables)?;
         let mut rows: Vec<SparseRow<f64>> = Vec::new();
+        let is_first = |column: &usize| place[*column] < columns.count;
+        let goes = |variable| {
+            let coordinates = values.coordinates_of(variable).unwrap_or_default();
+            columns.of[coordinates].iter().flatten().any(is_first)
+        };
         problem.at(values, |at| {
-            problem.each_row(at, &columns, &mut Buffer::default(), |row| {
-                if row.entries.iter().any(|(column, _)| place[*column] < columns.count) {
-                    let entries =
-                        row.entries.iter().map(|(column, slope)| (place[*column], *slope));
-                    rows.push(entries.chain([(2 * columns.count, row.residual)]).collect());
-                }
+            problem.each_row_of(goes, at, &columns, &mut Buffer::default(), |row| {
+                let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
+                let named = named.map(|(column, slope)| (place[*column], *slope));
+                rows.push(named.chain([(2 * columns.count, row.residual)]).collect());
             })
         })?;
-        let (_, rest) = eliminate_fronts(rows, &sizes);
+        // What begins first is turned first: then a triangle, as a prior is one, costs little.
+        let first = |row: &SparseRow<f64>| row.iter().map(|(column, _)| *column).min();
+        rows.sort_by_cached_key(first);
+        let (_, mut rest) = eliminate_fronts(rows, &together(&sizes));
+        rest.sort_by_cached_key(first);
         let (named, rows) = dense(&rest);
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
@@ -146,9 +156,15 @@ impl LinearPrior {
     ) -> Self {
         let dimension = |at| anchors.coordinates_of(at).unwrap_or_default().len();
         let columns: Vec<usize> = (0..variables.len()).map(dimension).collect();
+        let filled = |at| {
+            let part = root.columns_range(anchors.coordinates_of(at).unwrap_or_default());
+            let is_zero = |row: &usize| part.row(*row).iter().all(|entry| *entry == 0.0);
+            root.nrows() - (0..root.nrows()).rev().take_while(is_zero).count()
+        };
+        let filled = (0..variables.len()).map(filled).collect();
         let widest = columns.iter().max().map_or(0, |dimension| dimension * dimension);
         let memory = Mutex::new(vec![0.0; root.ncols() + root.nrows() + widest]);
-        Self { variables, anchors, columns, root, offset, memory }
+        Self { variables, anchors, columns, filled, root, offset, memory }
     }
 
     /// The variables, by number, in the order of the columns.
@@ -203,6 +219,23 @@ impl LinearPrior {
     }
     // ANCHOR_END: prior_residual
 }
+
+/// From the first number that is not zero to the last.
+fn nonzero(numbers: &[f64]) -> Range<usize> {
+    let is_some = |number: &f64| *number != 0.0;
+    let first = numbers.iter().position(is_some).unwrap_or(0);
+    first..numbers.iter().rposition(is_some).map_or(first, |last| last + 1)
+}
+
+/// The sizes of blocks, or their sum where it is so small that one triangle after another for each of
+/// them would take longer.
+fn together(sizes: &[usize]) -> Vec<usize> {
+    let all: usize = sizes.iter().sum();
+    if all <= MOST_TOGETHER { vec![all] } else { sizes.to_vec() }
+}
+
+/// So many columns are eliminated together.
+const MOST_TOGETHER: usize = 32;
 
 /// Where each column of a problem stands when some variables go first, one after the other, and what
 /// stays stands behind as many columns as there are; and how many columns each of them has that none
@@ -281,15 +314,17 @@ impl FactorGroup for LinearPrior {
                 let part = self.anchors.coordinates_of(slot).unwrap_or_default();
                 let by_step = &mut free[..part.len() * part.len()];
                 let _ = self.anchors.local_jacobian_to(slot, (point, *variable), by_step);
-                let root = self.root.columns_range(part.clone());
-                for column in 0..part.len() {
-                    let by_step = &by_step[column * part.len()..(column + 1) * part.len()];
-                    let by_step = DVectorView::from_slice(by_step, part.len());
-                    into.write_column(
-                        slot,
-                        column,
-                        root.row_iter().map(|row| row.tr_dot(&by_step)),
-                    );
+                let filled = self.filled[slot];
+                into.fill_rows(slot, filled);
+                for (column, by_step) in by_step.chunks_exact(part.len()).enumerate() {
+                    // At the anchor this is a column of the identity.
+                    let used = nonzero(by_step);
+                    let root =
+                        self.root.columns_range(part.start + used.start..part.start + used.end);
+                    let by_step = &by_step[used];
+                    let slope =
+                        |row| by_step.iter().enumerate().map(|(at, by)| root[(row, at)] * by).sum();
+                    into.write_column(slot, column, (0..filled).map(slope));
                 }
             }
         });

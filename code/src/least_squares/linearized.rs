@@ -19,6 +19,8 @@ pub struct Linearized {
 #[derive(Debug, Clone, Default)]
 struct Slot {
     columns: usize,
+    /// How many rows of each factor may differ from zero.
+    filled: usize,
     entries: Vec<f64>,
 }
 
@@ -32,7 +34,7 @@ impl Linearized {
             self.jacobians.resize_with(columns.len(), Slot::default);
         }
         for (slot, columns) in self.jacobians.iter_mut().zip(columns) {
-            slot.columns = *columns;
+            (slot.columns, slot.filled) = (*columns, rows);
             grow(&mut slot.entries, len * rows * columns);
         }
     }
@@ -69,9 +71,24 @@ impl Linearized {
         self.residuals[..residuals.len()].copy_from_slice(residuals);
     }
 
-    /// Writes a column of the derivatives by the variables in a slot.
+    /// Says that in a slot all rows of each factor behind so many are zero.
+    pub fn fill_rows(&mut self, slot: usize, filled: usize) {
+        let Slot { columns, filled: rows, entries } = &mut self.jacobians[slot];
+        *rows = filled.min(self.rows);
+        for factor in entries.chunks_exact_mut(self.rows * *columns).take(self.len) {
+            factor[*rows * *columns..].fill(0.0);
+        }
+    }
+
+    /// How many rows of each factor may differ from zero in a slot.
+    #[inline(always)]
+    pub fn filled(&self, slot: usize) -> usize {
+        self.jacobians[slot].filled
+    }
+
+    /// Writes the first rows of a column of the derivatives by the variables in a slot.
     pub fn write_column(&mut self, slot: usize, column: usize, rows: impl Iterator<Item = f64>) {
-        let Slot { columns, entries } = &mut self.jacobians[slot];
+        let Slot { columns, entries, .. } = &mut self.jacobians[slot];
         for (row, slope) in rows.enumerate() {
             entries[row * *columns + column] = slope;
         }
@@ -105,7 +122,7 @@ impl Linearized {
     /// The derivatives by the variables in a slot, row by row.
     #[inline]
     pub fn jacobian(&self, slot: usize) -> &[f64] {
-        let Slot { columns, entries } = &self.jacobians[slot];
+        let Slot { columns, entries, .. } = &self.jacobians[slot];
         &entries[..self.len * self.rows * columns]
     }
 

@@ -242,6 +242,22 @@ impl Problem {
         self.groups.retain(|group| !group.numbers.is_empty());
     }
 
+    /// Gives a variable that was taken out another life: it moves again, from `value`, and its
+    /// linearization point is not frozen. No factor names it then.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::NoSuchVariable`], also when `value` has another dimension.
+    pub fn renew<V: Manifold>(&mut self, variable: Key<V>, value: V) -> Result<(), ProblemError> {
+        let coordinates = self.coordinates(variable)?;
+        if !self.values.set(variable, value) {
+            return Err(self.no_such(variable.index()));
+        }
+        self.held[coordinates].fill(false);
+        self.frozen[variable.index()] = false;
+        Ok(())
+    }
+
     /// Whether a variable takes steps of its own: it is not tied to another.
     pub fn leads(&self, variable: usize) -> bool {
         self.leader.get(variable) == Some(&variable)
@@ -372,22 +388,60 @@ impl Problem {
         buffer: &mut Buffer,
         mut visit: impl FnMut(Row),
     ) -> Result<f64, SolveError> {
-        let Buffer { linear, coordinates: slots, entries } = buffer;
-        self.each_group(at, linear, |number, linear| {
-            let group = &self.groups[number];
-            for place in 0..group.numbers.len() {
-                slots.clear();
-                group.factors.variables(place, &mut |index| {
-                    slots.push(self.values.coordinates_of(index).unwrap_or_default().start);
-                });
-                for row in place * linear.rows()..(place + 1) * linear.rows() {
-                    gather(linear, row, slots, columns, entries);
-                    visit(Row { residual: linear.residuals()[row], entries });
-                }
-            }
-        })
+        let mut cost = 0.0;
+        for (number, group) in self.groups.iter().enumerate() {
+            cost += self.rows_of_group((number, &group.all), (at, columns), buffer, &mut visit)?;
+        }
+        Ok(cost)
     }
     // ANCHOR_END: each_row
+
+    /// The same for the factors of which some variable passes.
+    pub(super) fn each_row_of(
+        &self,
+        passes: impl Fn(usize) -> bool,
+        at: Point,
+        columns: &Columns,
+        buffer: &mut Buffer,
+        mut visit: impl FnMut(Row),
+    ) -> Result<f64, SolveError> {
+        let mut cost = 0.0;
+        for (number, group) in self.groups.iter().enumerate() {
+            let is_named = |place: &u32| {
+                let mut names = false;
+                group.factors.variables(*place as usize, &mut |variable| names |= passes(variable));
+                names
+            };
+            let named: Vec<u32> = group.all.iter().copied().filter(is_named).collect();
+            if !named.is_empty() {
+                cost += self.rows_of_group((number, &named), (at, columns), buffer, &mut visit)?;
+            }
+        }
+        Ok(cost)
+    }
+
+    /// Linearizes some factors of a group, visits their rows and gives their cost.
+    fn rows_of_group(
+        &self,
+        (number, places): (usize, &[u32]),
+        (at, columns): (Point, &Columns),
+        Buffer { linear, coordinates: slots, entries }: &mut Buffer,
+        visit: &mut impl FnMut(Row),
+    ) -> Result<f64, SolveError> {
+        let cost = self.linearize_group((number, places), at, linear)?;
+        let factors = &self.groups[number].factors;
+        for (place, factor) in places.iter().enumerate() {
+            slots.clear();
+            factors.variables(*factor as usize, &mut |index| {
+                slots.push(self.values.coordinates_of(index).unwrap_or_default().start);
+            });
+            for row in place * linear.rows()..(place + 1) * linear.rows() {
+                gather(linear, row, slots, columns, entries);
+                visit(Row { residual: linear.residuals()[row], entries });
+            }
+        }
+        Ok(cost)
+    }
 
     // ANCHOR: each_group
     /// Linearizes all factors, group by group, and visits the groups. Returns the cost.
@@ -399,17 +453,31 @@ impl Problem {
     ) -> Result<f64, SolveError> {
         let mut cost = 0.0;
         for (number, group) in self.groups.iter().enumerate() {
-            let outcome = group.factors.linearize(&group.all, at, linear);
-            outcome.map_err(|at| self.undefined(number, at))?;
-            if let Some(place) = linear.not_finite() {
-                return Err(SolveError::NotFinite { factor: group.numbers[place] });
-            }
-            cost += linear.cost;
+            cost += self.linearize_group((number, &group.all), at, linear)?;
             visit(number, linear);
         }
         Ok(cost)
     }
     // ANCHOR_END: each_group
+
+    /// Linearizes some factors of a group, and gives their cost.
+    fn linearize_group(
+        &self,
+        (number, places): (usize, &[u32]),
+        at: Point,
+        linear: &mut Linearized,
+    ) -> Result<f64, SolveError> {
+        let group = &self.groups[number];
+        let outcome = group.factors.linearize(places, at, linear);
+        outcome.map_err(|at| self.undefined(number, at))?;
+        match linear.not_finite() {
+            Some(place) => {
+                let factor = group.numbers[places[place] as usize];
+                Err(SolveError::NotFinite { factor })
+            }
+            None => Ok(linear.cost),
+        }
+    }
 
     /// How many groups of factors there are.
     pub(super) fn group_count(&self) -> usize {

@@ -325,6 +325,8 @@ pub struct Search<S> {
     step: Vec<f64>,
     damping: Damping,
     iterations: Vec<Iteration>,
+    /// Whether the last step is followed by a linearization.
+    linearizes_end: bool,
 }
 // ANCHOR_END: search
 
@@ -351,9 +353,16 @@ impl<S: LinearSystem> Search<S> {
             values,
             damping: Damping { value: initial, growth: 2.0 },
             iterations: Vec::with_capacity(options.max_iterations.min(1000)),
+            linearizes_end: true,
         };
         search.linearize(problem)?;
         Ok(search)
+    }
+
+    /// The same search, but nothing is linearized where it ends: the system stays that of the last step,
+    /// which is enough for who goes on from there with another problem.
+    pub fn without_end(self) -> Self {
+        Self { linearizes_end: false, ..self }
     }
 
     /// Tries one step, and says when to stop.
@@ -386,7 +395,7 @@ impl<S: LinearSystem> Search<S> {
         let trial_cost = self.try_step(problem);
         self.record(0.0, &predicted, trial_cost, trial_cost.is_some());
         match trial_cost {
-            Some(cost) => self.take_trial(problem, cost),
+            Some(cost) => self.take_trial(problem, cost, false),
             None => Ok(Some(Stop::LeftDomain)),
         }
     }
@@ -416,9 +425,10 @@ impl<S: LinearSystem> Search<S> {
         self.record(damping, &predicted, trial_cost, gain.is_some());
         self.damping.learn(gain);
         let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else { return Ok(None) };
-        let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost;
-        let stop = self.take_trial(problem, trial_cost)?;
-        Ok(stop.or((is_level && damping <= STRONG_DAMPING).then_some(Stop::DecreaseSmall)))
+        let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost
+            && damping <= STRONG_DAMPING;
+        let stop = self.take_trial(problem, trial_cost, is_level)?;
+        Ok(stop.or(is_level.then_some(Stop::DecreaseSmall)))
     }
     // ANCHOR_END: levenberg_marquardt
 
@@ -471,9 +481,15 @@ impl<S: LinearSystem> Search<S> {
     }
 
     /// Goes to the end of the step, unless derivatives have no values there.
-    fn take_trial(&mut self, problem: &Problem, cost: f64) -> Result<Option<Stop>, SolveError> {
+    fn take_trial(
+        &mut self,
+        problem: &Problem,
+        cost: f64,
+        is_level: bool,
+    ) -> Result<Option<Stop>, SolveError> {
         swap(&mut self.values, &mut self.trial);
-        if self.linearize(problem).is_err() {
+        let is_last = is_level || self.iterations.len() >= self.options.max_iterations;
+        if (self.linearizes_end || !is_last) && self.linearize(problem).is_err() {
             swap(&mut self.values, &mut self.trial);
             self.linearize(problem)?;
             return Ok(Some(Stop::LeftDomain));

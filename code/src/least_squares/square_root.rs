@@ -45,33 +45,44 @@ pub fn eliminate<T: RealField + Copy>(
             rows.view_range_mut(own.., column).fill(T::zero());
         }
     }
-    let rest = rows.view_range(own.., columns..).into_owned();
-    (rows.rows(0, own).into_owned(), rest.qr().unpack_r())
+    let end = rows.nrows().min(own + rows.ncols() - columns);
+    for (row, column) in (own..end).zip(columns..) {
+        reflect(&mut rows, row, column, &mut axis);
+    }
+    (rows.rows(0, own).into_owned(), rows.view_range(own..end, columns..).into_owned())
 }
 // ANCHOR_END: eliminate_rows
 
 // ANCHOR: reflect
-/// Mirrors the rows from `own` on so that this column, which is not zero there, keeps a number in the
-/// first of them alone (Householder). The columns before it are zero there and stay so.
+/// Mirrors the rows from `own` on so that this column keeps a number in the first of them alone
+/// (Householder). The columns before it are zero there and stay so, and so do rows below the last
+/// one in which this column is not zero: they are left alone.
 fn reflect<T: RealField + Copy>(
     rows: &mut DMatrix<T>,
     own: usize,
     column: usize,
     memory: &mut DVector<T>,
 ) {
-    let mut axis = memory.rows_range_mut(own..);
-    axis.copy_from(&rows.view_range(own.., column));
+    let below = rows.view_range(own.., column);
+    let last = below.iter().rposition(|entry| *entry != T::zero());
+    let Some(last) = last.filter(|last| *last > 0) else { return };
+    let turned = own..=own + last;
+    let mut axis = memory.rows_range_mut(turned.clone());
+    axis.copy_from(&rows.view_range(turned.clone(), column));
+    // In this unit no square is too small to be a number.
+    let unit = axis.amax();
+    axis.unscale_mut(unit);
     let length = axis.norm().copysign(-axis[0]);
     // Of the two mirrors, the one that does not subtract.
     axis[0] -= length;
     axis.normalize_mut();
     for later in column + 1..rows.ncols() {
-        let mut turned = rows.view_range_mut(own.., later);
+        let mut turned = rows.view_range_mut(turned.clone(), later);
         let along = axis.dot(&turned);
         turned.axpy(-(along + along), &axis, T::one());
     }
-    rows.view_range_mut(own.., column).fill(T::zero());
-    rows[(own, column)] = length;
+    rows.view_range_mut(turned, column).fill(T::zero());
+    rows[(own, column)] = length * unit;
 }
 // ANCHOR_END: reflect
 

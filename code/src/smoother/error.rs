@@ -1,0 +1,43 @@
+//! Why a smoother cannot go on.
+
+use thiserror::Error;
+
+use crate::inertial::WindowError;
+use crate::least_squares::{ProblemError, SolveError, WhiteningError};
+use crate::preintegration::PreintegrationError;
+
+/// Why a smoother cannot go on. It then stays as it was.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SmootherError {
+    /// A reading is not later than the one before.
+    #[error("the reading at {nanoseconds} ns is not later than that at {last} ns; sort them")]
+    LateReading {
+        /// Its time.
+        nanoseconds: i64,
+        /// That of the last reading.
+        last: i64,
+    },
+    /// A picture is not later than the one before.
+    #[error("the picture at {nanoseconds} ns is not later than that at {last} ns; leave it out")]
+    LatePicture {
+        /// Its time, on the sensor's clock.
+        nanoseconds: i64,
+        /// That of the last picture.
+        last: i64,
+    },
+    /// The readings do not reach from the last picture to this one.
+    #[error(transparent)]
+    Readings(#[from] WindowError),
+    /// The readings cannot be summed up.
+    #[error(transparent)]
+    Preintegration(#[from] PreintegrationError),
+    /// A covariance cannot be factored.
+    #[error(transparent)]
+    Whitening(#[from] WhiteningError),
+    /// Something does not fit the window.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The window has no minimum.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
