@@ -317,7 +317,7 @@ fn unverified(here: &Page, known: &Known<'_>) -> Table {
 
 /// A name of the program as a link to where it stands there.
 fn code_link(href: &str, name: &str) -> Markup {
-    html! { a href=(href) { code { (name) } } }
+    html! { a href=(href) { code { (breakable(name)) } } }
 }
 
 /// The bibliography, each work with the places that cite it.
