@@ -28,6 +28,7 @@ pub mod manifold;
 pub mod marginalization;
 pub mod msckf;
 pub mod observability;
+pub mod odometry;
 pub mod preintegration;
 mod registers;
 pub mod reprojection;

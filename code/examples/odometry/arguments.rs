@@ -1,9 +1,9 @@
 //! What is asked for.
 
-use super::estimate::Estimator;
+use vislam::odometry::Estimator;
 
 pub const USAGE: &str = "usage: odometry (COMBINED.csv | IMU.csv TRACKS.csv) [--calibration FILE] \
-    [--from S] [--to S] [--every N] [--estimator batch] [--truth FILE] [--start EXPORT.json] \
+    [--from S] [--to S] [--every N] [--estimator batch|smoother|msckf] [--truth FILE] [--start EXPORT.json] \
     [--tum FILE] [--covariance FILE] [--ply FILE]; --help says more";
 
 /// The beginning of it is the calibration that is taken without another one.
@@ -18,7 +18,9 @@ has them, TRACKS.csv the columns timestamp [ns], track, u [px], v [px], with dis
   --from S             pictures from this second after the first reading on
   --to S               pictures until this second
   --every N            every so manieth picture, 1 for each
-  --estimator batch    all states, biases and landmarks at once; the only one so far
+  --estimator batch    all states, biases and landmarks at once
+  --estimator smoother the states of the last two seconds, and what is known from before
+  --estimator msckf    a filter that keeps the poses of the last pictures
   --truth FILE         ground truth as EuRoC has it, to be compared with
   --start EXPORT.json  what GTSAM was given: solve that from its start, and compare
   --tum FILE           write the trajectory: timestamp tx ty tz qx qy qz qw
@@ -91,7 +93,9 @@ impl Arguments {
                 let every = value.parse().ok().filter(|every| *every > 0);
                 self.every = every.ok_or_else(|| not("a whole number above zero"))?;
             }
-            "--estimator" => self.estimator = Estimator::named(&value)?,
+            "--estimator" => {
+                self.estimator = value.parse().map_err(|error| format!("--estimator: {error}"))?;
+            }
             "--calibration" => self.calibration = Some(value),
             "--truth" => self.truth = Some(value),
             "--start" => self.start = Some(value),

@@ -4,15 +4,16 @@ use nalgebra::{Matrix6, Vector3};
 use vislam::inertial::NavState;
 use vislam::initialization::{Batch, BeginOptions, Whole, WholeOptions, begin};
 use vislam::least_squares::{Covariance, Values};
+use vislam::odometry::{Estimator, Odometry, OdometryOptions, Progress};
+use vislam::preintegration::Matrix15;
 
 use super::input::Input;
 
-/// How a flight is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Estimator {
-    /// All states, biases and landmarks at once.
-    Batch,
-}
+/// States and their times, in nanoseconds on the sensor's clock.
+pub type Trajectory = Vec<(i64, NavState)>;
+
+/// The age of what is called delayed, in seconds.
+pub const DELAY: f64 = 2.0;
 
 /// What an estimator says.
 #[derive(Debug, Clone)]
@@ -28,24 +29,62 @@ pub struct Estimate {
     pub initialized_after: f64,
     /// The standard deviation of the scale then, as a part of it; NaN when none was estimated.
     pub scale_sigma: f64,
+    /// Each state when it was the newest.
+    pub causal: Trajectory,
+    /// Each state when it was [`DELAY`] old.
+    pub delayed: Trajectory,
 }
 
-impl Estimator {
-    const ALL: [(&'static str, Self); 1] = [("batch", Self::Batch)];
-
-    pub fn named(name: &str) -> Result<Self, String> {
-        let found = Self::ALL.iter().find(|(known, _)| *known == name);
-        let names = || Self::ALL.map(|(known, _)| known).join(", ");
-        let unknown = || format!("--estimator: there is no `{name}` yet, only {}", names());
-        found.map(|(_, estimator)| *estimator).ok_or_else(unknown)
-    }
-
-    /// Estimates a flight. Meanwhile it is told what is being done.
-    pub fn run(self, input: &Input, progress: &mut dyn FnMut(&str)) -> Result<Estimate, String> {
-        match self {
-            Self::Batch => batch(input, progress),
+/// Estimates a flight. Meanwhile it is told what is being done.
+pub fn run(
+    estimator: Estimator,
+    input: &Input,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Estimate, String> {
+    let followed = follow(estimator, input, progress)?;
+    match estimator {
+        Estimator::Batch => {
+            let Estimate { causal, delayed, .. } = followed;
+            Ok(Estimate { causal, delayed, ..batch(input, progress)? })
         }
+        Estimator::Smoother | Estimator::Msckf => Ok(followed),
     }
+}
+
+/// Follows a flight picture by picture. What was lost is said, and what comes after it is in a world of
+/// its own: the last one is kept.
+fn follow(
+    estimator: Estimator,
+    input: &Input,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Estimate, String> {
+    let Input { sensors, readings, pictures } = input;
+    let mut odometry = Odometry::new(OdometryOptions::new(*sensors, estimator));
+    let mut estimate = Estimate::nothing();
+    let mut last = None;
+    let told = |odometry: &Odometry, what: Progress| {
+        last = Some(what.clone());
+        match what {
+            Progress::Following { .. } | Progress::Standing => estimate.add(odometry),
+            Progress::Lost(lost) => {
+                eprintln!("lost: {lost}; {} states before it are left out", estimate.states.len());
+                estimate = Estimate::nothing();
+            }
+            Progress::Waiting => {}
+        }
+        progress(&format!("{} states of {}", estimate.states.len(), pictures.len()));
+    };
+    odometry.fly(readings, pictures, told).map_err(|error| error.to_string())?;
+    let Some(beginning) = odometry.beginning() else {
+        return Err(match last {
+            Some(Progress::Standing) => "there is no flight: the body stands until the end".into(),
+            _ => "there is no beginning: the body neither stands nor moves enough; give a longer flight"
+                .to_owned(),
+        });
+    };
+    estimate.initialized_after = beginning.seconds;
+    estimate.scale_sigma = beginning.scale_sigma.unwrap_or(f64::NAN);
+    Ok(estimate)
 }
 
 /// Begins at rest or in motion, and from there grows the batch of all pictures.
@@ -70,7 +109,43 @@ fn batch(input: &Input, progress: &mut dyn FnMut(&str)) -> Result<Estimate, Stri
     })
 }
 
+/// The covariance of a pose, from that of a state, whose step is (φ, v, p), and what follows it.
+fn of_pose(all: impl Fn(usize, usize) -> f64) -> Matrix6<f64> {
+    let place = |coordinate: usize| if coordinate < 3 { coordinate } else { coordinate + 3 };
+    Matrix6::from_fn(|row, column| all(place(row), place(column)))
+}
+
 impl Estimate {
+    fn nothing() -> Self {
+        Self {
+            nanoseconds: Vec::new(),
+            states: Vec::new(),
+            pose_covariances: Vec::new(),
+            landmarks: Vec::new(),
+            initialized_after: f64::NAN,
+            scale_sigma: f64::NAN,
+            causal: Trajectory::new(),
+            delayed: Trajectory::new(),
+        }
+    }
+
+    /// Adds what an odometry says after a picture.
+    fn add(&mut self, odometry: &Odometry) {
+        let is_new = |time| self.nanoseconds.last().is_none_or(|last| *last < time);
+        let newest = odometry.newest().filter(|newest| is_new(newest.nanoseconds));
+        let Some(newest) = newest else { return };
+        let covariance: Matrix15 = newest.covariance;
+        self.nanoseconds.push(newest.nanoseconds);
+        self.states.push(newest.state);
+        self.pose_covariances.push(of_pose(|row, column| covariance[(row, column)]));
+        self.causal.push((newest.nanoseconds, newest.state));
+        let is_new = |(time, _): &(i64, NavState)| {
+            newest.nanoseconds - time >= (1e9 * DELAY) as i64
+                && self.delayed.last().is_none_or(|(last, _)| last < time)
+        };
+        self.delayed.extend(odometry.ago(DELAY).filter(is_new));
+    }
+
     /// What a batch says at its minimum.
     pub fn of_batch(
         nanoseconds: Vec<i64>,
@@ -79,19 +154,15 @@ impl Estimate {
         covariance: &Covariance,
     ) -> Self {
         let pose_covariance = |state| {
-            let Some(all) = covariance.of(state) else { return Matrix6::repeat(f64::NAN) };
-            // A state's step is (φ, v, p).
-            let place =
-                |coordinate: usize| if coordinate < 3 { coordinate } else { coordinate + 3 };
-            Matrix6::from_fn(|row, column| all[(place(row), place(column))])
+            let all = covariance.of(state);
+            all.map_or(Matrix6::repeat(f64::NAN), |all| of_pose(|row, column| all[(row, column)]))
         };
         Self {
             nanoseconds,
             states: batch.states.iter().map(|state| values[*state]).collect(),
             pose_covariances: batch.states.iter().map(|state| pose_covariance(*state)).collect(),
             landmarks: batch.landmarks.values().map(|landmark| values[*landmark]).collect(),
-            initialized_after: f64::NAN,
-            scale_sigma: f64::NAN,
+            ..Self::nothing()
         }
     }
 }

@@ -6,7 +6,7 @@ use vislam::filtering::{
 };
 use vislam::inertial::NavState;
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, Trajectory};
 
 /// The lengths of time over which poses are compared, in seconds.
 const INTERVALS: [f64; 3] = [1.0, 5.0, 10.0];
@@ -16,6 +16,9 @@ const STRIDE: usize = 5;
 /// Roots of mean squares, in metres; NaN where there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {
+    /// Of positions after alignment in four degrees of freedom: of each state when it was the newest,
+    /// and when it was two seconds old.
+    pub online: [f64; 2],
     /// Of positions after alignment in four and in six degrees of freedom.
     pub absolute: [f64; 2],
     /// Of the position of a pose in an earlier one, over [`INTERVALS`].
@@ -24,34 +27,49 @@ pub struct Judged {
 
 impl Judged {
     pub fn unknown() -> Self {
-        Self { absolute: [f64::NAN; 2], relative: [f64::NAN; 3] }
+        Self { online: [f64::NAN; 2], absolute: [f64::NAN; 2], relative: [f64::NAN; 3] }
     }
 
     /// At the states for whose times the truth says something.
     pub fn of(estimate: &Estimate, truth: &[GroundTruth]) -> Self {
-        let both = estimate.nanoseconds.iter().zip(&estimate.states);
-        let known = both.filter_map(|(time, state)| {
-            Some((1e-9 * (time - estimate.nanoseconds[0]) as f64, *state, truth_at(truth, *time)?))
-        });
-        let (mut times, mut states, mut true_states) = (Vec::new(), Vec::new(), Vec::new());
-        for (time, state, truth) in known {
-            times.push(time);
-            states.push(state);
-            true_states.push(truth.state);
-        }
-        let all = estimate.states.len();
-        if states.len() < all {
+        let whole: Trajectory =
+            estimate.nanoseconds.iter().copied().zip(estimate.states.iter().copied()).collect();
+        let (times, states, true_states) = known(&whole, truth);
+        if states.len() < whole.len() {
+            let all = whole.len();
             println!("{} of {all} states have a truth to be compared with", states.len());
         }
-        let absolute = |freedom| {
-            let error = absolute_trajectory_error(&states, &true_states, freedom);
-            error.map_or(f64::NAN, |error| error.position)
-        };
+        let online = [&estimate.causal, &estimate.delayed].map(|trajectory| {
+            let (_, states, truth) = known(trajectory, truth);
+            absolute(&states, &truth, Freedom::Four)
+        });
         Self {
-            absolute: [Freedom::Four, Freedom::Six].map(absolute),
+            online,
+            absolute: [Freedom::Four, Freedom::Six]
+                .map(|freedom| absolute(&states, &true_states, freedom)),
             relative: INTERVALS.map(|seconds| relative(&times, &states, &true_states, seconds)),
         }
     }
+}
+
+/// The states for whose times the truth says something, in seconds after the first one, and the truth.
+fn known(
+    trajectory: &Trajectory,
+    truth: &[GroundTruth],
+) -> (Vec<f64>, Vec<NavState>, Vec<NavState>) {
+    let (mut times, mut states, mut true_states) = (Vec::new(), Vec::new(), Vec::new());
+    for (time, state) in trajectory {
+        let Some(truth) = truth_at(truth, *time) else { continue };
+        times.push(1e-9 * (time - trajectory[0].0) as f64);
+        states.push(*state);
+        true_states.push(truth.state);
+    }
+    (times, states, true_states)
+}
+
+fn absolute(states: &[NavState], truth: &[NavState], freedom: Freedom) -> f64 {
+    let error = absolute_trajectory_error(states, truth, freedom);
+    error.map_or(f64::NAN, |error| error.position)
 }
 
 /// The error of the position of a pose in one that is so many seconds earlier: that of the later one when

@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release -p vislam --example odometry -- \
 //!     (COMBINED.csv | IMU.csv TRACKS.csv) [--calibration FILE] [--from S] [--to S] [--every N] \
-//!     [--estimator batch] [--truth FILE] [--start EXPORT.json] \
+//!     [--estimator batch|smoother|msckf] [--truth FILE] [--start EXPORT.json] \
 //!     [--tum FILE] [--covariance FILE] [--ply FILE]
 //! ```
 //!
@@ -16,19 +16,25 @@
 //! | `--calibration FILE` | camera, its place on the body, noise: names and values as in `odometry/euroc.toml`, which is taken without it; [`vislam::datasets::calibration`] has the list. The example `simulate` writes one. A `COMBINED.csv` has a camera of its own, and only the noise is EuRoC's without the option |
 //! | `--from S`, `--to S` | the pictures between these seconds after the first reading; otherwise all |
 //! | `--every N` | every so manieth picture of them, the first one among them; otherwise each |
-//! | `--estimator batch` | all states, biases and landmarks at once, the only one so far |
+//! | `--estimator batch` | all states, biases and landmarks at once |
+//! | `--estimator smoother` | the states of the last two seconds, and what is known from before |
+//! | `--estimator msckf` | a filter that keeps the poses of the last pictures |
 //! | `--truth FILE` | a ground truth as EuRoC has it; nothing of it is used before the comparison |
 //! | `--start EXPORT.json` | what GTSAM was given, its start among it: the batch of exactly that is solved from there, by GTSAM's rule of integration, and compared with GTSAM's |
 //! | `--tum FILE` | the trajectory, a line `timestamp tx ty tz qx qy qz qw` each |
 //! | `--covariance FILE` | the covariance of each pose: time and 21 numbers, see [`vislam::datasets::written::pose_covariances`] |
 //! | `--ply FILE` | landmarks in grey and the trajectory in red, for a viewer |
 //!
-//! The last line says how far the estimate is from the truth, as roots of mean squares in centimetres:
-//! `ate4_cm` after alignment in yaw and position, `ate6_cm` in any rotation and position, and `rpe1s_cm`,
+//! The last line says how far the estimate is from the truth, as roots of mean squares in centimetres.
+//! After alignment in yaw and position: `causal_ate4_cm` of each state when it was the newest,
+//! `delayed_ate4_cm` of each when it was two seconds old, by what was known then, and `ate4_cm` of what
+//! is written, the states of the batch or the newest ones of the others. These are three trajectories;
+//! comparisons are of one kind. Then `ate6_cm` in any rotation and position, and `rpe1s_cm`,
 //! `rpe5s_cm` and `rpe10s_cm` of the distance between two poses so many seconds apart, the first of them
 //! every fifth. Then how many seconds of pictures it took to begin, the standard deviation of the scale
 //! at that time in percent, how many states there are, and the seconds of computing, without those of
-//! reading files. What is unknown is `nan`: errors without a truth, the scale of a start at rest.
+//! reading files. What is unknown is `nan`: errors without a truth, the scale of a start at rest, old
+//! states of the filter, which has none.
 
 mod arguments;
 mod estimate;
@@ -82,7 +88,7 @@ fn flown(arguments: &Arguments) -> Result<String, String> {
         None => {
             let input = input.chosen(arguments)?;
             let start = Instant::now();
-            let estimate = arguments.estimator.run(&input, &mut progress)?;
+            let estimate = estimate::run(arguments.estimator, &input, &mut progress)?;
             (estimate, start.elapsed().as_secs_f64())
         }
     };
@@ -132,10 +138,11 @@ fn map(estimate: &Estimate) -> String {
 
 fn last_line(estimate: &Estimate, judged: &Judged, seconds: f64) -> String {
     let centimetres = |metres: f64| format!("{:.2}", 100.0 * metres);
+    let [causal, delayed] = judged.online.map(centimetres);
     let ([ate4, ate6], [rpe1, rpe5, rpe10]) =
         (judged.absolute.map(centimetres), judged.relative.map(centimetres));
     let line = format!(
-        "ate4_cm {ate4}  ate6_cm {ate6}  rpe1s_cm {rpe1}  rpe5s_cm {rpe5}  rpe10s_cm {rpe10}  \
+        "causal_ate4_cm {causal}  delayed_ate4_cm {delayed}  ate4_cm {ate4}  ate6_cm {ate6}  rpe1s_cm {rpe1}  rpe5s_cm {rpe5}  rpe10s_cm {rpe10}  \
          initialized_after_s {:.2}  scale_sigma_percent {:.2}  states {}  seconds {seconds:.3}",
         estimate.initialized_after,
         100.0 * estimate.scale_sigma,

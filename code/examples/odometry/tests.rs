@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use nalgebra::{Matrix6, Vector3};
 
 use super::*;
-use estimate::Estimator;
 
 #[path = "../simulate.rs"]
 #[allow(dead_code)]
@@ -83,7 +82,7 @@ fn a_simulated_flight_goes_through_files_and_comes_out_near_its_truth() {
     // Without a truth, from somewhere to somewhere.
     let told = flown(&asked(&format!("{files} --from 0.5 --to 4 --every 4")).unwrap()).unwrap();
     assert!(
-        told.starts_with("ate4_cm nan  ate6_cm nan  rpe1s_cm nan  rpe5s_cm nan  rpe10s_cm nan")
+        told.starts_with("causal_ate4_cm nan  delayed_ate4_cm nan  ate4_cm nan  ate6_cm nan  rpe1s_cm nan  rpe5s_cm nan  rpe10s_cm nan")
     );
     assert_eq!(said(&told, "states"), 18.0, "{told}");
 
@@ -145,12 +144,16 @@ fn what_cannot_be_asked_for_is_named() {
     refused("a --from 5 --to 5", "there is nothing from 5 s to 5 s");
     refused("a --from NaN", "there is nothing from NaN s");
     refused("a --every 0", "--every: `0` is not a whole number above zero");
-    refused("a --estimator smoother", "--estimator: there is no `smoother` yet, only batch");
+    refused(
+        "a --estimator soon",
+        "--estimator: there is no estimator “soon”; give one of batch, smoother",
+    );
     refused("a --every 2 --start b", "--start brings its own states");
     refused("a --speed 3", "--speed is not an option");
     let error = flown(&asked("no/such/file").unwrap()).unwrap_err();
     assert!(error.starts_with("no/such/file: "), "{error}");
-    assert_eq!(Estimator::named("batch"), Ok(Estimator::Batch));
+    let asked = asked("a --estimator msckf").unwrap();
+    assert_eq!(asked.estimator, vislam::odometry::Estimator::Msckf);
 }
 
 #[test]
@@ -188,6 +191,8 @@ fn circle(seconds: f64) -> Estimate {
         landmarks: Vec::new(),
         initialized_after: f64::NAN,
         scale_sigma: f64::NAN,
+        causal: Vec::new(),
+        delayed: Vec::new(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The smoother: readings and pictures come in, the window is solved, the oldest leaves.
 
+use std::fmt;
+
 use nalgebra::{DMatrix, DVector, Vector1, Vector3};
 
 use super::window::{Frame, Waiting, Window};
@@ -23,6 +25,16 @@ pub struct Smoother {
     pub(super) window: Window,
     readings: Vec<StampedSample>,
     covariance: Matrix15,
+}
+
+impl fmt::Debug for Smoother {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Smoother")
+            .field("options", &self.options)
+            .field("window", &self.window)
+            .field("readings", &self.readings.len())
+            .finish_non_exhaustive()
+    }
 }
 
 /// What a picture led to.

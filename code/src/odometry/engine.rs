@@ -1,0 +1,85 @@
+//! What follows a flight that has begun.
+
+use super::{Estimate, Estimator, OdometryError, OdometryOptions};
+use crate::datasets::tracks::Picture;
+use crate::inertial::{NavState, StampedSample};
+use crate::msckf::{Msckf, Start};
+use crate::smoother::{Smoother, SmootherOptions};
+
+/// What follows a flight that has begun.
+#[derive(Debug)]
+pub(super) enum Engine {
+    Window(Box<Smoother>),
+    Filter(Box<Msckf>),
+}
+
+/// What an estimator made of a picture: what it used, and what contradicted it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Seen {
+    pub used: usize,
+    pub refused: usize,
+}
+
+impl Engine {
+    // ANCHOR: engine
+    pub fn new(options: &OdometryOptions, start: &Start) -> Result<Self, OdometryError> {
+        let smoother = options.smoother;
+        Ok(match options.estimator {
+            Estimator::Smoother => Self::Window(Box::new(Smoother::new(smoother, start)?)),
+            Estimator::Batch => {
+                let all = SmootherOptions { lag: f64::INFINITY, ..smoother };
+                Self::Window(Box::new(Smoother::new(all, start)?))
+            }
+            Estimator::Msckf => Self::Filter(Box::new(Msckf::new(options.msckf, start)?)),
+        })
+    }
+
+    pub fn reading(&mut self, reading: StampedSample) -> Result<(), OdometryError> {
+        match self {
+            Self::Window(smoother) => smoother.reading(reading)?,
+            Self::Filter(filter) => filter.reading(reading)?,
+        }
+        Ok(())
+    }
+
+    pub fn picture(&mut self, picture: &Picture) -> Result<Seen, OdometryError> {
+        Ok(match self {
+            Self::Window(smoother) => {
+                let smoothed = smoother.picture(picture)?;
+                Seen { used: smoothed.pixels, refused: smoothed.gated }
+            }
+            Self::Filter(filter) => {
+                let report = filter.picture(picture)?;
+                Seen { used: report.used, refused: report.refused.gated }
+            }
+        })
+    }
+
+    /// The newest state.
+    pub fn newest(&self) -> Estimate {
+        match self {
+            Self::Window(smoother) => {
+                let (nanoseconds, state, bias) = smoother.state();
+                Estimate { nanoseconds, state, bias, covariance: *smoother.covariance() }
+            }
+            Self::Filter(filter) => Estimate {
+                nanoseconds: filter.nanoseconds(),
+                state: *filter.state(),
+                bias: *filter.bias(),
+                covariance: filter.covariance(),
+            },
+        }
+    }
+    // ANCHOR_END: engine
+
+    /// The state of some seconds ago, as it is believed now.
+    pub fn ago(&self, seconds: f64) -> Option<(i64, NavState)> {
+        match self {
+            Self::Window(smoother) => {
+                let (nanoseconds, state, _) = smoother.ago(seconds);
+                Some((nanoseconds, state))
+            }
+            Self::Filter(_) => None,
+        }
+    }
+}

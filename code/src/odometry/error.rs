@@ -1,0 +1,56 @@
+//! What an odometry does not take.
+
+use thiserror::Error;
+
+use crate::msckf::MsckfError;
+use crate::smoother::SmootherError;
+
+/// What an odometry does not take. It then stays as it was.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum OdometryError {
+    /// A reading is not later than the one before.
+    #[error("the reading at {nanoseconds} ns is not later than that at {last} ns; sort them")]
+    LateReading {
+        /// Its time.
+        nanoseconds: i64,
+        /// That of the last reading.
+        last: i64,
+    },
+    /// A reading has a number that is none.
+    #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
+    Reading {
+        /// Its time.
+        nanoseconds: i64,
+    },
+    /// A picture is not later than the one before.
+    #[error("the picture at {nanoseconds} ns is not later than that at {last} ns; leave it out")]
+    LatePicture {
+        /// Its time, on the camera's clock.
+        nanoseconds: i64,
+        /// That of the last picture.
+        last: i64,
+    },
+    /// A pixel has a number that is none.
+    #[error("track {track} of the picture at {nanoseconds} ns is not finite; leave it out")]
+    Pixel {
+        /// The track.
+        track: usize,
+        /// The time of the picture, on the camera's clock.
+        nanoseconds: i64,
+    },
+    /// The readings have not come as far as the picture.
+    #[error(
+        "the picture at {nanoseconds} ns of the sensor's clock is later than all readings; give it \
+         again behind the first reading that is as late"
+    )]
+    EarlyPicture {
+        /// Its time, on the sensor's clock.
+        nanoseconds: i64,
+    },
+    /// The filter cannot be made of this start.
+    #[error(transparent)]
+    Msckf(#[from] MsckfError),
+    /// The smoother cannot be made of this start.
+    #[error(transparent)]
+    Smoother(#[from] SmootherError),
+}

@@ -1,0 +1,324 @@
+//! Readings and pictures go in, and where the body is comes out.
+
+use thiserror::Error;
+
+use super::engine::{Engine, Seen};
+use super::waiting::Waiting;
+use super::{OdometryError, OdometryOptions};
+use crate::datasets::tracks::Picture;
+use crate::inertial::{ImuBias, NavState, StampedSample};
+use crate::initialization::Beginning;
+use crate::msckf::Start;
+use crate::preintegration::Matrix15;
+
+// ANCHOR: odometry
+/// The assembled system: it is given readings and the tracks of pictures in the order of their times, and
+/// has an estimate after each picture from its beginning on.
+#[derive(Debug)]
+pub struct Odometry {
+    options: OdometryOptions,
+    phase: Phase,
+    last_reading: Option<StampedSample>,
+    last_picture: Option<i64>,
+    /// Since when most of what pictures show has contradicted what is believed, on the camera's clock.
+    contradicted: Option<i64>,
+    /// Of the flight that is followed, and how many there were.
+    beginning: Option<Beginning>,
+    worlds: usize,
+}
+
+#[derive(Debug)]
+enum Phase {
+    Waiting(Box<Waiting>),
+    Following(Engine),
+}
+// ANCHOR_END: odometry
+
+/// Where the body is at a time, and how sure that is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The time, on the sensor's clock, in nanoseconds.
+    pub nanoseconds: i64,
+    /// The state then, in the world of this beginning.
+    pub state: NavState,
+    /// The biases then.
+    pub bias: ImuBias,
+    /// The 15×15 covariance of the errors of state and biases.
+    pub covariance: Matrix15,
+}
+
+// ANCHOR: progress
+/// What a picture led to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Progress {
+    /// There is no beginning yet.
+    Waiting,
+    /// The body stands, and is known to.
+    Standing,
+    /// The estimator follows: how much it used of what the picture shows, or of what it had waited for,
+    /// and how much contradicted it.
+    Following {
+        /// Pixels or tracks that were used.
+        used: usize,
+        /// Those that were refused.
+        refused: usize,
+    },
+    /// The estimate is given up, and nothing is known of the body until it begins again, in a world of
+    /// its own.
+    Lost(Lost),
+}
+
+/// Why an estimate was given up.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Lost {
+    /// Most of what pictures showed did not fit for as long as one can have patience.
+    #[error("for {seconds:.1} s most of what pictures showed has contradicted the estimate")]
+    Contradicted {
+        /// For how long.
+        seconds: f64,
+    },
+    /// Readings are missing.
+    #[error("there is no reading for {seconds:.2} s, from {nanoseconds} ns on")]
+    Gap {
+        /// The time of the last one, in nanoseconds.
+        nanoseconds: i64,
+        /// Until the next one.
+        seconds: f64,
+    },
+    /// The estimate has a number that is none, or a variance that is not positive.
+    #[error("the estimate is not a number any more, or its covariance none")]
+    Undetermined,
+    /// The estimator could not go on.
+    #[error("the estimator cannot go on: {0}")]
+    Estimator(OdometryError),
+}
+// ANCHOR_END: progress
+
+impl Odometry {
+    /// An odometry that knows nothing yet.
+    pub fn new(options: OdometryOptions) -> Self {
+        let phase = Phase::Waiting(Box::new(Waiting::new(&options)));
+        Self {
+            options,
+            phase,
+            last_reading: None,
+            last_picture: None,
+            contradicted: None,
+            beginning: None,
+            worlds: 0,
+        }
+    }
+
+    // ANCHOR: reading
+    /// Takes a reading. What is lost by a gap before it is said.
+    ///
+    /// # Errors
+    ///
+    /// [`OdometryError::LateReading`] and [`OdometryError::Reading`].
+    pub fn reading(&mut self, reading: StampedSample) -> Result<Option<Lost>, OdometryError> {
+        let nanoseconds = reading.nanoseconds;
+        let sample = &reading.sample;
+        if !sample.gyro.iter().chain(&sample.accelerometer).all(|number| number.is_finite()) {
+            return Err(OdometryError::Reading { nanoseconds });
+        }
+        let gap = match &self.last_reading {
+            Some(last) if last.nanoseconds >= nanoseconds => {
+                let last = last.nanoseconds;
+                return Err(OdometryError::LateReading { nanoseconds, last });
+            }
+            Some(last) => {
+                let seconds = last.seconds_to(&reading);
+                let is_gap = seconds > self.options.longest_gap;
+                is_gap.then_some(Lost::Gap { nanoseconds: last.nanoseconds, seconds })
+            }
+            None => None,
+        };
+        if gap.is_some() {
+            self.begin_again(None);
+        }
+        match &mut self.phase {
+            Phase::Waiting(waiting) => waiting.readings.push(reading),
+            Phase::Following(engine) => engine.reading(reading)?,
+        }
+        self.last_reading = Some(reading);
+        Ok(gap)
+    }
+    // ANCHOR_END: reading
+
+    // ANCHOR: picture
+    /// Takes the tracks of a picture, when a reading has come that is as late.
+    ///
+    /// # Errors
+    ///
+    /// An [`OdometryError`] names what is wrong with the picture, which is left out then.
+    pub fn picture(&mut self, picture: &Picture) -> Result<Progress, OdometryError> {
+        self.check(picture)?;
+        self.last_picture = Some(picture.nanoseconds);
+        match &mut self.phase {
+            Phase::Waiting(_) => Ok(self.wait(picture)),
+            Phase::Following(engine) => match engine.picture(picture) {
+                Ok(seen) => Ok(self.followed(picture, seen)),
+                Err(error) => Ok(self.lose(Lost::Estimator(error))),
+            },
+        }
+    }
+    // ANCHOR_END: picture
+
+    /// Takes a whole recording: the readings as far as each picture needs them, and the pictures. Tells
+    /// of each picture what it led to, and of each gap.
+    ///
+    /// # Errors
+    ///
+    /// An [`OdometryError`] of the first reading or picture that is not taken.
+    pub fn fly(
+        &mut self,
+        readings: &[StampedSample],
+        pictures: &[Picture],
+        mut told: impl FnMut(&Self, Progress),
+    ) -> Result<(), OdometryError> {
+        let mut readings = readings.iter();
+        for picture in pictures {
+            let time = self.options.sensors.rig.imu_nanoseconds(picture.nanoseconds);
+            while self.last_reading.is_none_or(|last| last.nanoseconds < time) {
+                let Some(reading) = readings.next() else { break };
+                if let Some(lost) = self.reading(*reading)? {
+                    told(self, Progress::Lost(lost));
+                }
+            }
+            let progress = self.picture(picture)?;
+            told(self, progress);
+        }
+        Ok(())
+    }
+
+    /// Whether a picture can be taken.
+    fn check(&self, picture: &Picture) -> Result<(), OdometryError> {
+        let nanoseconds = picture.nanoseconds;
+        if let Some(last) = self.last_picture.filter(|last| *last >= nanoseconds) {
+            return Err(OdometryError::LatePicture { nanoseconds, last });
+        }
+        let is_finite = |pixel: &nalgebra::Vector2<f64>| pixel.iter().all(|n| n.is_finite());
+        if let Some(feature) = picture.features.iter().find(|feature| !is_finite(&feature.pixel)) {
+            return Err(OdometryError::Pixel { track: feature.track, nanoseconds });
+        }
+        let nanoseconds = self.options.sensors.rig.imu_nanoseconds(nanoseconds);
+        let last = self.last_reading.as_ref().map(|last| last.nanoseconds);
+        if last.is_none_or(|last| last < nanoseconds) {
+            return Err(OdometryError::EarlyPicture { nanoseconds });
+        }
+        Ok(())
+    }
+
+    // ANCHOR: wait
+    /// Looks for a beginning. What has come since then is followed at once.
+    fn wait(&mut self, picture: &Picture) -> Progress {
+        let Phase::Waiting(waiting) = &mut self.phase else { return Progress::Waiting };
+        let Some(beginning) = waiting.look(picture) else {
+            waiting.forget(&self.options);
+            return if waiting.stand().is_some() { Progress::Standing } else { Progress::Waiting };
+        };
+        match self.follow(beginning) {
+            Ok(seen) => self.followed(picture, seen),
+            Err(error) => self.lose(Lost::Estimator(error)),
+        }
+    }
+
+    /// Hands over what has come since a start.
+    fn follow(&mut self, beginning: Beginning) -> Result<Seen, OdometryError> {
+        let Phase::Waiting(waiting) = &self.phase else { return Ok(Seen::default()) };
+        let (from, ref start) = beginning.start;
+        let mut engine = Engine::new(&self.options, start)?;
+        let before =
+            waiting.readings.partition_point(|reading| reading.nanoseconds <= start.nanoseconds);
+        for reading in &waiting.readings[before.saturating_sub(1)..] {
+            engine.reading(*reading)?;
+        }
+        let mut seen = Seen::default();
+        for picture in waiting.pictures.iter().skip(from + 1) {
+            seen = engine.picture(picture)?;
+        }
+        self.worlds += 1;
+        (self.phase, self.beginning) = (Phase::Following(engine), Some(beginning));
+        Ok(seen)
+    }
+    // ANCHOR_END: wait
+
+    // ANCHOR: followed
+    /// What is said of a picture that the estimator took: it is lost when most of what it showed did not
+    /// fit, and that not for the first time.
+    fn followed(&mut self, picture: &Picture, Seen { used, refused }: Seen) -> Progress {
+        let is_known = |estimate: &Estimate| {
+            estimate.covariance.diagonal().iter().all(|variance| *variance > 0.0)
+                && estimate.state.position.iter().all(|number| number.is_finite())
+        };
+        if !self.newest().as_ref().is_some_and(is_known) {
+            return self.lose(Lost::Undetermined);
+        }
+        if refused <= used {
+            // A picture without tracks says neither.
+            self.contradicted = self.contradicted.filter(|_| used == 0);
+            return Progress::Following { used, refused };
+        }
+        let since = *self.contradicted.get_or_insert(picture.nanoseconds);
+        let seconds = 1e-9 * (picture.nanoseconds - since) as f64;
+        if seconds < self.options.patience {
+            return Progress::Following { used, refused };
+        }
+        self.lose(Lost::Contradicted { seconds })
+    }
+    // ANCHOR_END: followed
+
+    fn lose(&mut self, why: Lost) -> Progress {
+        self.begin_again(self.last_reading);
+        Progress::Lost(why)
+    }
+
+    /// Forgets everything but a reading.
+    fn begin_again(&mut self, reading: Option<StampedSample>) {
+        let mut waiting = Waiting::new(&self.options);
+        waiting.readings.extend(reading);
+        self.phase = Phase::Waiting(Box::new(waiting));
+        (self.contradicted, self.beginning) = (None, None);
+    }
+
+    /// The newest estimate. While the body stands it is that of the last picture by which it was known
+    /// to; `None` before there is a beginning.
+    pub fn newest(&self) -> Option<Estimate> {
+        match &self.phase {
+            Phase::Waiting(waiting) => waiting.stand().map(|start| {
+                let Start { nanoseconds, state, bias, covariance, .. } = *start;
+                Estimate { nanoseconds, state, bias, covariance }
+            }),
+            Phase::Following(engine) => Some(engine.newest()),
+        }
+    }
+
+    /// The state of some seconds ago, or the oldest one that is still estimated, as it is believed now,
+    /// with its time; `None` before there is a beginning, and always from a filter, which has no such
+    /// state.
+    pub fn ago(&self, seconds: f64) -> Option<(i64, NavState)> {
+        match &self.phase {
+            Phase::Waiting(_) => None,
+            Phase::Following(engine) => engine.ago(seconds),
+        }
+    }
+
+    /// How many pictures are kept because there is no beginning yet.
+    pub fn waiting(&self) -> usize {
+        match &self.phase {
+            Phase::Waiting(waiting) => waiting.pictures.len(),
+            Phase::Following(_) => 0,
+        }
+    }
+
+    /// How the flight that is followed began; `None` before it did.
+    pub fn beginning(&self) -> Option<&Beginning> {
+        self.beginning.as_ref()
+    }
+
+    /// How many beginnings there were. Each has a world of its own, in which the first position is the
+    /// origin: nothing ties it to the one before.
+    pub fn worlds(&self) -> usize {
+        self.worlds
+    }
+}

@@ -1,0 +1,57 @@
+//! Before a flight has begun.
+
+use super::OdometryOptions;
+use crate::datasets::tracks::Picture;
+use crate::inertial::StampedSample;
+use crate::initialization::{Beginning, StartSearch};
+use crate::msckf::Start;
+
+/// What has come while no estimator follows.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    search: StartSearch,
+    pub readings: Vec<StampedSample>,
+    pub pictures: Vec<Picture>,
+}
+
+impl Waiting {
+    pub fn new(options: &OdometryOptions) -> Self {
+        let search = StartSearch::new(options.sensors, options.begin.clone());
+        Self { search, readings: Vec::new(), pictures: Vec::new() }
+    }
+
+    // ANCHOR: waiting
+    /// Looks for a beginning with one picture more.
+    pub fn look(&mut self, picture: &Picture) -> Option<Beginning> {
+        self.pictures.push(picture.clone());
+        self.search.look(&self.readings, &self.pictures)
+    }
+
+    /// What is known of the body while it stands.
+    pub fn stand(&self) -> Option<&Start> {
+        self.search.stand().map(|(_, start)| start)
+    }
+
+    /// Forgets what is too old for a beginning, and looks again at what is left. So it takes no more
+    /// memory, however long a body stands or a flight has no beginning.
+    pub fn forget(&mut self, options: &OdometryOptions) {
+        let begin = &options.begin;
+        let longest = begin.spans.iter().copied().fold(begin.stand, f64::max);
+        let kept = (1e9 * (longest + 0.5)) as i64;
+        let Some(last) = self.pictures.last().map(|picture| picture.nanoseconds) else { return };
+        if last - self.pictures[0].nanoseconds < 3 * kept {
+            return;
+        }
+        let from = last - kept;
+        self.pictures.retain(|picture| picture.nanoseconds >= from);
+        let rig = options.sensors.rig;
+        let first = rig.imu_nanoseconds(self.pictures[0].nanoseconds);
+        let before = self.readings.partition_point(|reading| reading.nanoseconds <= first);
+        self.readings.drain(..before.saturating_sub(1));
+        self.search = StartSearch::new(options.sensors, begin.clone());
+        for until in 1..self.pictures.len() {
+            self.search.look(&self.readings, &self.pictures[..until]);
+        }
+    }
+    // ANCHOR_END: waiting
+}

@@ -1,0 +1,213 @@
+//! The assembled system on simulated flights: each estimator from nothing to the end, and what is wrong with readings
+//! and pictures.
+
+use nalgebra::Vector3;
+use vislam::datasets::tracks::Picture;
+use vislam::filtering::{Freedom, absolute_trajectory_error};
+use vislam::inertial::{NavState, StampedSample};
+use vislam::initialization::Sensors;
+use vislam::odometry::{
+    Estimate, Estimator, Lost, Odometry, OdometryError, OdometryOptions, Progress,
+};
+use vislam::simulation::{Flight, FlightRecording, Trajectory};
+
+fn flown(seconds: f64, seed: u64) -> FlightRecording {
+    let lever = Vector3::new(0.1, 0.05, -0.02);
+    let new = Flight::new(Trajectory::figure_eight()).with_lever(lever);
+    let flight = Flight { seconds, picture_rate: 10.0, tracks: 40, ..new };
+    flight.record(&flight.room(3.0, 400, seed).unwrap(), seed).unwrap()
+}
+
+fn odometry(recording: &FlightRecording, estimator: Estimator) -> Odometry {
+    Odometry::new(OdometryOptions::new(Sensors::of_flight(&recording.flight), estimator))
+}
+
+/// What came of a recording.
+#[derive(Default)]
+struct Flown {
+    estimates: Vec<Estimate>,
+    lost: Vec<Lost>,
+    /// Of each estimate, in which world it is.
+    worlds: Vec<usize>,
+}
+
+fn fly(odometry: &mut Odometry, readings: &[StampedSample], pictures: &[Picture]) -> Flown {
+    let mut flown = Flown::default();
+    let told = |odometry: &Odometry, progress: Progress| match progress {
+        Progress::Following { .. } => {
+            flown.estimates.extend(odometry.newest());
+            flown.worlds.push(odometry.worlds());
+        }
+        Progress::Lost(lost) => flown.lost.push(lost),
+        Progress::Waiting | Progress::Standing => {}
+    };
+    odometry.fly(readings, pictures, told).unwrap();
+    flown
+}
+
+/// The root mean square error of positions after an alignment in four degrees of freedom, in metres.
+fn error(recording: &FlightRecording, estimates: &[Estimate]) -> f64 {
+    let rig = recording.flight.rig;
+    let of = |estimate: &Estimate| {
+        let is_it =
+            |picture: &Picture| rig.imu_nanoseconds(picture.nanoseconds) == estimate.nanoseconds;
+        let picture = recording.pictures.iter().position(is_it).unwrap();
+        (estimate.state, recording.truth.states[picture])
+    };
+    let (states, truth): (Vec<NavState>, Vec<NavState>) = estimates.iter().map(of).unzip();
+    absolute_trajectory_error(&states, &truth, Freedom::Four).unwrap().position
+}
+
+/// By how many standard deviations the newest velocity is off as the body sees it, on its worst axis.
+fn worst_velocity(recording: &FlightRecording, estimate: &Estimate) -> f64 {
+    let rig = recording.flight.rig;
+    let is_it =
+        |picture: &Picture| rig.imu_nanoseconds(picture.nanoseconds) == estimate.nanoseconds;
+    let truth = recording.truth.states[recording.pictures.iter().position(is_it).unwrap()];
+    let in_body = |state: &NavState| state.world_from_body.inverse() * state.velocity;
+    let off = in_body(&estimate.state) - in_body(&truth);
+    let spread = estimate.covariance.fixed_view::<3, 3>(3, 3).symmetric_eigenvalues();
+    off.amax() / spread.max().sqrt()
+}
+
+#[test]
+fn each_estimator_flies_from_nothing_to_the_end() {
+    let recording = flown(12.0, 1);
+    for estimator in Estimator::ALL {
+        let mut odometry = odometry(&recording, estimator);
+        let flown = fly(&mut odometry, &recording.readings, &recording.pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        assert!(flown.estimates.len() > 80, "{estimator}: {}", flown.estimates.len());
+        let error = error(&recording, &flown.estimates);
+        assert!(error < 0.1, "{estimator}: {error} m");
+        assert_eq!(odometry.worlds(), 1);
+        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
+        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+    }
+}
+
+#[test]
+fn a_second_without_pictures_and_ten_without_tracks_are_flown_through() {
+    let recording = flown(12.0, 2);
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut pictures = recording.pictures.clone();
+        pictures[60..70].iter_mut().for_each(|picture| picture.features.clear());
+        pictures.drain(90..100);
+        let mut odometry = odometry(&recording, estimator);
+        let flown = fly(&mut odometry, &recording.readings, &pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
+        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+        // While nothing is seen, it is less sure with every picture.
+        let at = flown.estimates.len() - (recording.pictures.len() - 10 - 60);
+        let sigma = |number: usize| flown.estimates[number].covariance[(6, 6)];
+        assert!(sigma(at + 9) > sigma(at), "{} {}", sigma(at), sigma(at + 9));
+    }
+}
+
+#[test]
+fn a_missing_reading_is_flown_through_and_a_gap_is_said() {
+    let recording = flown(14.0, 3);
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut readings = recording.readings.clone();
+        readings.remove(1200);
+        let mut one = odometry(&recording, estimator);
+        let flown = fly(&mut one, &readings, &recording.pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
+        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+
+        readings.drain(1200..1300);
+        let mut many = odometry(&recording, estimator);
+        let flown = fly(&mut many, &readings, &recording.pictures);
+        assert!(matches!(flown.lost[..], [Lost::Gap { .. }]), "{estimator}: {:?}", flown.lost);
+        assert_eq!(many.worlds(), 2, "{estimator} begins again");
+        assert_eq!(flown.worlds.last(), Some(&2));
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
+    let recording = flown(6.0, 4);
+    let mut flying = odometry(&recording, Estimator::Smoother);
+    fly(&mut flying, &recording.readings, &recording.pictures);
+    let before = flying.newest();
+    let last = recording.readings.iter().rev().find(|r| flying.reading(**r).is_err()).unwrap();
+    let back = StampedSample { nanoseconds: last.nanoseconds - 1_000_000_000, ..*last };
+    let refused = flying.reading(back).unwrap_err();
+    assert!(matches!(refused, OdometryError::LateReading { .. }), "{refused}");
+    let mut none = StampedSample { nanoseconds: i64::MAX / 2, ..*last };
+    none.sample.gyro.x = f64::NAN;
+    let refused = flying.reading(none).unwrap_err();
+    assert!(refused.to_string().contains("is not finite; leave it out"), "{refused}");
+    let twice = recording.pictures.last().unwrap();
+    let refused = flying.picture(twice).unwrap_err();
+    assert!(matches!(refused, OdometryError::LatePicture { .. }), "{refused}");
+    let mut later = twice.clone();
+    later.nanoseconds += 1_000_000;
+    later.features[0].pixel.y = f64::INFINITY;
+    let refused = flying.picture(&later).unwrap_err();
+    assert!(matches!(refused, OdometryError::Pixel { .. }), "{refused}");
+    later.features.clear();
+    later.nanoseconds += 3_600_000_000_000;
+    let refused = flying.picture(&later).unwrap_err();
+    assert!(matches!(refused, OdometryError::EarlyPicture { .. }), "{refused}");
+    assert_eq!(flying.newest(), before);
+}
+
+#[test]
+fn tracks_that_are_all_wrong_for_a_second_are_refused_or_it_is_lost() {
+    let recording = flown(14.0, 5);
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut pictures = recording.pictures.clone();
+        for (number, picture) in pictures[70..80].iter_mut().enumerate() {
+            for (at, feature) in picture.features.iter_mut().enumerate() {
+                // Every pixel somewhere else, and elsewhere in each picture.
+                let turn = (7 * at + 3 * number) as f64;
+                feature.pixel.x += 150.0 * turn.sin();
+                feature.pixel.y += 150.0 * turn.cos();
+            }
+        }
+        let mut odometry = odometry(&recording, estimator);
+        let flown = fly(&mut odometry, &recording.readings, &pictures);
+        let last = flown.estimates.last().unwrap();
+        let worst = worst_velocity(&recording, last);
+        assert!(worst < 4.0, "{estimator}: {worst} standard deviations, {:?}", flown.lost);
+    }
+}
+
+#[test]
+fn a_landmark_at_infinity_tells_of_turns_and_nothing_else() {
+    let recording = flown(8.0, 6);
+    let rig = recording.flight.rig;
+    let camera = recording.flight.camera;
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut pictures = recording.pictures.clone();
+        let star = Vector3::new(0.3, 1.0, 0.2) * 1e9;
+        for (picture, state) in pictures.iter_mut().zip(&recording.truth.states) {
+            let seen = rig.camera_from_world(state) * nalgebra::Point3::from(star);
+            let Some(pixel) = camera.project_cam(&seen.coords) else { continue };
+            let (track, right) = (1_000_000, None);
+            picture.features.push(vislam::datasets::tracks::Feature { track, pixel, right });
+        }
+        let mut odometry = odometry(&recording, estimator);
+        let flown = fly(&mut odometry, &recording.readings, &pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        let error = error(&recording, &flown.estimates);
+        assert!(error < 0.1, "{estimator}: {error} m");
+    }
+}
+
+#[test]
+fn without_a_beginning_no_more_is_kept_than_a_beginning_needs() {
+    let recording = flown(20.0, 7);
+    let mut waiting = odometry(&recording, Estimator::Smoother);
+    let mut nothing = recording.pictures.clone();
+    nothing.iter_mut().for_each(|picture| picture.features.clear());
+    let mut most = 0;
+    let told = |odometry: &Odometry, _: Progress| most = most.max(odometry.waiting());
+    waiting.fly(&recording.readings, &nothing, told).unwrap();
+    assert!(waiting.newest().is_none());
+    // Three times the longest span of a start in motion, at ten pictures a second.
+    assert!((100..150).contains(&most), "{most} of {} pictures", nothing.len());
+}
