@@ -21,7 +21,8 @@ pub fn figures(chapter: &mut Chapter) {
     chapter.figure("nullity", nullity::nullity);
     chapter.figure("nees", nees::nees);
     chapter.figure("yaw", yaw::yaw);
-    chapter.figure("map", map::map);
+    chapter.figure("map", map::estimated);
+    chapter.figure("map_perfect", map::perfect);
 }
 
 /// Every sensor, policy and time of the flights, and what was recorded of each, under a title.

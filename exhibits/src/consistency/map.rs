@@ -52,11 +52,17 @@ impl Cell {
         cells
     }
 
-    /// Whether another cell is the same: a track has no more pixels than the window has poses, and no
-    /// landmark is kept whose track is shorter than the window.
-    pub fn has_twin(&self) -> bool {
+    /// The cell that is the same, if there is one: a track has no more pixels than the window has poses, and
+    /// no landmark is kept whose track is shorter than the window.
+    pub fn twin(&self) -> Option<Self> {
         let Self { longest: (_, longest), clones, kept, .. } = *self;
-        (kept == 0 && longest > clones && clones <= LONGEST[0].1) || (kept > 0 && longest < clones)
+        if kept == 0 && longest > clones && clones <= LONGEST[0].1 {
+            Some(Self { longest: LONGEST[0], ..*self })
+        } else if kept > 0 && longest < clones {
+            Some(Self { kept: 0, ..*self })
+        } else {
+            None
+        }
     }
 
     /// How long a landmark keeps its name, in a word.
@@ -128,16 +134,31 @@ pub fn band() -> NeesBand {
 /// All of them, each once, in which the filter that is told the truth is consistent.
 fn licensed() -> impl Iterator<Item = Cell> {
     let is_licensed =
-        |cell: &Cell| !cell.has_twin() && band().contains(cell.recorded(Policy::Ideal, "yaw"));
+        |cell: &Cell| cell.twin().is_none() && band().contains(cell.recorded(Policy::Ideal, "yaw"));
     Cell::all().into_iter().filter(is_licensed)
 }
 
+/// The largest difference between a cell and its twin.
+fn twins_apart() -> f64 {
+    let apart = |cell: Cell| {
+        let twin = cell.twin()?;
+        let by = |(policy, what): (Policy, &str)| {
+            (cell.recorded(policy, what) - twin.recorded(policy, what)).abs()
+        };
+        let errors = Policy::ALL.into_iter().filter(|policy| *policy != Policy::Ideal);
+        let all = Policy::ALL.map(|policy| (policy, "yaw")).into_iter();
+        Some(all.chain(errors.map(|policy| (policy, "error"))).map(by).fold(0.0, f64::max))
+    };
+    Cell::all().into_iter().filter_map(apart).fold(0.0, f64::max)
+}
+
 pub fn numbers(chapter: &mut Chapter) {
-    let distinct = Cell::all().into_iter().filter(|cell| !cell.has_twin()).count();
+    let distinct = Cell::all().into_iter().filter(|cell| cell.twin().is_none()).count();
     chapter.number("map_cells", Cell::all().len() as f64, "", 0);
     chapter.number("map_distinct", distinct as f64, "", 0);
     chapter.number("map_licensed", licensed().count() as f64, "", 0);
     chapter.number("map_flights", FLIGHTS as f64, "", 0);
+    chapter.number("map_twins_apart", twins_apart(), "", 0);
     chapter.number("map_minutes", MINUTES as f64, "", 0);
     chapter.number("map_band_low", band().low, "", 2);
     chapter.number("map_band_high", band().high, "", 2);

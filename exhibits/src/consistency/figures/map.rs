@@ -25,10 +25,8 @@ const LEFT: f64 = -5.2;
 
 /// A sensor: a row for each number of kept landmarks, length of tracks and window, and in it for each
 /// thing that is shown a field for each noise of the pixels.
-fn panel(drawing: &Drawing, sensor: &str) -> Drawn {
-    let is_shown =
-        |cell: &Cell| cell.sensor == sensor && cell.start.0 == STARTS[0].0 && !cell.has_twin();
-    let cells: Vec<Cell> = Cell::all().into_iter().filter(is_shown).collect();
+fn panel(drawing: &Drawing, (sensor, start): (&str, &str)) -> Drawn {
+    let cells: Vec<Cell> = shown(start).filter(|cell| cell.sensor == sensor).collect();
     let rows = cells.len() / PIXELS.len();
     let group = (PIXELS.len() as f64) + 0.5;
     let (width, above) = (SHOWN.len() as f64 * group, rows as f64);
@@ -76,15 +74,28 @@ fn panel(drawing: &Drawing, sensor: &str) -> Drawn {
     Ok(())
 }
 
-pub fn map() -> Figure {
-    let cells = Cell::all();
+/// The cells of a start, each once.
+fn shown(start: &str) -> impl Iterator<Item = Cell> {
+    let is_shown = move |cell: &Cell| cell.start.0 == start && cell.twin().is_none();
+    Cell::all().into_iter().filter(is_shown)
+}
+
+pub fn estimated() -> Figure {
+    of_start(STARTS[0].0)
+}
+
+pub fn perfect() -> Figure {
+    of_start(STARTS[1].0)
+}
+
+fn of_start(start: &'static str) -> Figure {
+    let cells: Vec<Cell> = shown(start).collect();
     let text = |of: fn(&Cell) -> String| cells.iter().map(of).collect::<Vec<String>>();
     let value = |policy: Policy, what: &str| {
         decimals(2, cells.iter().map(|cell| cell.recorded(policy, what)))
     };
     let columns = vec![
         ("sensor", text(|cell| cell.sensor.to_owned())),
-        ("start", text(|cell| cell.start.0.to_owned())),
         ("kept", text(|cell| cell.kept.to_string())),
         ("tracks", text(|cell| cell.track())),
         ("poses", text(|cell| cell.clones.to_string())),
@@ -105,7 +116,7 @@ pub fn map() -> Figure {
     ];
     Figure::new(1160, columns, |drawing| {
         let halves = drawing.split_evenly((2, 1));
-        panel(&halves[0], SENSORS[0])?;
-        panel(&halves[1], SENSORS[1])
+        panel(&halves[0], (SENSORS[0], start))?;
+        panel(&halves[1], (SENSORS[1], start))
     })
 }
