@@ -56,7 +56,8 @@ impl LinearPrior {
         problem.check_values(values)?;
         let columns = problem.columns();
         let (place, sizes) = first(&columns, values, variables)?;
-        let mut rows: Vec<SparseRow<f64>> = Vec::new();
+        // By their first column: what begins first is turned first, and a triangle costs little.
+        let mut rows: Vec<Vec<SparseRow<f64>>> = vec![Vec::new(); 2 * columns.count + 1];
         let is_first = |column: &usize| place[*column] < columns.count;
         let goes = |variable| {
             let coordinates = values.coordinates_of(variable).unwrap_or_default();
@@ -66,14 +67,14 @@ impl LinearPrior {
             problem.each_row_of(goes, at, &columns, &mut Buffer::default(), |row| {
                 let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
                 let named = named.map(|(column, slope)| (place[*column], *slope));
-                rows.push(named.chain([(2 * columns.count, row.residual)]).collect());
+                let row: SparseRow<f64> =
+                    named.chain([(2 * columns.count, row.residual)]).collect();
+                let first =
+                    row.iter().fold(2 * columns.count, |first, (column, _)| first.min(*column));
+                rows[first].push(row);
             })
         })?;
-        // What begins first is turned first: then a triangle, as a prior is one, costs little.
-        let first = |row: &SparseRow<f64>| row.iter().map(|(column, _)| *column).min();
-        rows.sort_by_cached_key(first);
-        let (_, mut rest) = eliminate_fronts(rows, &together(&sizes));
-        rest.sort_by_cached_key(first);
+        let (_, rest) = eliminate_fronts(rows.into_iter().flatten(), &together(&sizes));
         let (named, rows) = dense(&rest);
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
