@@ -94,7 +94,7 @@ impl Batch {
             turning: Vec::with_capacity(states),
             problem,
         };
-        batch.calibrate()?;
+        calibrate(&mut batch.problem, (batch.extrinsics, batch.delay), sensors)?;
         batch.problem.hold(batch.gravity)?;
         for state in 1..states {
             let [start, end] = [nanoseconds[state - 1], nanoseconds[state]];
@@ -108,28 +108,6 @@ impl Batch {
         Ok(batch)
     }
     // ANCHOR_END: batch_new
-
-    /// Holds what is known of the calibration, and adds how well the rest is known.
-    fn calibrate(&mut self) -> Result<(), ProblemError> {
-        let Calibrated { extrinsics, time_offset } = self.sensors.calibrated;
-        match extrinsics {
-            None => self.problem.hold(self.extrinsics)?,
-            Some([shift, turn]) => {
-                let sigmas = [shift, shift, shift, turn, turn, turn];
-                let known = self.sensors.rig.body_from_camera;
-                let prior = Prior::near(self.extrinsics, known, sigmas);
-                self.problem.add_factor(prior, Kernel::Squared)?;
-            }
-        }
-        match time_offset {
-            None => self.problem.hold(self.delay)?,
-            Some(sigma) => {
-                let prior = Prior::near(self.delay, Vector1::zeros(), [sigma]);
-                self.problem.add_factor(prior, Kernel::Squared)?;
-            }
-        }
-        Ok(())
-    }
 
     /// Adds the readings that lead to a state from the one before.
     fn add_interval(
@@ -331,6 +309,31 @@ impl Batch {
     pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
         self.problem.covariance_with(Fronts::new(&self.problem)?, values)
     }
+}
+
+/// Holds what is known of the calibration, and adds how well the rest is known.
+pub(crate) fn calibrate(
+    problem: &mut Problem,
+    (extrinsics, delay): (Key<Isometry3<f64>>, Key<Vector1<f64>>),
+    sensors: &Sensors,
+) -> Result<(), ProblemError> {
+    let Calibrated { extrinsics: sigmas, time_offset } = sensors.calibrated;
+    match sigmas {
+        None => problem.hold(extrinsics)?,
+        Some([shift, turn]) => {
+            let sigmas = [shift, shift, shift, turn, turn, turn];
+            let prior = Prior::near(extrinsics, sensors.rig.body_from_camera, sigmas);
+            problem.add_factor(prior, Kernel::Squared)?;
+        }
+    }
+    match time_offset {
+        None => problem.hold(delay)?,
+        Some(sigma) => {
+            let prior = Prior::near(delay, Vector1::zeros(), [sigma]);
+            problem.add_factor(prior, Kernel::Squared)?;
+        }
+    }
+    Ok(())
 }
 
 /// Sums of readings each of which holds until the next one.

@@ -21,6 +21,7 @@ mod visual;
 mod whole;
 
 pub use alignment::{Alignment, align_motion};
+pub(crate) use batch::calibrate;
 pub use batch::{Batch, Sighting};
 pub use begin::{BeginOptions, Beginning, StartSearch, begin};
 pub use error::{AlignmentRefused, BatchError, NoStart, UniformMotion};

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, Vector1, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::window::{Frame, Waiting, Window};
 use super::{SmootherError, SmootherOptions};
 use crate::datasets::tracks::Picture;
-use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody, Prior};
-use crate::inertial::{BodyPose, Calibrated, ImuBias, NavState, StampedSample, between};
-use crate::initialization::Sensors;
+use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody};
+use crate::inertial::{BodyPose, ImuBias, NavState, StampedSample, between};
+use crate::initialization::{Sensors, calibrate};
 use crate::least_squares::{
     Fronts, Kernel, Key, LinearPrior, Method, Options, Problem, ProblemError, Search,
     sqrt_information,
@@ -63,7 +63,7 @@ impl Smoother {
         let Sensors { rig, .. } = options.sensors;
         let mut window = Window::new(&mut problem, rig.body_from_camera, options.sensors.gravity());
         problem.hold(window.gravity)?;
-        calibrate(&mut problem, &window, &options.sensors)?;
+        calibrate(&mut problem, (window.extrinsics, window.delay), &options.sensors)?;
         let begin = (start.nanoseconds, Vector3::zeros());
         let Frame { state, bias, .. } =
             window.add_frame(&mut problem, begin, (start.state, start.bias))?;
@@ -325,29 +325,3 @@ impl Smoother {
 
 /// Steps begin with so little damping, by the diagonal, that a covariance does not notice it.
 const SMALL_DAMPING: f64 = 1e-9;
-
-/// Holds what is known of the calibration, and adds how well the rest is known.
-fn calibrate(
-    problem: &mut Problem,
-    window: &Window,
-    sensors: &Sensors,
-) -> Result<(), ProblemError> {
-    let Calibrated { extrinsics, time_offset } = sensors.calibrated;
-    match extrinsics {
-        None => problem.hold(window.extrinsics)?,
-        Some([shift, turn]) => {
-            let sigmas = [shift, shift, shift, turn, turn, turn];
-            let known = sensors.rig.body_from_camera;
-            let prior = Prior::near(window.extrinsics, known, sigmas);
-            problem.add_factor(prior, Kernel::Squared)?;
-        }
-    }
-    match time_offset {
-        None => problem.hold(window.delay)?,
-        Some(sigma) => {
-            let prior = Prior::near(window.delay, Vector1::zeros(), [sigma]);
-            problem.add_factor(prior, Kernel::Squared)?;
-        }
-    }
-    Ok(())
-}
