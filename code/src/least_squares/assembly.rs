@@ -9,7 +9,7 @@ use super::problem::{Columns, Problem};
 
 // ANCHOR: assembly
 /// Where the products of all factors' derivatives go, factor by factor in the order of the problem.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Assembly {
     segments: Vec<Placed>,
     /// By factor, where its segments end.

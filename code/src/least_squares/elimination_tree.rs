@@ -94,7 +94,7 @@ fn continues(last: &Node, own: &Range<usize>, rest: &[usize]) -> bool {
 // ANCHOR: fronts_in_order
 /// The fronts in the order of their elimination, and where their columns are kept: one after the
 /// other, each from the front's first row to its last and then the right-hand side.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Tree {
     pub nodes: Vec<Node>,
     /// Where the columns of each begin, and where the last one's end.

@@ -20,7 +20,7 @@ use crate::registers::wide;
 /// time, with the rows of all later ones that they are coupled with by then ([@duff1983]). What a
 /// front leaves is subtracted from the columns of later ones at once. Columns are numbered in the
 /// order of elimination here.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Fronts {
     columns: Columns,
     /// The place of each of the problem's columns in the order.
@@ -62,6 +62,18 @@ impl Fronts {
     ///
     /// [`SolveError::NoFactors`], [`SolveError::NothingFree`] and [`SolveError::NoSuchVariable`].
     pub fn in_order(problem: &Problem, order: &[usize]) -> Result<Self, SolveError> {
+        let mut fronts = Self::default();
+        fronts.arrange(problem, order)?;
+        Ok(fronts)
+    }
+
+    /// Makes room for the steps of another problem, or of one that has changed, in the memory that these
+    /// fronts have.
+    ///
+    /// # Errors
+    ///
+    /// As those of [`Fronts::in_order`].
+    pub fn arrange(&mut self, problem: &Problem, order: &[usize]) -> Result<(), SolveError> {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
         let segments = Segment::of_factors(problem, &columns, &place);
@@ -69,21 +81,17 @@ impl Fronts {
         let couplings =
             segments.iter().map(|of_factor| of_factor.iter().map(block_with).collect::<Vec<_>>());
         let tree = Tree::new(elimination_tree(&blocks, couplings));
-        let (zeros, numbers) = (vec![0.0; columns.count], vec![0.0; tree.len()]);
-        Ok(Self {
-            columns,
-            place,
-            assembly: Assembly::new(&segments, &tree),
-            updates: (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect(),
-            tree,
-            hessian: numbers.clone(),
-            factor: numbers,
-            gradient: zeros.clone(),
-            curvature: zeros.clone(),
-            smallest: zeros.clone(),
-            step: zeros,
-            linear: Linearized::default(),
-        })
+        self.assembly = Assembly::new(&segments, &tree);
+        self.updates = (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect();
+        for entries in [&mut self.hessian, &mut self.factor] {
+            entries.resize(tree.len(), 0.0);
+        }
+        let Self { gradient, curvature, smallest, step, .. } = self;
+        for numbers in [gradient, curvature, smallest, step] {
+            numbers.resize(columns.count, 0.0);
+        }
+        (self.columns, self.place, self.tree) = (columns, place, tree);
+        Ok(())
     }
     // ANCHOR_END: in_order
 

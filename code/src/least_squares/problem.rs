@@ -619,7 +619,7 @@ fn gather(
 // ANCHOR_END: gather
 
 /// Which coordinates of a problem's variables have a column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns {
     /// The column of each coordinate; `None` for one that is held.
     pub of: Vec<Option<usize>>,

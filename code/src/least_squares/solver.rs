@@ -264,6 +264,14 @@ struct Damping {
 }
 
 impl Damping {
+    fn begin(options: &Options) -> Self {
+        let value = match options.method {
+            Method::GaussNewton => 0.0,
+            Method::LevenbergMarquardt { initial_damping } => initial_damping,
+        };
+        Self { value, growth: 2.0 }
+    }
+
     /// After a step that was taken with this gain, less of it, the better the prediction was.
     /// After one that was refused, more, and faster every time.
     fn learn(&mut self, gain: Option<f64>) {
@@ -339,10 +347,6 @@ impl<S: LinearSystem> Search<S> {
     pub fn new(problem: &Problem, system: S, options: &Options) -> Result<Self, SolveError> {
         options.check()?;
         let values = problem.values().clone();
-        let initial = match options.method {
-            Method::GaussNewton => 0.0,
-            Method::LevenbergMarquardt { initial_damping } => initial_damping,
-        };
         let mut search = Self {
             system,
             options: *options,
@@ -351,12 +355,35 @@ impl<S: LinearSystem> Search<S> {
             cost: problem.cost(&values),
             step: vec![0.0; values.dimension()],
             values,
-            damping: Damping { value: initial, growth: 2.0 },
+            damping: Damping::begin(options),
             iterations: Vec::with_capacity(options.max_iterations.min(1000)),
             linearizes_end: true,
         };
         search.linearize(problem)?;
         Ok(search)
+    }
+
+    /// Begins again at the values of another problem, or of one that has changed, for which the system
+    /// has been made ready by then.
+    ///
+    /// # Errors
+    ///
+    /// A [`SolveError`] when the system cannot be made ready, or when a residual is undefined or not
+    /// finite.
+    pub fn begin_again(
+        &mut self,
+        problem: &Problem,
+        ready: impl FnOnce(&mut S) -> Result<(), SolveError>,
+    ) -> Result<(), SolveError> {
+        ready(&mut self.system)?;
+        self.values.clone_from(problem.values());
+        self.trial.clone_from(problem.values());
+        self.frozen = problem.linearization_point();
+        self.cost = problem.cost(&self.values);
+        self.step.resize(self.values.dimension(), 0.0);
+        self.damping = Damping::begin(&self.options);
+        self.iterations.clear();
+        self.linearize(problem)
     }
 
     /// The same search, but nothing is linearized where it ends: the system stays that of the last step,

@@ -11,8 +11,7 @@ use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody};
 use crate::inertial::{BodyPose, ImuBias, NavState, StampedSample, between};
 use crate::initialization::{Sensors, calibrate};
 use crate::least_squares::{
-    Fronts, Kernel, Key, LinearPrior, Method, Options, Problem, ProblemError, Search,
-    sqrt_information,
+    Fronts, Kernel, Key, LinearPrior, Problem, ProblemError, Search, sqrt_information,
 };
 use crate::msckf::Start;
 use crate::preintegration::{Matrix15, preintegrate_combined};
@@ -25,6 +24,8 @@ pub struct Smoother {
     pub(super) window: Window,
     readings: Vec<StampedSample>,
     covariance: Matrix15,
+    /// The search of the last picture, whose memory the next one takes.
+    search: Option<Search<Fronts>>,
 }
 
 impl fmt::Debug for Smoother {
@@ -73,7 +74,7 @@ impl Smoother {
         let known = LinearPrior::of_root(problem.values(), &variables, root, DVector::zeros(15))?;
         problem.add_prior(known)?;
         let covariance = start.covariance;
-        Ok(Self { options, problem, window, readings: Vec::new(), covariance })
+        Ok(Self { options, problem, window, readings: Vec::new(), covariance, search: None })
     }
 
     /// Takes a reading.
@@ -255,20 +256,25 @@ impl Smoother {
     // ANCHOR: solve
     /// Goes towards the minimum of the window, and notes how sure the newest state is.
     fn solve(&mut self, smoothed: &mut Smoothed) -> Result<(), SmootherError> {
-        let options = Options {
-            method: Method::LevenbergMarquardt { initial_damping: SMALL_DAMPING },
-            max_iterations: self.options.iterations,
-            decrease_tolerance: self.options.tolerance,
-            ..Options::default()
+        let order = self.order()?;
+        let problem = &self.problem;
+        let search = match self.search.take() {
+            Some(mut search) => {
+                search.begin_again(problem, |fronts| fronts.arrange(problem, &order))?;
+                search
+            }
+            None => {
+                let fronts = Fronts::in_order(problem, &order)?;
+                Search::new(problem, fronts, &self.options.search())?.without_end()
+            }
         };
-        let fronts = Fronts::in_order(&self.problem, &self.order()?)?;
-        smoothed.widest = fronts.widest();
-        let mut search = Search::new(&self.problem, fronts, &options)?.without_end();
-        while search.iterate(&self.problem)?.is_none() {}
+        let search = self.search.insert(search);
+        while search.iterate(problem)?.is_none() {}
+        smoothed.widest = search.system().widest();
         smoothed.iterations = search.iterations().len();
-        let newest = self.newest();
+        let newest = self.window.frames[self.window.frames.len() - 1];
         let newest = [newest.state.index(), newest.bias.index()];
-        let covariance = search.system().covariance_of(&self.problem, &newest);
+        let covariance = search.system().covariance_of(problem, &newest);
         let covariance = covariance.filter(|matrix| matrix.shape() == (15, 15));
         self.covariance = covariance
             .map_or(Matrix15::repeat(f64::NAN), |m| Matrix15::from_column_slice(m.as_slice()));
@@ -322,6 +328,3 @@ impl Smoother {
         (frame.nanoseconds, values[frame.state], values[frame.bias])
     }
 }
-
-/// Steps begin with so little damping, by the diagonal, that a covariance does not notice it.
-const SMALL_DAMPING: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! How a smoother works.
 
 use crate::initialization::Sensors;
-use crate::least_squares::Kernel;
+use crate::least_squares::{Kernel, Method, Options};
 
 // ANCHOR: options
 /// How a smoother works.
@@ -28,7 +28,20 @@ pub struct SmootherOptions {
 }
 // ANCHOR_END: options
 
+/// Steps begin with so little damping, by the diagonal, that a covariance does not notice it.
+const SMALL_DAMPING: f64 = 1e-9;
+
 impl SmootherOptions {
+    /// How the minimum of a window is looked for.
+    pub(super) fn search(&self) -> Options {
+        Options {
+            method: Method::LevenbergMarquardt { initial_damping: SMALL_DAMPING },
+            max_iterations: self.iterations,
+            decrease_tolerance: self.tolerance,
+            ..Options::default()
+        }
+    }
+
     /// Those for some sensors: two seconds.
     pub fn new(sensors: Sensors) -> Self {
         Self {
