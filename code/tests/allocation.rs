@@ -13,12 +13,15 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::bundle_adjustment::{Camera, Posed};
 use vislam::factors::{MovingCamera, PixelByCamera};
+use vislam::initialization::Sensors;
 use vislam::least_squares::{
     Dense, Fronts, Kernel, LandmarkElimination, LinearSystem, Method, Options, Problem, Search,
 };
 use vislam::manifold::se3;
 use vislam::msckf::{Msckf, MsckfOptions};
 use vislam::reprojection::Pinhole;
+use vislam::simulation::FlightRecording;
+use vislam::smoother::{Smoother, SmootherOptions};
 
 const PINHOLE: Pinhole = Pinhole { fx: 400.0, fy: 410.0, cx: 320.0, cy: 240.0 };
 
@@ -128,4 +131,34 @@ fn a_filter_that_flies_on_holds_no_more_than_before() {
     let most = |pictures: &[i64]| pictures.iter().copied().max().unwrap();
     let (early, late) = (most(&held[300..600]), most(&held[900..]));
     assert!(late <= early + 32_768, "{early} bytes after a minute, {late} after two");
+}
+
+/// How often each picture of a flight makes a smoother allocate, and how many bytes in all.
+fn each_picture(recording: &FlightRecording, options: SmootherOptions) -> Vec<(u64, u64)> {
+    let mut smoother = Smoother::new(options, &filter::start(recording, 1)).unwrap();
+    let mut readings = recording.readings.iter().peekable();
+    let rig = recording.flight.rig;
+    let each = recording.pictures[1..].iter().map(|picture| {
+        let until = rig.imu_nanoseconds(picture.nanoseconds);
+        while smoother.last_reading().is_none_or(|last| last < until) {
+            smoother.reading(*readings.next().unwrap()).unwrap();
+        }
+        let counted = allocation_counter::measure(|| {
+            smoother.picture(picture).unwrap();
+        });
+        (counted.count_total, counted.bytes_total)
+    });
+    each.collect()
+}
+
+#[test]
+fn a_picture_of_a_smoother_that_flies_on_allocates_no_more_than_stated() {
+    let recording = filter::flown(&filter::flight(20.0), 1).unwrap();
+    let new = SmootherOptions::new(Sensors::of_flight(&recording.flight));
+    let each = each_picture(&recording, new);
+    // Of a window of 20 states, 70 landmarks and 700 pixels, which other ones leave with every picture.
+    let late = &each[100..];
+    let most = |number: fn(&(u64, u64)) -> u64| late.iter().map(number).max().unwrap();
+    let (count, bytes) = (most(|each| each.0), most(|each| each.1));
+    assert!(count < 4000 && bytes < 4_500_000, "{count} allocations, {bytes} bytes");
 }

@@ -7,16 +7,16 @@ use nalgebra::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::factors::{
-    BiasWalkFactor, CombinedInertialFactor, InertialFactor, PixelByBody, PoseUpToScale, Prior,
-    RelativePose, StereoByPose,
+    AnchorChange, AnchoredPixel, BiasWalkFactor, CombinedInertialFactor, InertialFactor,
+    PixelAtAnchor, PixelByAnchor, PixelByBody, PoseUpToScale, Prior, RelativePose, StereoByPose,
 };
-use vislam::inertial::{GRAVITY, Gravity, ImuBias, ImuNoise, ImuSample, NavState};
+use vislam::inertial::{BodyPose, GRAVITY, Gravity, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Factor, Kernel, Key, Manifold, Problem, Values};
 use vislam::manifold::{se3, so3};
 use vislam::preintegration::{
     CombinedPreintegrated, CombinedPreintegrator, Matrix9x6, Preintegrated, preintegrate,
 };
-use vislam::reprojection::{DistortedPinhole, Pinhole, RadialTangential};
+use vislam::reprojection::{CameraModel, DistortedPinhole, Pinhole, RadialTangential, RigCamera};
 use vislam::two_views::{StereoFactor, StereoPinhole};
 
 const STATES: usize = 1000;
@@ -172,6 +172,189 @@ fn a_late_clock_shows_the_landmark_from_where_the_body_has_gone() {
     let (_, residual) = problem.jacobian(problem.values()).unwrap();
     // Two centimetres to the right at four metres: two pixels to the left.
     assert!((residual - Vector2::new(-2.0, 0.0)).norm() < 1e-9);
+}
+
+/// The second camera of a rig, a step to the right and turned a little.
+fn second_camera(draws: &mut Draws) -> RigCamera {
+    let shift = Vector3::new(-0.11, 0.02, 0.01);
+    let camera_from_first = Isometry3::new(shift, draws.vector(0.1));
+    RigCamera { camera: PINHOLE, camera_from_first }
+}
+
+/// The factor of a landmark that lies before the anchor at this inverse depth, and the problem with it.
+fn anchored(
+    draws: &mut Draws,
+    inverse_depth: f64,
+    camera: RigCamera,
+) -> (Problem, Frozen, PixelByAnchor) {
+    let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+    let (anchor, extrinsics) = (draws.state(), draws.extrinsics());
+    let turn = so3::exp(&draws.vector(0.2));
+    let state = NavState {
+        world_from_body: anchor.world_from_body * turn,
+        velocity: draws.vector(3.0),
+        position: anchor.position + draws.vector::<3>(0.5),
+    };
+    let landmark = Vector3::new(draws.number(0.2), draws.number(0.2), inverse_depth);
+    let offset = Vector1::new(draws.number(0.02));
+    let factor = PixelByAnchor {
+        anchor: frozen.add(draws, &mut problem, anchor),
+        state: frozen.add(draws, &mut problem, state),
+        landmark: frozen.add(draws, &mut problem, landmark),
+        extrinsics: frozen.add(draws, &mut problem, extrinsics),
+        time_offset: frozen.add(draws, &mut problem, offset),
+        camera,
+        angular_velocities: [draws.vector(0.5), draws.vector(0.5)],
+        pixel: Vector2::new(320.0, 240.0),
+        inverse_sigma: 1.3,
+    };
+    problem.add_factor(factor, Kernel::Squared).unwrap();
+    (problem, frozen, factor)
+}
+
+#[test]
+fn a_pixel_of_an_anchored_landmark_has_the_slopes_of_its_residual_at_any_distance_and_beyond() {
+    let mut draws = Draws::new(21);
+    for number in 0..STATES {
+        let inverse_depth = [0.2, 1e-3, 0.0, -0.01][number % 4];
+        let second = second_camera(&mut draws);
+        let camera = if number % 3 == 0 { second } else { RigCamera::first(PINHOLE) };
+        let (mut problem, frozen, factor) = anchored(&mut draws, inverse_depth, camera);
+        let freeze = |problem: &mut Problem| {
+            frozen.freeze(problem, factor.anchor);
+            frozen.freeze(problem, factor.state);
+            frozen.freeze(problem, factor.landmark);
+            frozen.freeze(problem, factor.extrinsics);
+            frozen.freeze(problem, factor.time_offset);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+#[test]
+fn an_anchored_landmark_is_seen_where_the_point_that_it_stands_for_is_seen() {
+    let mut draws = Draws::new(22);
+    for _ in 0..100 {
+        let camera = second_camera(&mut draws);
+        let (mut problem, _, factor) = anchored(&mut draws, 0.2, camera);
+        let values = problem.values();
+        let (offset, extrinsics) = (values[factor.time_offset], values[factor.extrinsics]);
+        let (anchor, landmark) = (values[factor.anchor], values[factor.landmark]);
+        let turned = so3::exp(&(offset.x * factor.angular_velocities[0]));
+        let at_exposure = NavState {
+            world_from_body: anchor.world_from_body * turned,
+            position: anchor.position + offset.x * anchor.velocity,
+            ..anchor
+        };
+        let point = landmark.xy().push(1.0) / landmark.z;
+        let in_world = se3::transform(&(at_exposure.pose() * extrinsics), &point);
+        let point = PixelByBody {
+            state: factor.state,
+            landmark: problem.add_variable(in_world),
+            extrinsics: factor.extrinsics,
+            time_offset: factor.time_offset,
+            camera,
+            angular_velocity: factor.angular_velocities[1],
+            pixel: factor.pixel,
+            inverse_sigma: factor.inverse_sigma,
+        };
+        problem.add_factor(point, Kernel::Squared).unwrap();
+        let (_, residual) = problem.jacobian(problem.values()).unwrap();
+        assert!((residual.rows(0, 2) - residual.rows(2, 2)).norm() < 1e-9, "{residual}");
+    }
+}
+
+#[test]
+fn a_pixel_in_the_anchor_itself_has_the_slopes_of_its_residual_and_asks_for_no_pose() {
+    let mut draws = Draws::new(23);
+    for number in 0..STATES {
+        let (mut problem, mut frozen) = (Problem::new(), Frozen::new());
+        let inverse_depth = [0.2, 1e-3, 0.0, -0.01][number % 4];
+        let value = Vector3::new(draws.number(0.2), draws.number(0.2), inverse_depth);
+        let landmark = frozen.add(&mut draws, &mut problem, value);
+        let camera = second_camera(&mut draws);
+        let (pixel, inverse_sigma) = (Vector2::new(320.0, 240.0), 1.3);
+        let factor = PixelAtAnchor { landmark, camera, pixel, inverse_sigma };
+        problem.add_factor(factor, Kernel::Squared).unwrap();
+        let (_, residual) = problem.jacobian(problem.values()).unwrap();
+        let body = BodyPose::from(&draws.state());
+        let general = AnchoredPixel { camera: &camera, pixel, inverse_sigma };
+        let general = general.residual((&body, &body, &draws.extrinsics(), &value)).unwrap();
+        assert!((residual - general).norm() < 1e-9);
+        let freeze = |problem: &mut Problem| frozen.freeze(problem, landmark);
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+/// The landmark of a pixel, carried over to where the pixel was seen: the factor, and the value to which
+/// it draws.
+fn carried_over(problem: &mut Problem, pixel: &PixelByAnchor) -> (AnchorChange, Vector3<f64>) {
+    let begin = problem.values()[pixel.landmark];
+    let change = AnchorChange {
+        anchors: [pixel.anchor, pixel.state],
+        landmarks: [pixel.landmark, problem.add_variable(begin)],
+        extrinsics: pixel.extrinsics,
+        time_offset: pixel.time_offset,
+        angular_velocities: pixel.angular_velocities,
+        inverse_sigma: 1.0,
+    };
+    let values = problem.values();
+    let (anchor, state) = (&values[pixel.anchor], &values[pixel.state]);
+    let (extrinsics, offset) = (&values[pixel.extrinsics], &values[pixel.time_offset]);
+    let off = change.residual((anchor, state, &begin, &begin, extrinsics, offset)).unwrap();
+    (change, begin + off)
+}
+
+#[test]
+fn a_landmark_of_two_anchors_is_seen_at_the_same_pixel_from_either() {
+    let mut draws = Draws::new(24);
+    for number in 0..100 {
+        let inverse_depth = [0.2, 1e-3, 0.0, -0.01][number % 4];
+        let camera = second_camera(&mut draws);
+        let (mut problem, _, pixel) = anchored(&mut draws, inverse_depth, camera);
+        let (change, place) = carried_over(&mut problem, &pixel);
+        let landmark = problem.add_variable(place);
+        let PixelByAnchor { camera, pixel, inverse_sigma, .. } = pixel;
+        let seen = PixelAtAnchor { landmark, camera, pixel, inverse_sigma };
+        problem.add_factor(seen, Kernel::Squared).unwrap();
+        let tied = AnchorChange { landmarks: [change.landmarks[0], landmark], ..change };
+        problem.add_factor(tied, Kernel::Squared).unwrap();
+        let (_, residual) = problem.jacobian(problem.values()).unwrap();
+        assert!((residual.rows(0, 2) - residual.rows(2, 2)).norm() < 1e-9, "{residual}");
+        assert!(residual.rows(4, 3).norm() < 1e-12, "{residual}");
+    }
+}
+
+#[test]
+fn a_change_of_the_anchor_has_the_slopes_of_its_residual() {
+    let mut draws = Draws::new(25);
+    for number in 0..STATES {
+        let inverse_depth = [0.2, 1e-3, 0.0, -0.01][number % 4];
+        let first = RigCamera::first(PINHOLE);
+        let (mut problem, mut frozen, pixel) = anchored(&mut draws, inverse_depth, first);
+        let (change, place) = carried_over(&mut problem, &pixel);
+        let [known, landmark] = change.landmarks;
+        frozen.values.add(draws.nearby(&place));
+        problem.take_factors(Kernel::Squared, |_: &PixelByAnchor| true);
+        problem.add_factor(change, Kernel::Squared).unwrap();
+        let freeze = |problem: &mut Problem| {
+            change.anchors.iter().for_each(|anchor| frozen.freeze(problem, *anchor));
+            frozen.freeze(problem, known);
+            frozen.freeze(problem, landmark);
+            frozen.freeze(problem, change.extrinsics);
+            frozen.freeze(problem, change.time_offset);
+        };
+        compare(&mut problem, freeze, &frozen.values, 1e-7);
+    }
+}
+
+#[test]
+fn a_landmark_behind_a_camera_has_no_pixel_whichever_way_it_is_written() {
+    let camera = RigCamera::first(PINHOLE);
+    assert!(camera.project_cam(&Vector3::new(0.0, 0.0, -1.0)).is_none());
+    assert!(camera.project_scaled(&Vector3::new(0.0, 0.0, 0.01), 1.0).is_none());
+    assert!(camera.project_scaled(&Vector3::new(0.0, 0.0, 0.01), 0.1).is_some());
+    assert!(camera.project_scaled(&Vector3::new(0.0, 0.0, -1.0), 0.0).is_none());
 }
 
 #[test]

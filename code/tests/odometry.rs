@@ -6,10 +6,12 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, absolute_trajectory_error};
 use vislam::inertial::{NavState, StampedSample};
 use vislam::initialization::Sensors;
+use vislam::msckf::Start;
 use vislam::odometry::{
     Estimate, Estimator, Lost, Odometry, OdometryError, OdometryOptions, Progress,
 };
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::smoother::{Keyframes, Parametrization};
 
 fn flown(seconds: f64, seed: u64) -> FlightRecording {
     let lever = Vector3::new(0.1, 0.05, -0.02);
@@ -71,6 +73,32 @@ fn worst_velocity(recording: &FlightRecording, estimate: &Estimate) -> f64 {
 }
 
 #[test]
+fn a_clock_that_nobody_told_is_found_from_a_start_that_is_known() {
+    let lever = Vector3::new(0.1, 0.05, -0.02);
+    let mut flight = Flight::new(Trajectory::figure_eight()).with_lever(lever);
+    (flight.seconds, flight.picture_rate, flight.tracks) = (8.0, 10.0, 40);
+    flight.rig.time_offset = 0.01;
+    let recording = flight.record(&flight.room(3.0, 400, 2).unwrap(), 2).unwrap();
+    let mut sensors = Sensors::of_flight(&recording.flight);
+    (sensors.rig.time_offset, sensors.calibrated.time_offset) = (0.0, Some(0.02));
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut start = Start::at_the_origin(&recording, [0.01, 0.05, 2e-3, 0.02], 5).unwrap();
+        (0..9).for_each(|at| start.covariance[(at, at)] += 1e-8);
+        start.rig.time_offset = 0.0;
+        let options = OdometryOptions::new(sensors, estimator);
+        let mut odometry = Odometry::begun(options, &start).unwrap();
+        // By its own clock the last picture may be later than all readings.
+        let pictures = &recording.pictures[1..recording.pictures.len() - 1];
+        let flown = fly(&mut odometry, &recording.readings, pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        let last = flown.estimates.last().unwrap();
+        let truth = recording.flight.motion.at(1e-9 * last.nanoseconds as f64).state;
+        let off = (last.state.position - truth.position).norm();
+        assert!(off < 0.15, "{estimator}: {off} m");
+    }
+}
+
+#[test]
 fn each_estimator_flies_from_nothing_to_the_end() {
     let recording = flown(12.0, 1);
     for estimator in Estimator::ALL {
@@ -83,6 +111,27 @@ fn each_estimator_flies_from_nothing_to_the_end() {
         assert_eq!(odometry.worlds(), 1);
         let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
         assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+    }
+}
+
+#[test]
+fn batch_and_smoother_fly_by_inverse_depth_and_keyframes_too() {
+    let recording = flown(12.0, 1);
+    let carried = Parametrization::InverseDepth { largest_sigma: 0.05, is_carried: true };
+    for estimator in [Estimator::Batch, Estimator::Smoother] {
+        for landmarks in [Parametrization::Point, Parametrization::INVERSE_DEPTH, carried] {
+            let mut options =
+                OdometryOptions::new(Sensors::of_flight(&recording.flight), estimator);
+            options.smoother.landmarks = landmarks;
+            options.smoother.keyframes = Keyframes::Moved { pixels: 40.0, most_seconds: 1.0 };
+            let mut odometry = Odometry::new(options);
+            let flown = fly(&mut odometry, &recording.readings, &recording.pictures);
+            assert!(flown.lost.is_empty(), "{estimator}, {landmarks:?}: {:?}", flown.lost);
+            let error = error(&recording, &flown.estimates);
+            assert!(error < 0.15, "{estimator}, {landmarks:?}: {error} m");
+            let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
+            assert!(worst < 4.0, "{estimator}, {landmarks:?}: {worst} standard deviations");
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! A pixel by the state of the body that carries the camera, the point that it shows, how the
 //! camera sits on the body and how late its clock is.
 
-use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Rotation3, SMatrix, Vector1, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, SMatrix, Vector1, Vector2, Vector3};
 
+use super::exposure::Exposure;
 use crate::inertial::{BodyPose, NavState};
 use crate::least_squares::{Factor, Key};
 use crate::manifold::so3;
@@ -135,22 +136,8 @@ impl<M: CameraModel> PixelByBody<M> {
         BodyPixel { camera, pixel, inverse_sigma }
     }
 
-    /// By how much the body turns in so many seconds.
-    fn turn(&self, seconds: f64) -> Rotation3<f64> {
-        if seconds == 0.0 {
-            Rotation3::identity()
-        } else {
-            so3::exp(&(seconds * self.angular_velocity))
-        }
-    }
-
-    /// The body when the picture was taken: it has gone on with the velocity and angular velocity
-    /// that it had.
-    fn body_at_exposure(&self, state: &NavState, offset: f64) -> BodyPose {
-        BodyPose {
-            world_from_body: state.world_from_body * self.turn(offset),
-            position: state.position + offset * state.velocity,
-        }
+    fn exposure(&self) -> Exposure<'_> {
+        Exposure { angular_velocity: &self.angular_velocity }
     }
 }
 
@@ -165,28 +152,21 @@ impl<M: CameraModel> Factor<2> for PixelByBody<M> {
     }
 
     fn residual(&self, (state, landmark, extrinsics, offset): Around) -> Option<Vector2<f64>> {
-        let body = self.body_at_exposure(state, offset.x);
+        let body = self.exposure().body(state, offset.x);
         self.measured().residual((&body, landmark, extrinsics))
     }
 
     // ANCHOR: pixel_by_body_linearize
-    /// Implements {eq:pixel-by-state}. The state is earlier than the picture by the time offset: φ is
-    /// carried along by the turn in between, and p by the velocity. By the time offset the pixel
-    /// moves as by the velocities that the body has.
+    /// Implements {eq:pixel-by-state}, carried from the picture back to the state, which is earlier by the
+    /// time offset.
     fn linearize(
         &self,
         (state, landmark, extrinsics, offset): Around,
     ) -> Option<(Vector2<f64>, ByBody)> {
-        let body = self.body_at_exposure(state, offset.x);
+        let body = self.exposure().body(state, offset.x);
         let (residual, (by_body, by_landmark, by_extrinsics)) =
             self.measured().linearize((&body, landmark, extrinsics))?;
-        let (by_turn, by_shift) = (by_body.fixed_columns::<3>(0), by_body.fixed_columns::<3>(3));
-        let mut by_state = SMatrix::<f64, 2, 9>::zeros();
-        let carried = by_turn * self.turn(offset.x).matrix().transpose();
-        by_state.fixed_columns_mut::<3>(0).copy_from(&carried);
-        by_state.fixed_columns_mut::<3>(3).copy_from(&(offset.x * by_shift));
-        by_state.fixed_columns_mut::<3>(6).copy_from(&by_shift);
-        let by_offset = by_turn * self.angular_velocity + by_shift * state.velocity;
+        let (by_state, by_offset) = self.exposure().carry(&by_body, state, offset.x);
         Some((residual, (by_state, by_landmark, by_extrinsics, by_offset)))
     }
     // ANCHOR_END: pixel_by_body_linearize

@@ -39,28 +39,54 @@ struct Placed {
 }
 // ANCHOR_END: assembly
 
-impl Segment {
-    /// The segments of all factors, each factor's by their columns.
-    pub fn of_factors(problem: &Problem, columns: &Columns, place: &[usize]) -> Vec<Vec<Self>> {
-        let of_factor = |(group, factor): (&dyn FactorGroup, usize)| {
-            let (mut segments, mut slot): (Vec<Self>, usize) = (Vec::new(), 0);
-            group.variables(factor, &mut |variable| {
-                let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
-                let columns = columns.of[coordinates].iter().enumerate();
-                for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
-                    match segments.last_mut() {
-                        Some(last) if last.continues(slot, first, column) => last.len += 1,
-                        _ => segments.push(Self { slot, first, len: 1, column }),
-                    }
-                }
-                slot += 1;
-            });
-            segments.sort_by_key(|segment| segment.column);
-            segments
-        };
-        problem.factors().map(of_factor).collect()
+/// The segments of all factors, each factor's by their columns.
+#[derive(Debug, Clone, Default)]
+pub struct Segments {
+    all: Vec<Segment>,
+    /// By factor, where its segments end.
+    ends: Vec<usize>,
+}
+
+impl Segments {
+    pub fn of(problem: &Problem, columns: &Columns, place: &[usize]) -> Self {
+        let mut segments = Self::default();
+        for factor in problem.factors() {
+            segments.add(factor, (problem, columns), place);
+        }
+        segments
     }
 
+    fn add(
+        &mut self,
+        (group, factor): (&dyn FactorGroup, usize),
+        (problem, columns): (&Problem, &Columns),
+        place: &[usize],
+    ) {
+        let Self { all, ends } = self;
+        let (begin, mut slot) = (all.len(), 0);
+        group.variables(factor, &mut |variable| {
+            let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
+            let columns = columns.of[coordinates].iter().enumerate();
+            for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
+                match all[begin..].last_mut() {
+                    Some(last) if last.continues(slot, first, column) => last.len += 1,
+                    _ => all.push(Segment { slot, first, len: 1, column }),
+                }
+            }
+            slot += 1;
+        });
+        all[begin..].sort_by_key(|segment| segment.column);
+        ends.push(all.len());
+    }
+
+    /// Those of one factor after the other.
+    pub fn of_each(&self) -> impl Iterator<Item = &[Segment]> {
+        let begins = [0].into_iter().chain(self.ends.iter().copied());
+        begins.zip(&self.ends).map(|(begin, end)| &self.all[begin..*end])
+    }
+}
+
+impl Segment {
     fn continues(&self, slot: usize, coordinate: usize, column: usize) -> bool {
         let next = (self.slot, self.first + self.len, self.column + self.len);
         next == (slot, coordinate, column)
@@ -69,9 +95,9 @@ impl Segment {
 
 impl Assembly {
     /// From the segments of all factors.
-    pub fn new(segments_of_factors: &[Vec<Segment>], tree: &Tree) -> Self {
+    pub fn new(of_factors: &Segments, tree: &Tree) -> Self {
         let (mut segments, mut ends, mut products) = (Vec::new(), Vec::new(), Vec::new());
-        for own in segments_of_factors {
+        for own in of_factors.of_each() {
             for (at, &segment) in own.iter().enumerate() {
                 let front = tree.front_of(segment.column);
                 let (node, first) = (&tree.nodes[front], tree.start_of(segment.column, front));

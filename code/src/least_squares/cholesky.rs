@@ -3,8 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::elimination_tree::{Tree, elimination_tree};
-use super::front::{Update, factorize};
-use super::fronts::updates_of;
+use super::front::{Updates, factorize};
 use super::ordering::{minimum_degree, neighbours};
 use crate::registers::wide;
 
@@ -18,7 +17,7 @@ pub struct SparseCholesky {
     /// By block, the place of its first column in the order of elimination.
     starts: Vec<usize>,
     tree: Tree,
-    updates: Vec<Vec<Update>>,
+    updates: Updates,
     /// The lower triangle, front by front.
     matrix: Vec<f64>,
     factor: Vec<f64>,
@@ -39,9 +38,10 @@ impl SparseCholesky {
             end += sizes[block];
             blocks.push(starts[block]..end);
         }
-        let couplings = pairs.iter().map(|pair| pair.map(|block| place[block]).to_vec());
+        let couplings = pairs.iter().map(|pair| pair.map(|block| place[block]).into_iter());
         let tree = Tree::new(elimination_tree(&blocks, couplings));
-        let updates = (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect();
+        let mut updates = Updates::default();
+        updates.arrange(&tree);
         let (matrix, factor) = (vec![0.0; tree.len()], vec![0.0; tree.len()]);
         Self { sizes: sizes.to_vec(), starts, tree, updates, matrix, factor }
     }
@@ -104,7 +104,7 @@ impl SparseCholesky {
             if factorize(done, order, &zeros[..node.own.len()]).is_err() {
                 return false;
             }
-            for update in &self.updates[number] {
+            for update in self.updates.of(number) {
                 let into = &mut later[self.tree.panel(update.front).start - panel.end..];
                 update.apply((done, order), (into, self.tree.nodes[update.front].width() + 1));
             }

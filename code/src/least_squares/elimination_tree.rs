@@ -47,12 +47,12 @@ impl Node {
 /// as the two are not wide: what is eliminated together should stay in the fastest memory.
 pub fn elimination_tree(
     blocks: &[Range<usize>],
-    couplings: impl Iterator<Item = Vec<usize>>,
+    couplings: impl Iterator<Item = impl Iterator<Item = usize> + Clone>,
 ) -> Vec<Node> {
     let mut rests = vec![BTreeSet::new(); blocks.len()];
     for coupled in couplings {
-        if let Some(first) = coupled.iter().min() {
-            rests[*first].extend(coupled);
+        if let Some(first) = coupled.clone().min() {
+            rests[first].extend(coupled);
         }
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(blocks.len());

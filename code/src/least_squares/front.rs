@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView};
 
-use super::elimination_tree::Node;
+use super::elimination_tree::{Node, Tree};
 
 // ANCHOR: factorize
 /// Replaces a front's columns of the matrix [H g; gᵀ c] by those of its Cholesky factor. They are
@@ -33,41 +33,101 @@ pub fn factorize(panel: &mut [f64], order: usize, smallest: &[f64]) -> Result<()
 }
 // ANCHOR_END: factorize
 
+// ANCHOR: updates
+/// What the elimination of each front changes: the columns that it leaves, by the fronts that eliminate
+/// them.
+#[derive(Debug, Clone, Default)]
+pub struct Updates {
+    all: Vec<Stored>,
+    /// By front, where its updates end.
+    ends: Vec<usize>,
+    places: Vec<usize>,
+    runs: Vec<Run>,
+}
+
+/// An update, with parts of the lists of all updates.
+#[derive(Debug, Clone)]
+struct Stored {
+    front: usize,
+    columns: Range<usize>,
+    places: Range<usize>,
+    runs: Range<usize>,
+}
+
+impl Updates {
+    /// Finds those of other fronts, in the memory that is there.
+    pub fn arrange(&mut self, tree: &Tree) {
+        self.all.clear();
+        self.ends.clear();
+        self.places.clear();
+        self.runs.clear();
+        for node in &tree.nodes {
+            let mut at = 0;
+            while at < node.rest.len() {
+                at = self.add(tree, node, at);
+            }
+            self.ends.push(self.all.len());
+        }
+    }
+
+    /// Adds the one of the columns that a front leaves from this one on. Gives the next column, which
+    /// another front eliminates.
+    fn add(&mut self, tree: &Tree, node: &Node, at: usize) -> usize {
+        let front = tree.front_of(node.rest[at]);
+        let (later, first) = (&tree.nodes[front], node.own.len() + at);
+        let end = node.rest.partition_point(|column| *column < later.own.end);
+        let (place, run) = (self.places.len(), self.runs.len());
+        let rows = node.rest[at..].iter().map(|column| later.place(*column));
+        for (row, to) in (first..).zip(rows.chain([later.width()])) {
+            match self.runs[run..].last_mut() {
+                Some(run) if run.continues(to) => run.from.end += 1,
+                _ => self.runs.push(Run { from: row..row + 1, to }),
+            }
+            if row < first + end - at {
+                self.places.push(to);
+            }
+        }
+        let (places, runs) = (place..self.places.len(), run..self.runs.len());
+        self.all.push(Stored { front, columns: first..first + end - at, places, runs });
+        end
+    }
+
+    /// Those of a front.
+    pub fn of(&self, front: usize) -> impl Iterator<Item = Update<'_>> {
+        let begin = if front == 0 { 0 } else { self.ends[front - 1] };
+        self.all[begin..self.ends[front]].iter().map(|stored| Update {
+            front: stored.front,
+            columns: stored.columns.clone(),
+            places: &self.places[stored.places.clone()],
+            runs: &self.runs[stored.runs.clone()],
+        })
+    }
+}
+// ANCHOR_END: updates
+
 // ANCHOR: update
 /// What the elimination of a front subtracts from the columns of a later one.
 #[derive(Debug, Clone)]
-pub struct Update {
+pub struct Update<'a> {
     /// The later front.
     pub front: usize,
     /// Which rows of the front at hand are the columns to be changed, and their places there.
-    pub columns: Range<usize>,
-    pub places: Vec<usize>,
+    columns: Range<usize>,
+    places: &'a [usize],
     /// Rows, with those of the columns and everything below them.
-    pub runs: Vec<Run>,
+    runs: &'a [Run],
 }
 
 /// Rows that follow each other here and there.
 #[derive(Debug, Clone)]
-pub struct Run {
-    pub from: Range<usize>,
-    pub to: usize,
+struct Run {
+    from: Range<usize>,
+    to: usize,
 }
 
 impl Run {
     /// So many rows that those of a whole front stay in the fastest memory.
     const LONGEST: usize = 64;
-
-    /// Rows `first` and on, which stand at these places there.
-    pub fn split(first: usize, places: &[usize]) -> Vec<Self> {
-        let mut runs: Vec<Self> = Vec::new();
-        for (row, &to) in (first..).zip(places) {
-            match runs.last_mut() {
-                Some(run) if run.continues(to) => run.from.end += 1,
-                _ => runs.push(Self { from: row..row + 1, to }),
-            }
-        }
-        runs
-    }
 
     fn continues(&self, to: usize) -> bool {
         let len = self.from.len();
@@ -75,11 +135,11 @@ impl Run {
     }
 }
 
-impl Update {
+impl Update<'_> {
     /// Subtracts the products of the front's eliminated columns from a later front's.
     #[inline(always)]
     pub fn apply(&self, (done, order): (&[f64], usize), (into, into_order): (&mut [f64], usize)) {
-        for run in &self.runs {
+        for run in self.runs {
             let columns = self.columns.start..self.columns.end.min(run.from.end);
             let column = |place: usize| {
                 place * into_order + run.to..place * into_order + run.to + run.from.len()

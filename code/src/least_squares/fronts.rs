@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::assembly::{Assembly, Segment};
+use super::assembly::{Assembly, Segment, Segments};
 use super::covariance::Part;
 use super::elimination_tree::{Node, Tree, elimination_tree};
-use super::front::{Run, Update, covariance_of_front, factorize, solve_transposed};
+use super::front::{Updates, covariance_of_front, factorize, solve_transposed};
 use super::group::Point;
 use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Columns, Problem};
@@ -28,7 +28,7 @@ pub struct Fronts {
     tree: Tree,
     assembly: Assembly,
     /// By front, what its elimination changes.
-    updates: Vec<Vec<Update>>,
+    updates: Updates,
     /// The lower triangle of the Hessian, and the gradient, front by front.
     hessian: Vec<f64>,
     /// Its Cholesky factor.
@@ -76,13 +76,12 @@ impl Fronts {
     pub fn arrange(&mut self, problem: &Problem, order: &[usize]) -> Result<(), SolveError> {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
-        let segments = Segment::of_factors(problem, &columns, &place);
+        let segments = Segments::of(problem, &columns, &place);
         let block_with = |segment: &Segment| blocks.partition_point(|b| b.end <= segment.column);
-        let couplings =
-            segments.iter().map(|of_factor| of_factor.iter().map(block_with).collect::<Vec<_>>());
+        let couplings = segments.of_each().map(|of_factor| of_factor.iter().map(block_with));
         let tree = Tree::new(elimination_tree(&blocks, couplings));
         self.assembly = Assembly::new(&segments, &tree);
-        self.updates = (0..tree.nodes.len()).map(|front| updates_of(&tree, front)).collect();
+        self.updates.arrange(&tree);
         for entries in [&mut self.hessian, &mut self.factor] {
             entries.resize(tree.len(), 0.0);
         }
@@ -175,7 +174,7 @@ impl Fronts {
             if factorize(done, order, &self.smallest[node.own.clone()]).is_err() {
                 return false;
             }
-            for update in &self.updates[number] {
+            for update in self.updates.of(number) {
                 let into = &mut later[self.tree.panel(update.front).start - panel.end..];
                 update.apply((done, order), (into, self.tree.nodes[update.front].width() + 1));
             }
@@ -343,25 +342,6 @@ impl LinearSystem for Fronts {
         let of_variable = (0..values.len()).map(columns).collect();
         Ok(Covariance::of_parts(self.covariances(), of_variable))
     }
-}
-
-/// What the elimination of a front changes: the columns that it leaves, by the fronts that eliminate
-/// them.
-pub(super) fn updates_of(tree: &Tree, number: usize) -> Vec<Update> {
-    let node = &tree.nodes[number];
-    let (mut updates, mut at) = (Vec::new(), 0);
-    while let Some(first) = node.rest.get(at) {
-        let front = tree.front_of(*first);
-        let later = &tree.nodes[front];
-        let end = node.rest.partition_point(|column| *column < later.own.end);
-        let rows = node.rest[at..].iter().map(|column| later.place(*column));
-        let rows: Vec<usize> = rows.chain([later.width()]).collect();
-        let (first, places) = (node.own.len() + at, rows[..end - at].to_vec());
-        let runs = Run::split(first, &rows);
-        updates.push(Update { front, columns: first..first + end - at, places, runs });
-        at = end;
-    }
-    updates
 }
 
 /// The blocks of columns in an order of variables, as ranges of places, and the place of each

@@ -88,6 +88,13 @@ impl<F: Factor<R>, const R: usize> FactorSet<F, R> {
         self.factors.push(factor);
         self.factors.len() - 1
     }
+
+    /// Takes the factors out that are to go, and their numbers away from those of all.
+    pub(super) fn take(&mut self, goes: impl Fn(&F) -> bool, numbers: &mut Vec<usize>) -> Vec<F> {
+        let mut place = 0..self.factors.len();
+        numbers.retain(|_| place.next().is_some_and(|place| !goes(&self.factors[place])));
+        self.factors.extract_if(.., |factor| goes(factor)).collect()
+    }
 }
 
 impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {

@@ -67,8 +67,9 @@ impl LinearPrior {
             problem.each_row_of(goes, at, &columns, &mut Buffer::default(), |row| {
                 let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
                 let named = named.map(|(column, slope)| (place[*column], *slope));
-                let row: SparseRow<f64> =
-                    named.chain([(2 * columns.count, row.residual)]).collect();
+                let residual = (2 * columns.count, row.residual);
+                let mut row: SparseRow<f64> = Vec::with_capacity(row.entries.len() + 1);
+                row.extend(named.chain([residual]));
                 let first =
                     row.iter().fold(2 * columns.count, |first, (column, _)| first.min(*column));
                 rows[first].push(row);

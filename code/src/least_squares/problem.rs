@@ -205,6 +205,21 @@ impl Problem {
     }
     // ANCHOR_END: add_factor
 
+    /// Takes the factors of one type with one kernel out of the problem that are to go, in the order in
+    /// which they were added. Others keep their numbers.
+    pub fn take_factors<F: Factor<R>, const R: usize>(
+        &mut self,
+        kernel: Kernel,
+        goes: impl Fn(&F) -> bool,
+    ) -> Vec<F> {
+        let at = self.group_of::<F, R>(kernel);
+        let Group { factors, numbers, all } = &mut self.groups[at];
+        let taken = set_mut::<F, R>(&mut **factors).map(|set| set.take(goes, numbers));
+        all.truncate(numbers.len());
+        self.groups.retain(|group| !group.numbers.is_empty());
+        taken.unwrap_or_default()
+    }
+
     /// Adds a group of one factor.
     pub(super) fn add_group(
         &mut self,
@@ -226,7 +241,7 @@ impl Problem {
 
     /// Holds variables that exist, and those tied to them, and forgets all factors that name one of
     /// them. One that was held before goes with none.
-    pub(super) fn forget(&mut self, variables: &[usize]) {
+    pub(crate) fn forget(&mut self, variables: &[usize]) {
         let columns = self.columns();
         let coordinates = |index| self.values.coordinates_of(index).unwrap_or_default();
         let gone: Vec<usize> =
@@ -310,12 +325,14 @@ impl Problem {
                 blocks.extend((count > start).then_some(start..count));
             }
         }
+        let mut shared = false;
         for (index, &leader) in self.leader.iter().enumerate().filter(|(i, leader)| i != *leader) {
             for (own, led) in coordinates(index).zip(coordinates(leader)) {
                 of[own] = of[led];
+                shared = true;
             }
         }
-        Columns { of, count, blocks }
+        Columns { of, count, blocks, shared }
     }
 
     /// The columns of a problem in which there is something to solve.
@@ -595,7 +612,7 @@ pub(super) struct Buffer {
 
 // ANCHOR: gather
 /// Collects a row of the linearized factors: the derivatives in each slot by the columns of its
-/// variable. What is held has no column; what is tied shares one.
+/// variable. What is held has no column; what is tied shares one, and only then it is looked for.
 fn gather(
     linear: &Linearized,
     row: usize,
@@ -609,7 +626,11 @@ fn gather(
         let slopes = &linear.jacobian(slot)[row * width..(row + 1) * width];
         for (column, slope) in columns.of[start..].iter().zip(slopes) {
             let Some(column) = *column else { continue };
-            match entries.iter_mut().find(|(other, _)| *other == column) {
+            let known = match columns.shared {
+                true => entries.iter_mut().find(|(other, _)| *other == column),
+                false => None,
+            };
+            match known {
                 Some((_, sum)) => *sum += slope,
                 None => entries.push((column, *slope)),
             }
@@ -627,6 +648,8 @@ pub struct Columns {
     pub count: usize,
     /// The columns of each variable that has some, those that are tied as one.
     pub(super) blocks: Vec<Range<usize>>,
+    /// Whether coordinates of different variables may have the same column.
+    pub(super) shared: bool,
 }
 
 impl Columns {

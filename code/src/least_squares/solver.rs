@@ -264,14 +264,6 @@ struct Damping {
 }
 
 impl Damping {
-    fn begin(options: &Options) -> Self {
-        let value = match options.method {
-            Method::GaussNewton => 0.0,
-            Method::LevenbergMarquardt { initial_damping } => initial_damping,
-        };
-        Self { value, growth: 2.0 }
-    }
-
     /// After a step that was taken with this gain, less of it, the better the prediction was.
     /// After one that was refused, more, and faster every time.
     fn learn(&mut self, gain: Option<f64>) {
@@ -286,6 +278,16 @@ impl Damping {
     }
 }
 // ANCHOR_END: damping
+
+impl Damping {
+    fn begin(options: &Options) -> Self {
+        let value = match options.method {
+            Method::GaussNewton => 0.0,
+            Method::LevenbergMarquardt { initial_damping } => initial_damping,
+        };
+        Self { value, growth: 2.0 }
+    }
+}
 
 impl Problem {
     /// Minimizes the cost, beginning at the problem's values, which stay as they are.

@@ -1,8 +1,10 @@
 //! What follows a flight that has begun.
 
+use nalgebra::Vector3;
+
 use super::{Estimate, Estimator, OdometryError, OdometryOptions};
 use crate::datasets::tracks::Picture;
-use crate::inertial::{NavState, StampedSample};
+use crate::inertial::{BodyPose, CameraImu, NavState, StampedSample};
 use crate::msckf::{Msckf, Start};
 use crate::smoother::{Smoother, SmootherOptions};
 
@@ -33,6 +35,7 @@ impl Engine {
             Estimator::Msckf => Self::Filter(Box::new(Msckf::new(options.msckf, start)?)),
         })
     }
+    // ANCHOR_END: engine
 
     pub fn reading(&mut self, reading: StampedSample) -> Result<(), OdometryError> {
         match self {
@@ -55,6 +58,14 @@ impl Engine {
         })
     }
 
+    /// The camera and its clock, as they are believed to be.
+    pub fn rig(&self, nominal: &CameraImu) -> CameraImu {
+        match self {
+            Self::Window(_) => *nominal,
+            Self::Filter(filter) => filter.rig(),
+        }
+    }
+
     /// The newest state.
     pub fn newest(&self) -> Estimate {
         match self {
@@ -70,7 +81,33 @@ impl Engine {
             },
         }
     }
-    // ANCHOR_END: engine
+
+    /// The states or poses of the window.
+    pub fn window(&self) -> Vec<NavState> {
+        match self {
+            Self::Window(smoother) => smoother.states().map(|(_, state)| state).collect(),
+            Self::Filter(filter) => {
+                let poses = filter.belief().values().of_kind::<BodyPose>().iter();
+                poses.map(BodyPose::at_rest).collect()
+            }
+        }
+    }
+
+    /// The landmarks of the window.
+    pub fn points(&self) -> Vec<(usize, Vector3<f64>)> {
+        match self {
+            Self::Window(smoother) => smoother.points().collect(),
+            Self::Filter(_) => Vec::new(),
+        }
+    }
+
+    /// How late the camera's clock is.
+    pub fn time_offset(&self) -> f64 {
+        match self {
+            Self::Window(smoother) => smoother.time_offset(),
+            Self::Filter(filter) => filter.rig().time_offset,
+        }
+    }
 
     /// The state of some seconds ago, as it is believed now.
     pub fn ago(&self, seconds: f64) -> Option<(i64, NavState)> {

@@ -1,11 +1,12 @@
 //! Readings and pictures go in, and where the body is comes out.
 
+use nalgebra::Vector3;
 use thiserror::Error;
 
 use super::engine::{Engine, Seen};
 use super::waiting::Waiting;
 use super::{OdometryError, OdometryOptions};
-use crate::datasets::tracks::Picture;
+use crate::datasets::tracks::{Feature, Picture};
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::initialization::Beginning;
 use crate::msckf::Start;
@@ -67,6 +68,7 @@ pub enum Progress {
     /// its own.
     Lost(Lost),
 }
+// ANCHOR_END: progress
 
 /// Why an estimate was given up.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -92,7 +94,6 @@ pub enum Lost {
     #[error("the estimator cannot go on: {0}")]
     Estimator(OdometryError),
 }
-// ANCHOR_END: progress
 
 impl Odometry {
     /// An odometry that knows nothing yet.
@@ -107,6 +108,17 @@ impl Odometry {
             beginning: None,
             worlds: 0,
         }
+    }
+
+    /// An odometry that is told where a flight begins, as a simulation can. Pictures after that time are
+    /// followed.
+    ///
+    /// # Errors
+    ///
+    /// [`OdometryError::Smoother`] and [`OdometryError::Msckf`] when the covariance of the start is none.
+    pub fn begun(options: OdometryOptions, start: &Start) -> Result<Self, OdometryError> {
+        let phase = Phase::Following(Engine::new(&options, start)?);
+        Ok(Self { phase, worlds: 1, ..Self::new(options) })
     }
 
     // ANCHOR: reading
@@ -178,7 +190,7 @@ impl Odometry {
     ) -> Result<(), OdometryError> {
         let mut readings = readings.iter();
         for picture in pictures {
-            let time = self.options.sensors.rig.imu_nanoseconds(picture.nanoseconds);
+            let time = self.imu_nanoseconds(picture);
             while self.last_reading.is_none_or(|last| last.nanoseconds < time) {
                 let Some(reading) = readings.next() else { break };
                 if let Some(lost) = self.reading(*reading)? {
@@ -191,6 +203,17 @@ impl Odometry {
         Ok(())
     }
 
+    /// The time of a picture on the sensor's clock, in nanoseconds, as it is believed to be: so far readings
+    /// have to come before it is taken. A filter that estimates the time offset moves it a little.
+    pub fn imu_nanoseconds(&self, picture: &Picture) -> i64 {
+        let nominal = &self.options.sensors.rig;
+        let rig = match &self.phase {
+            Phase::Waiting(_) => *nominal,
+            Phase::Following(engine) => engine.rig(nominal),
+        };
+        rig.imu_nanoseconds(picture.nanoseconds)
+    }
+
     /// Whether a picture can be taken.
     fn check(&self, picture: &Picture) -> Result<(), OdometryError> {
         let nanoseconds = picture.nanoseconds;
@@ -198,10 +221,12 @@ impl Odometry {
             return Err(OdometryError::LatePicture { nanoseconds, last });
         }
         let is_finite = |pixel: &nalgebra::Vector2<f64>| pixel.iter().all(|n| n.is_finite());
-        if let Some(feature) = picture.features.iter().find(|feature| !is_finite(&feature.pixel)) {
+        let is_whole =
+            |feature: &&Feature| is_finite(&feature.pixel) && feature.right.iter().all(is_finite);
+        if let Some(feature) = picture.features.iter().find(|feature| !is_whole(feature)) {
             return Err(OdometryError::Pixel { track: feature.track, nanoseconds });
         }
-        let nanoseconds = self.options.sensors.rig.imu_nanoseconds(nanoseconds);
+        let nanoseconds = self.imu_nanoseconds(picture);
         let last = self.last_reading.as_ref().map(|last| last.nanoseconds);
         if last.is_none_or(|last| last < nanoseconds) {
             return Err(OdometryError::EarlyPicture { nanoseconds });
@@ -209,7 +234,6 @@ impl Odometry {
         Ok(())
     }
 
-    // ANCHOR: wait
     /// Looks for a beginning. What has come since then is followed at once.
     fn wait(&mut self, picture: &Picture) -> Progress {
         let Phase::Waiting(waiting) = &mut self.phase else { return Progress::Waiting };
@@ -223,6 +247,7 @@ impl Odometry {
         }
     }
 
+    // ANCHOR: wait
     /// Hands over what has come since a start.
     fn follow(&mut self, beginning: Beginning) -> Result<Seen, OdometryError> {
         let Phase::Waiting(waiting) = &self.phase else { return Ok(Seen::default()) };
@@ -300,6 +325,33 @@ impl Odometry {
         match &self.phase {
             Phase::Waiting(_) => None,
             Phase::Following(engine) => engine.ago(seconds),
+        }
+    }
+
+    /// The states of the window from the oldest to the newest; a filter has poses there, which are given
+    /// at rest. None before there is a beginning.
+    pub fn window(&self) -> Vec<NavState> {
+        match &self.phase {
+            Phase::Waiting(_) => Vec::new(),
+            Phase::Following(engine) => engine.window(),
+        }
+    }
+
+    /// The tracks that are landmarks of the window, and where in the world those are, in metres. None
+    /// before there is a beginning, and none of a filter, which has forgotten them when it was corrected.
+    pub fn points(&self) -> Vec<(usize, Vector3<f64>)> {
+        match &self.phase {
+            Phase::Waiting(_) => Vec::new(),
+            Phase::Following(engine) => engine.points(),
+        }
+    }
+
+    /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is
+    /// known or estimated; `None` before there is a beginning.
+    pub fn time_offset(&self) -> Option<f64> {
+        match &self.phase {
+            Phase::Waiting(_) => None,
+            Phase::Following(engine) => Some(engine.time_offset()),
         }
     }
 

@@ -13,9 +13,11 @@ mod distortion;
 mod factor;
 mod model;
 mod pinhole;
+mod rig_camera;
 
 pub use distorted::DistortedPinhole;
 pub use distortion::{DistortionError, RadialTangential, UndistortError};
 pub use factor::{LinearizedReproj, ReprojFactor, ReprojFactorError};
 pub use model::CameraModel;
 pub use pinhole::{Pinhole, PinholeError, Projection, Z_MIN};
+pub use rig_camera::RigCamera;

@@ -5,7 +5,8 @@ use thiserror::Error;
 
 use super::Trajectory;
 use crate::inertial::{CameraImu, GRAVITY, ImuBias, ImuNoise, NoiseError};
-use crate::reprojection::Pinhole;
+use crate::reprojection::{Pinhole, RigCamera};
+use crate::two_views::StereoPinhole;
 
 /// A motion with a camera and an inertial sensor on board. The numbers by which readings and pixels
 /// are disturbed are those by which an estimator whitens them.
@@ -86,6 +87,15 @@ impl Flight {
     pub fn with_lever(mut self, lever: Vector3<f64>) -> Self {
         self.rig.body_from_camera.translation.vector = lever;
         self
+    }
+
+    /// The second camera on the rig of the first one, if there is one.
+    pub fn right(&self) -> Option<RigCamera> {
+        let Self { camera, baseline, .. } = *self;
+        baseline.map(|baseline| {
+            let camera_from_first = StereoPinhole { camera, baseline }.right_from_left();
+            RigCamera { camera, camera_from_first }
+        })
     }
 
     /// Seconds from one reading to the next.

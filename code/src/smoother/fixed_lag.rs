@@ -4,25 +4,23 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::window::{Frame, Waiting, Window};
+use super::window::{Frame, Window};
 use super::{SmootherError, SmootherOptions};
 use crate::datasets::tracks::Picture;
-use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody};
-use crate::inertial::{BodyPose, ImuBias, NavState, StampedSample, between};
+use crate::factors::CombinedInertialFactor;
+use crate::inertial::{ImuBias, NavState, StampedSample, between};
 use crate::initialization::{Sensors, calibrate};
-use crate::least_squares::{
-    Fronts, Kernel, Key, LinearPrior, Problem, ProblemError, Search, sqrt_information,
-};
+use crate::least_squares::{Fronts, Kernel, LinearPrior, Problem, Search, sqrt_information};
 use crate::msckf::Start;
-use crate::preintegration::{Matrix15, preintegrate_combined};
-use crate::two_views::{View, triangulate, triangulate_nonlinear};
+use crate::preintegration::{CombinedPreintegrated, Matrix15, preintegrate_combined};
 
 /// A fixed-lag smoother.
 pub struct Smoother {
     pub(super) options: SmootherOptions,
     pub(super) problem: Problem,
     pub(super) window: Window,
-    readings: Vec<StampedSample>,
+    /// From the last keyframe on.
+    pub(super) readings: Vec<StampedSample>,
     covariance: Matrix15,
     /// The search of the last picture, whose memory the next one takes.
     search: Option<Search<Fronts>>,
@@ -51,6 +49,12 @@ pub struct Smoothed {
     pub gated: usize,
     /// How many columns the widest front has.
     pub widest: usize,
+    /// States in the window.
+    pub states: usize,
+    /// Whether the picture is a keyframe. If not, it leaves when the next one comes.
+    pub is_keyframe: bool,
+    /// Pixels of the picture before that left with it, because it was no keyframe.
+    pub dropped: usize,
 }
 
 impl Smoother {
@@ -65,7 +69,7 @@ impl Smoother {
         let mut window = Window::new(&mut problem, rig.body_from_camera, options.sensors.gravity());
         problem.hold(window.gravity)?;
         calibrate(&mut problem, (window.extrinsics, window.delay), &options.sensors)?;
-        let begin = (start.nanoseconds, Vector3::zeros());
+        let begin = (start.nanoseconds, Vector3::zeros(), true);
         let Frame { state, bias, .. } =
             window.add_frame(&mut problem, begin, (start.state, start.bias))?;
         let root = sqrt_information(&start.covariance)?;
@@ -102,29 +106,36 @@ impl Smoother {
     ///
     /// A [`SmootherError`].
     pub fn picture(&mut self, picture: &Picture) -> Result<Smoothed, SmootherError> {
-        let mut smoothed = Smoothed::default();
-        let frame = self.carry_to(self.options.sensors.rig.imu_nanoseconds(picture.nanoseconds))?;
+        let time = self.options.sensors.rig.imu_nanoseconds(picture.nanoseconds);
+        let mut smoothed =
+            Smoothed { is_keyframe: self.is_keyframe(time, picture), ..Smoothed::default() };
+        let frame = self.carry_to(time, &mut smoothed)?;
         self.see(&frame, picture, &mut smoothed)?;
-        self.place_landmarks(&frame)?;
+        if frame.is_keyframe {
+            self.place_landmarks(&frame)?;
+        }
         self.solve(&mut smoothed)?;
         smoothed.landmarks = self.window.landmarks.len();
-        let lag = (1e9 * self.options.lag).round() as i64;
-        while self.window.frames.len() > 2
-            && frame.nanoseconds - self.window.frames[1].nanoseconds >= lag
-        {
-            self.forget_first()?;
+        if frame.is_keyframe {
+            self.keep(picture)?;
         }
+        smoothed.states = self.window.frames.len();
         Ok(smoothed)
     }
     // ANCHOR_END: picture
 
     // ANCHOR: carry_to
-    /// Adds the state at a time, where the readings lead.
-    fn carry_to(&mut self, nanoseconds: i64) -> Result<Frame, SmootherError> {
-        let last = self.newest();
-        if nanoseconds <= last.nanoseconds {
-            return Err(SmootherError::LatePicture { nanoseconds, last: last.nanoseconds });
+    /// Adds the state at a time, where the readings lead from the last keyframe.
+    fn carry_to(
+        &mut self,
+        nanoseconds: i64,
+        smoothed: &mut Smoothed,
+    ) -> Result<Frame, SmootherError> {
+        let newest = self.newest().nanoseconds;
+        if nanoseconds <= newest {
+            return Err(SmootherError::LatePicture { nanoseconds, last: newest });
         }
+        let last = self.last_keyframe();
         let values = self.problem.values();
         let (state, bias) = (values[last.state], values[last.bias]);
         let readings = between(&self.readings, last.nanoseconds, nanoseconds)?;
@@ -132,143 +143,42 @@ impl Smoother {
         let sums = preintegrate_combined(&readings, &bias, &sensors.noise)?;
         let next = sums.sums.predict(&state, &sensors.gravity(), &bias);
         let turning = readings.last().map_or(Vector3::zeros(), |r| r.sample.corrected(&bias).gyro);
-        let problem = &mut self.problem;
-        let frame = self.window.add_frame(problem, (nanoseconds, turning), (next, bias))?;
-        let factor = CombinedInertialFactor::new(
-            [last.state, frame.state],
-            [last.bias, frame.bias],
-            self.window.gravity,
-            &sums,
-        )?;
-        problem.add_factor(factor, Kernel::Squared)?;
-        let before = self.readings.partition_point(|reading| reading.nanoseconds <= nanoseconds);
-        self.readings.drain(..before.saturating_sub(1));
+        smoothed.dropped = self.let_pass();
+        let begin = (nanoseconds, turning, smoothed.is_keyframe);
+        let frame = self.window.add_frame(&mut self.problem, begin, (next, bias))?;
+        self.add_readings(&last, &frame, &sums)?;
         Ok(frame)
     }
     // ANCHOR_END: carry_to
 
-    fn newest(&self) -> Frame {
+    fn add_readings(
+        &mut self,
+        last: &Frame,
+        frame: &Frame,
+        sums: &CombinedPreintegrated,
+    ) -> Result<(), SmootherError> {
+        let (states, biases) = ([last.state, frame.state], [last.bias, frame.bias]);
+        let factor = CombinedInertialFactor::new(states, biases, self.window.gravity, sums)?;
+        self.problem.add_factor(factor, Kernel::Squared)?;
+        Ok(())
+    }
+
+    pub(super) fn newest(&self) -> Frame {
         self.window.frames[self.window.frames.len() - 1]
     }
 
-    // ANCHOR: see
-    /// Adds the pixels of known landmarks; others wait.
-    fn see(
-        &mut self,
-        frame: &Frame,
-        picture: &Picture,
-        smoothed: &mut Smoothed,
-    ) -> Result<(), SmootherError> {
-        for feature in &picture.features {
-            let Some(seen) = self.window.landmarks.get(&feature.track).copied() else {
-                let waiting = self.window.waiting.entry(feature.track).or_default();
-                waiting.push((frame.serial, feature.pixel));
-                continue;
-            };
-            let values = self.problem.values();
-            let off = self.off(&values[frame.state], &values[seen.landmark], feature.pixel);
-            if off > self.options.gate {
-                smoothed.gated += 1;
-                continue;
-            }
-            smoothed.pixels += 1;
-            self.add_pixel(frame, seen.landmark, feature.pixel)?;
-            if let Some(seen) = self.window.landmarks.get_mut(&feature.track) {
-                seen.last = frame.serial;
-            }
-        }
-        Ok(())
-    }
-    // ANCHOR_END: see
-
-    /// By how many standard deviations a pixel is off; infinite behind the camera.
-    fn off(&self, state: &NavState, landmark: &Vector3<f64>, pixel: nalgebra::Vector2<f64>) -> f64 {
-        let Sensors { ref camera, pixel_sigma, .. } = self.options.sensors;
-        let seen = BodyPixel { camera, pixel, inverse_sigma: 1.0 / pixel_sigma };
-        let extrinsics = &self.problem.values()[self.window.extrinsics];
-        let residual = seen.residual((&BodyPose::from(state), landmark, extrinsics));
-        residual.map_or(f64::INFINITY, |residual| residual.norm())
-    }
-
-    fn add_pixel(
-        &mut self,
-        frame: &Frame,
-        landmark: Key<Vector3<f64>>,
-        pixel: nalgebra::Vector2<f64>,
-    ) -> Result<(), ProblemError> {
-        let Sensors { camera, pixel_sigma, .. } = self.options.sensors;
-        let factor = PixelByBody {
-            state: frame.state,
-            landmark,
-            extrinsics: self.window.extrinsics,
-            time_offset: self.window.delay,
-            camera,
-            angular_velocity: frame.turning,
-            pixel,
-            inverse_sigma: 1.0 / pixel_sigma,
-        };
-        self.problem.add_factor(factor, self.options.kernel)?;
-        Ok(())
-    }
-
-    // ANCHOR: place_landmarks
-    /// Makes landmarks of the tracks of this picture that have waited long enough.
-    fn place_landmarks(&mut self, frame: &Frame) -> Result<(), SmootherError> {
-        let ready = |(track, waiting): (&usize, &Waiting)| {
-            let is_seen = waiting.last().is_some_and(|(serial, _)| *serial == frame.serial);
-            (is_seen && waiting.len() >= self.options.least_sightings).then_some(*track)
-        };
-        let ready: Vec<usize> = self.window.waiting.iter().filter_map(ready).collect();
-        for track in ready {
-            let Some(place) = self.place(&self.window.waiting[&track]) else { continue };
-            let Some(waiting) = self.window.waiting.remove(&track) else { continue };
-            let problem = &mut self.problem;
-            let landmark = self.window.add_landmark(problem, (track, frame.serial), place)?;
-            for (serial, pixel) in waiting {
-                if let Some(frame) = self.window.frame(serial).copied() {
-                    self.add_pixel(&frame, landmark, pixel)?;
-                }
-            }
-        }
-        Ok(())
-    }
-    // ANCHOR_END: place_landmarks
-
-    /// Where a landmark is most likely, if its rays meet and no pixel is far off.
-    fn place(&self, waiting: &Waiting) -> Option<Vector3<f64>> {
-        let Sensors { camera, pixel_sigma, rig, .. } = self.options.sensors;
-        let values = self.problem.values();
-        let view = |(serial, pixel): &(usize, nalgebra::Vector2<f64>)| {
-            let state = &values[self.window.frame(*serial)?.state];
-            let camera_from_world = rig.camera_from_world(state);
-            Some(View { camera, camera_from_world, pixel: *pixel, sigma: pixel_sigma })
-        };
-        let views: Vec<View> = waiting.iter().filter_map(view).collect();
-        let start = triangulate(&views, self.options.least_parallax).ok()?;
-        let place = triangulate_nonlinear(&views, &start).map_or(start, |found| found.point);
-        let fits = |(serial, pixel): &(usize, nalgebra::Vector2<f64>)| {
-            let frame = self.window.frame(*serial);
-            frame.is_some_and(|f| self.off(&values[f.state], &place, *pixel) <= self.options.gate)
-        };
-        waiting.iter().all(fits).then_some(place)
+    /// The newest picture, or the one before if that does not stay. The first one does.
+    pub(super) fn last_keyframe(&self) -> Frame {
+        let newest = self.newest();
+        let before = self.window.frames.len().saturating_sub(2);
+        if newest.is_keyframe { newest } else { self.window.frames[before] }
     }
 
     // ANCHOR: solve
     /// Goes towards the minimum of the window, and notes how sure the newest state is.
     fn solve(&mut self, smoothed: &mut Smoothed) -> Result<(), SmootherError> {
-        let order = self.order()?;
-        let problem = &self.problem;
-        let search = match self.search.take() {
-            Some(mut search) => {
-                search.begin_again(problem, |fronts| fronts.arrange(problem, &order))?;
-                search
-            }
-            None => {
-                let fronts = Fronts::in_order(problem, &order)?;
-                Search::new(problem, fronts, &self.options.search())?.without_end()
-            }
-        };
-        let search = self.search.insert(search);
+        let search = self.searched()?;
+        let (search, problem) = (self.search.insert(search), &self.problem);
         while search.iterate(problem)?.is_none() {}
         smoothed.widest = search.system().widest();
         smoothed.iterations = search.iterations().len();
@@ -283,6 +193,22 @@ impl Smoother {
         Ok(())
     }
     // ANCHOR_END: solve
+
+    /// A search from where the window stands, in the memory of the last one.
+    fn searched(&mut self) -> Result<Search<Fronts>, SmootherError> {
+        let order = self.order()?;
+        let problem = &self.problem;
+        Ok(match self.search.take() {
+            Some(mut search) => {
+                search.begin_again(problem, |fronts| fronts.arrange(problem, &order))?;
+                search
+            }
+            None => {
+                let fronts = Fronts::in_order(problem, &order)?;
+                Search::new(problem, fronts, &self.options.search())?.without_end()
+            }
+        })
+    }
 
     /// The 15×15 covariance of the errors of the newest state and its biases, as of the last
     /// linearization.
@@ -311,6 +237,24 @@ impl Smoother {
     /// The tracks that are landmarks of the window.
     pub fn landmarks(&self) -> impl Iterator<Item = usize> {
         self.window.landmarks.keys().copied()
+    }
+
+    /// The states of the window from the oldest to the newest, and their times on the sensor's clock.
+    pub fn states(&self) -> impl Iterator<Item = (i64, NavState)> {
+        let values = self.problem.values();
+        self.window.frames.iter().map(|frame| (frame.nanoseconds, values[frame.state]))
+    }
+
+    /// The tracks that are landmarks of the window, and where in the world those are, in metres.
+    pub fn points(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        let values = self.problem.values();
+        self.window.landmarks.iter().map(|(track, seen)| (*track, values[seen.landmark]))
+    }
+
+    /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is
+    /// known or estimated.
+    pub fn time_offset(&self) -> f64 {
+        self.options.sensors.rig.time_offset + self.problem.values()[self.window.delay].x
     }
 
     /// How many variables the window has had room for so far.
