@@ -5,6 +5,7 @@ mod bundle_adjustment;
 mod layout;
 mod marginalization;
 mod msckf;
+mod odometry;
 mod preintegration;
 mod shapes;
 mod stage;
@@ -38,10 +39,15 @@ pub const SCENES: [Scene; 5] = [
     Scene { name: "marginalization", shows: marginalization::SHOWS, play: marginalization::play },
 ];
 
+/// Scenes of data that are not in the repository. They are played where the data are, and are neither written for web pages
+/// nor compared with pictures.
+pub const SCENES_OF_DATA: [Scene; 1] =
+    [Scene { name: "odometry", shows: odometry::SHOWS, play: odometry::play }];
+
 impl Scene {
     /// The scene of a chapter.
     pub fn named(name: &str) -> Option<Self> {
-        SCENES.into_iter().find(|scene| scene.name == name)
+        SCENES.into_iter().chain(SCENES_OF_DATA).find(|scene| scene.name == name)
     }
 
     /// Plays the scene into a recording.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use recordings::{SCENES, Scene, Stage, VERSION, write_viewer};
+use recordings::{SCENES, SCENES_OF_DATA, Scene, Stage, VERSION, write_viewer};
 
 /// Records a scene of the book for the viewer of rerun.
 #[derive(Parser)]
@@ -68,13 +68,13 @@ fn web(folder: &Path) -> Result<()> {
 }
 
 fn names() -> String {
-    let names: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+    let names: Vec<_> = SCENES.iter().chain(&SCENES_OF_DATA).map(|scene| scene.name).collect();
     format!("the scenes are {}", names.join(", "))
 }
 
 fn list() -> String {
     let line = |scene: &Scene| format!("  {:<18} {}", scene.name, scene.shows);
-    let lines: Vec<_> = SCENES.iter().map(line).collect();
+    let lines: Vec<_> = SCENES.iter().chain(&SCENES_OF_DATA).map(line).collect();
     let viewer = format!(
         "The viewer comes with `pip install rerun-sdk=={VERSION}`. It tells its makers that it is used, until \
          `rerun analytics disable`."
