@@ -109,9 +109,9 @@ fn press(
     theorems.check(&pages, &exhibits, &mut faults);
     let widgets = Widgets::new(layout);
     let mut scripts = widgets.scripts()?;
-    let made = |name: &String| scripts.contains_key(Path::new(&format!("widgets/{name}.js")));
-    let names = widgets.names()?.into_iter().map(|name| (name.clone(), made(&name)));
-    let names: BTreeMap<String, bool> = names.collect();
+    let size = |name: &String| Some(scripts.get(Path::new(&format!("widgets/{name}.js")))?.len());
+    let names = widgets.names()?.into_iter().map(|name| (name.clone(), size(&name)));
+    let names: BTreeMap<String, Option<usize>> = names.collect();
     let answers = Answers::new(layout);
     if mine {
         scripts.extend(answers.scripts()?);

@@ -48,8 +48,8 @@ pub struct Known<'a> {
     pub library: &'a Library,
     /// The accepted TeX of the equations, by the chapter that owns their checks.
     pub accepted: &'a BTreeMap<String, Accepted>,
-    /// The names of the pictures to take hold of, and whether each was compiled.
-    pub widgets: &'a BTreeMap<String, bool>,
+    /// The names of the pictures to take hold of, and how many bytes each has that was compiled.
+    pub widgets: &'a BTreeMap<String, Option<usize>>,
     /// The scenes that have a picture.
     pub recordings: &'a BTreeMap<String, Recording>,
 }

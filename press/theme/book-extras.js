@@ -352,19 +352,33 @@
         return scripts.get(address);
     }
 
-    // ---- Pictures to take hold of: their script and their module are loaded when they come near.
+    // ---- Pictures to take hold of: their script and their module are loaded when they come near, or when they are asked
+    // for if the module is large.
     (function widgets() {
         const figures = all("figure[data-widget]", text);
         if (printed || figures.length === 0 || typeof WebAssembly === "undefined") {
             return;
         }
+        const start = figure => loaded(figure).then(() => window.vislamWidgets.start(figure)).catch(() => {
+            figure.querySelector(".widget-note").textContent = "The program of this picture could not be loaded. It stands still.";
+        });
         const near = new IntersectionObserver(entries => entries.filter(entry => entry.isIntersecting).forEach(({ target }) => {
             near.unobserve(target);
-            loaded(target).then(() => window.vislamWidgets.start(target)).catch(() => {
-                target.querySelector(".widget-note").textContent = "The program of this picture could not be loaded. It stands still.";
-            });
+            start(target);
         }), { rootMargin: "400px" });
-        figures.forEach(figure => near.observe(figure));
+        figures.forEach(figure => {
+            const [offer, note] = [".widget-open", ".widget-note"].map(part => figure.querySelector(part));
+            if (!offer) {
+                near.observe(figure);
+                return;
+            }
+            [offer.hidden, note.hidden] = [false, true];
+            offer.querySelector("button").addEventListener("click", () => {
+                [offer.hidden, note.hidden] = [true, false];
+                // Whoever pressed the button goes on in what it has opened.
+                start(figure).then(() => figure.querySelector(".widget")?.focus({ preventScroll: true }));
+            });
+        });
     })();
 
     // ---- Scenes in three dimensions: the viewer is large, and loaded when it is asked for.

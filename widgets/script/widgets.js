@@ -415,6 +415,7 @@
                 this.said,
                 element("div", { className: "controls" }, ...this.controls.map(control => control.box), reset),
                 this.spoken);
+            this.box.tabIndex = -1;
             this.box.setAttribute("role", "group");
             this.box.setAttribute("aria-label", "Picture to take hold of");
             this.controls.filter(control => control.play).forEach(control => this.playable(control));

@@ -6,10 +6,12 @@
 
 pub mod bearing;
 pub mod bundle_adjustment;
+mod curve;
 mod ellipse;
 mod face;
 pub mod marginalization;
 pub mod msckf;
+pub mod odometry;
 pub mod parallax;
 mod pixels;
 pub mod preintegration;
@@ -62,6 +64,7 @@ pub const WIDGETS: &[Named] = &[
     ("marginalization", || Box::new(Session::<marginalization::Marginalization>::new())),
     ("bundle_adjustment", || Box::new(Session::<bundle_adjustment::BundleAdjustment>::new())),
     ("msckf", || Box::new(Session::<msckf::Filter>::new())),
+    ("odometry", || Box::new(Session::<odometry::Assembled>::new())),
 ];
 
 /// Exports a widget from a module that imports nothing. Texts and numbers are handed over as a place in the module's

@@ -14,6 +14,8 @@ use crate::recordings;
 
 /// The rows of a figure's data that the page shows; the CSV file has all.
 const ROWS_SHOWN: usize = 30;
+/// A picture to take hold of whose script has more bytes is loaded when a reader asks for it, and not by coming near.
+const LARGE: usize = 250_000;
 
 impl Emitter<'_, '_> {
     pub(super) fn figure(
@@ -94,7 +96,7 @@ impl Emitter<'_, '_> {
     fn widget(&mut self, block: &Block, attributes: &Attributes) -> (String, String) {
         let name = attributes.value("widget");
         match self.known.widgets.get(name) {
-            Some(true) => {
+            Some(Some(size)) => {
                 let way = |file: &str| self.page.way_to(&Path::new("generated/widgets").join(file));
                 let (script, module) = (way("widgets.js"), way(&format!("{name}.js")));
                 let marks = format!(
@@ -103,6 +105,12 @@ impl Emitter<'_, '_> {
                 let note = html! {
                     p.widget-note role="status" {
                         "Where the browser runs scripts and WebAssembly, this picture can be taken hold of. Here it stands still."
+                    }
+                    @if *size > LARGE {
+                        p.widget-open hidden {
+                            button type="button" { "Take hold of it" }
+                            " loads " (size / 1000) " kB once."
+                        }
                     }
                 };
                 return (marks, format!("{}\n", note.into_string()));

@@ -6,6 +6,7 @@ use vislam::filtering::chi_square_band;
 use super::run::{Frame, Run, above as seen_from_above};
 use super::setting::{PICTURES, SECONDS};
 use super::{ABOVE, ELLIPSE, NEES, POSITION, TRACKS, YAW};
+use crate::curve::{rounded, thinned};
 use crate::ellipse::ellipse;
 use crate::{Scene, Shape, Style};
 
@@ -138,26 +139,6 @@ fn over_time(frames: &[Frame], of: impl Fn(&Frame) -> f64) -> impl Iterator<Item
     thinned(EVERY[1], places)
 }
 
-/// Every so many places one, and the last one.
-fn thinned(
-    every: usize,
-    places: impl ExactSizeIterator<Item = [f64; 2]>,
-) -> impl Iterator<Item = [f64; 2]> {
-    let last = places.len().saturating_sub(1);
-    let numbered = places.enumerate();
-    numbered.filter(move |(at, _)| at % every == 0 || *at == last).map(|(_, place)| place)
-}
-
 fn largest(frames: &[Frame], of: impl Fn(&Frame) -> f64) -> f64 {
     frames.iter().map(of).fold(0.0, f64::max)
-}
-
-/// The next of 1, 2, 5, 10 and so on, so that an axis does not change all the time.
-fn rounded(reach: f64) -> f64 {
-    if !(reach > 0.0 && reach.is_finite()) {
-        return 1.0;
-    }
-    let ten = 10_f64.powf(reach.log10().floor());
-    let part = [1.0, 2.0, 5.0].into_iter().find(|part| part * ten >= reach);
-    part.unwrap_or(10.0) * ten
 }

@@ -1,0 +1,1 @@
+widgets::module!(widgets::odometry::Assembled);
