@@ -200,4 +200,5 @@ def main(tracks_path, truth_path, begin, every, gate, export=None):
             json.dump(batch.exported(values), file)
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

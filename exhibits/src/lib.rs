@@ -21,6 +21,7 @@ pub mod manifold;
 pub mod marginalization;
 pub mod msckf;
 pub mod observability;
+pub mod odometry;
 pub mod preintegration;
 pub mod python;
 pub mod random;
@@ -31,6 +32,7 @@ pub mod report;
 pub mod reprojection;
 pub mod robust_two_view;
 pub mod scene;
+pub mod smoother;
 pub mod structure_from_motion;
 pub mod systems;
 pub mod two_views;
@@ -63,6 +65,8 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("msckf", msckf::exhibits, msckf::records),
     ("marginalization", marginalization::exhibits, no_records),
     ("consistency", consistency::exhibits, consistency::records),
+    ("smoother", smoother::exhibits, smoother::records),
+    ("odometry", odometry::exhibits, odometry::records),
     ("algorithms", algorithms::exhibits, no_records),
     ("factrs", factrs::exhibits, factrs::records),
     ("loop_closure", loop_closure::exhibits, loop_closure::records),

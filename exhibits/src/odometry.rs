@@ -1,0 +1,19 @@
+//! What chapter `odometry` shows: the whole estimator on simulated flights, with one thing after the other switched off,
+//! and on a real one.
+
+mod figures;
+pub mod real;
+pub mod switches;
+
+use crate::chapter::Chapter;
+
+pub fn exhibits(chapter: &mut Chapter) {
+    switches::numbers(chapter);
+    real::numbers(chapter);
+    figures::figures(chapter);
+}
+
+pub fn records(chapter: &mut Chapter) {
+    switches::record(chapter);
+    real::record(chapter);
+}

@@ -1,0 +1,265 @@
+//! The three estimators on a real flight, from their own beginning, and ISAM2 beside them in the same run.
+
+use std::path::{Path, PathBuf};
+
+use vislam::filtering::{Freedom, aligned};
+use vislam::inertial::NavState;
+use vislam::odometry::{Estimator, Odometry, OdometryOptions};
+
+use crate::chapter::Chapter;
+use crate::data::NotMade;
+use crate::initialization::real::{FILES, FROM, Real, ate};
+use crate::python::Python;
+use crate::record::{RecordValue, accepted};
+use crate::smoother::followed::Followed;
+
+const SCRIPT: &str = "odometry_isam2.py";
+/// Pictures from a state to the next; the first is meant where nothing is said.
+const EVERY: [usize; 3] = [2, 1, 4];
+/// How far off a pixel may be: of the smoother in standard deviations, of ISAM2 in pixels. The first is meant where
+/// nothing is said.
+const GATES: [f64; 3] = [30.0, 10.0, 100.0];
+const ISAM_GATES: [f64; 3] = [20.0, 10.0, 100.0];
+/// The chance with which the filter lets a good track pass.
+const FILTER_GATES: [f64; 3] = [0.95, 0.9, 0.99];
+/// Points of the figure in a second.
+const PATH_RATE: usize = 2;
+/// Points of the figure.
+pub const PATH: usize = 46;
+/// The estimators that are run, the names of their trajectories in the record, and what is aimed at beside ISAM2.
+pub const LINES: [(&str, f64); 3] =
+    [("smoother_causal", 1.25), ("smoother_delayed", 1.25), ("filter_causal", 1.6)];
+
+/// Registers the record.
+pub fn record(chapter: &mut Chapter) {
+    let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    let inputs = vec![
+        ("from", list(&FROM.map(f64::from))),
+        ("every", list(&EVERY.map(|every| every as f64))),
+        ("gates", list(&[GATES, ISAM_GATES, FILTER_GATES].concat())),
+        ("noise", "ImuNoise::euroc(), 1 px".to_owned()),
+    ];
+    chapter.record_of_data("odometry_real", &FILES, inputs, real);
+}
+
+pub fn numbers(chapter: &mut Chapter) {
+    let of = |name: String| accepted("odometry_real", &name);
+    let beside = |line: &str, from: u32| {
+        let theirs = if line.ends_with("delayed") { "isam_delayed" } else { "isam_causal" };
+        of(format!("{line}_{from}")) / of(format!("{theirs}_{from}"))
+    };
+    let each = || LINES.into_iter().flat_map(|(line, aim)| FROM.map(|from| (line, aim, from)));
+    let within = each().filter(|(line, aim, from)| beside(line, *from) <= *aim).count();
+    chapter.number("aims", each().count() as f64, "", 0);
+    chapter.number("aims_reached", within as f64, "", 0);
+    for (name, line, aim) in [
+        ("worst_causal", LINES[0].0, "aim_smoother"),
+        ("worst_delayed", LINES[1].0, ""),
+        ("worst_filter", LINES[2].0, "aim_filter"),
+    ] {
+        let worst = FROM.map(|from| beside(line, from)).into_iter().fold(0.0, f64::max);
+        chapter.number(name, worst, "", 2);
+        if let Some((_, value)) =
+            LINES.iter().find(|(own, _)| *own == line).filter(|_| !aim.is_empty())
+        {
+            chapter.number(aim, *value, "", 2);
+        }
+    }
+    for (name, from) in ["from_second", "from_third", "from_fourth"].into_iter().zip(&FROM[1..]) {
+        chapter.number(name, f64::from(*from), "s", 0);
+    }
+    chapter.number("filter_gate", 100.0 * FILTER_GATES[0], "%", 0);
+}
+
+/// Where the two files are.
+fn files() -> Result<[PathBuf; 2], NotMade> {
+    for file in &FILES {
+        file.read()?;
+    }
+    let folder = PathBuf::from(std::env::var_os("VISLAM_DATA").unwrap_or_default());
+    Ok(FILES.map(|file| folder.join(file.path)))
+}
+
+/// States by the number of their picture.
+type Trajectory = Vec<(usize, NavState)>;
+
+/// A flight that is taken up, with what an estimator made of it.
+struct Flown {
+    causal: Trajectory,
+    delayed: Trajectory,
+    /// How many times as fast as the flight it was.
+    speed: f64,
+    losses: usize,
+}
+
+fn flown(flight: &Real, estimator: Estimator, gate: usize) -> Result<Flown, NotMade> {
+    let mut options = OdometryOptions::new(flight.sensors, estimator);
+    (options.smoother.gate, options.msckf.gate) = (GATES[gate], FILTER_GATES[gate]);
+    let mut odometry = Odometry::new(options);
+    let followed =
+        Followed::of(&mut odometry, &flight.readings, &flight.pictures, &flight.sensors.rig)
+            .map_err(|error| NotMade::Failed(format!("{estimator}: {error}")))?;
+    let Some((first, _)) = followed.causal.first().copied() else {
+        return Err(NotMade::Failed(format!("{estimator}: there is no beginning")));
+    };
+    let times = [first, flight.pictures.len() - 1].map(|at| flight.pictures[at].nanoseconds);
+    let delayed = followed.delayed.iter().copied().filter(|(at, _)| *at >= first).collect();
+    Ok(Flown {
+        causal: followed.causal.iter().map(|(at, estimate)| (*at, estimate.state)).collect(),
+        delayed,
+        speed: 1e-9 * (times[1] - times[0]) as f64 / followed.seconds,
+        losses: followed.losses,
+    })
+}
+
+/// The error of a trajectory after alignment, in centimetres.
+fn error(flight: &Real, trajectory: &Trajectory) -> Result<f64, NotMade> {
+    let (states, truth): (Vec<NavState>, Vec<NavState>) =
+        trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip();
+    ate(&states, &truth, Freedom::Four)
+}
+
+/// ISAM2 of the same pictures: causal, delayed and smoothed errors in centimetres, and how many times as fast as the
+/// flight it was. Judged from a time of the recording on.
+fn isam(
+    python: &Python,
+    (from, every, gate): (u32, usize, usize),
+    flight: &Real,
+    since: i64,
+) -> Result<[f64; 4], NotMade> {
+    let begin = flight.readings[0].nanoseconds;
+    let since = 1e-9 * (since - begin) as f64;
+    let numbers =
+        [from.to_string(), every.to_string(), ISAM_GATES[gate].to_string(), format!("{since:.4}")];
+    let files = files()?;
+    let mut arguments: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    arguments.extend(numbers.iter().map(Path::new));
+    let said = python.run(SCRIPT, &arguments)?;
+    let numbers: Option<Vec<f64>> = said.split_whitespace().map(|word| word.parse().ok()).collect();
+    let Some(&[causal, delayed, smoothed, seconds]) = numbers.as_deref() else {
+        return Err(NotMade::Failed(format!("{SCRIPT} prints {said:?}; four numbers are due")));
+    };
+    let times = [0, flight.pictures.len() - 1].map(|at| flight.pictures[at].nanoseconds);
+    Ok([causal, delayed, smoothed, 1e-9 * (times[1] - times[0]) as f64 / seconds])
+}
+
+/// One trajectory over gates and rates: at the plain ones, the least and the greatest.
+#[derive(Default)]
+struct Spread(Vec<f64>);
+
+impl Spread {
+    fn push(self, name: &str, from: u32, values: &mut Vec<RecordValue>) {
+        let low = self.0.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = self.0.iter().copied().fold(0.0, f64::max);
+        for (end, value) in [("", self.0[0]), ("_low", low), ("_high", high)] {
+            let name = format!("{name}_{from}{end}");
+            values.push(RecordValue::new(name, value, "cm", 2, 0.02));
+        }
+    }
+}
+
+fn real() -> Result<Vec<RecordValue>, NotMade> {
+    let python = Python::with_gtsam()?;
+    let flight = Real::read()?;
+    let mut values = Vec::new();
+    let (mut slowest, mut faster, mut losses) = (f64::INFINITY, f64::INFINITY, 0);
+    let plain_first = || {
+        let rates = EVERY.into_iter().map(|every| (every, 0));
+        rates.chain((1..GATES.len()).map(|gate| (EVERY[0], gate)))
+    };
+    for from in FROM {
+        let names = ["smoother_causal", "smoother_delayed", "filter_causal"];
+        let theirs = ["isam_causal", "isam_delayed", "isam_smoothed"];
+        let mut spreads: [Spread; 6] = Default::default();
+        for (every, gate) in plain_first() {
+            let part = flight.taken_up(from, every);
+            let smoother = flown(&part, Estimator::Smoother, gate)?;
+            let filter = flown(&part, Estimator::Msckf, gate)?;
+            losses += smoother.losses + filter.losses;
+            let since = part.pictures[smoother.causal[0].0].nanoseconds;
+            let [causal, delayed, smoothed, speed] =
+                isam(&python, (from, every, gate), &part, since)?;
+            let own = [&smoother.causal, &smoother.delayed, &filter.causal];
+            for (spread, trajectory) in spreads.iter_mut().zip(own) {
+                spread.0.push(error(&part, trajectory)?);
+            }
+            for (spread, error) in spreads[3..].iter_mut().zip([causal, delayed, smoothed]) {
+                spread.0.push(error);
+            }
+            if (every, gate) == (EVERY[0], 0) {
+                slowest = slowest.min(smoother.speed);
+                faster = faster.min(smoother.speed / speed);
+                let batch = flown(&part, Estimator::Batch, 0)?;
+                for (name, trajectory) in
+                    [("batch_causal", &batch.causal), ("batch_delayed", &batch.delayed)]
+                {
+                    let name = format!("{name}_{from}");
+                    values.push(RecordValue::new(name, error(&part, trajectory)?, "cm", 2, 0.02));
+                }
+                let whole = part.whole(&part.begun()?, 10.0)?;
+                let states = whole.batch.states.iter().map(|state| whole.values[*state]);
+                let first = smoother.causal[0].0;
+                let states: Trajectory = states.enumerate().skip(first).collect();
+                let name = format!("batch_smoothed_{from}");
+                values.push(RecordValue::new(name, error(&part, &states)?, "cm", 2, 0.02));
+                if from == FROM[0] {
+                    path(&part, &smoother, &filter, &states, &mut values)?;
+                }
+            }
+        }
+        for (spread, name) in spreads.into_iter().zip(names.into_iter().chain(theirs)) {
+            spread.push(name, from, &mut values);
+        }
+    }
+    values.push(RecordValue::new("speed", slowest, "", 0, 0.5));
+    values.push(RecordValue::new("faster_than_isam", faster, "", 1, 0.5));
+    values.push(RecordValue::new("losses", losses as f64, "", 0, 0.0));
+    Ok(values)
+}
+
+/// The trajectories from above, each aligned for itself.
+fn path(
+    flight: &Real,
+    smoother: &Flown,
+    filter: &Flown,
+    smoothed: &Trajectory,
+    values: &mut Vec<RecordValue>,
+) -> Result<(), NotMade> {
+    let first = smoother.causal[0].0;
+    let rate = 20 / EVERY[0];
+    let shown = |at: usize| first + at * rate / PATH_RATE;
+    let mut push = |name: &str, at: usize, state: &NavState| {
+        for (axis, value) in [("x", state.position.x), ("y", state.position.y)] {
+            let name = format!("path_{name}_{at}_{axis}");
+            values.push(RecordValue::new(name, value, "m", 3, 0.02));
+        }
+    };
+    for at in 0..PATH {
+        push("truth", at, &flight.truth[shown(at)]);
+    }
+    let all = [
+        ("causal", &smoother.causal),
+        ("delayed", &smoother.delayed),
+        ("filter", &filter.causal),
+        ("smoothed", smoothed),
+    ];
+    for (name, trajectory) in all {
+        let (states, truth): (Vec<NavState>, Vec<NavState>) =
+            trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip();
+        let states = aligned(&states, &truth, Freedom::Four)
+            .map_err(|error| NotMade::Failed(error.to_string()))?;
+        for at in 0..PATH {
+            let number = trajectory.iter().position(|(number, _)| *number == shown(at));
+            let Some(state) = number.map(|number| states[number]) else {
+                return Err(NotMade::Failed(format!("{name} has no state {}", shown(at))));
+            };
+            push(name, at, &state);
+        }
+    }
+    Ok(())
+}
+
+/// A value of the accepted record.
+pub fn recorded(name: &str) -> f64 {
+    accepted("odometry_real", name)
+}

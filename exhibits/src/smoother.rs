@@ -1,0 +1,29 @@
+//! What chapter `smoother` shows: what waiting is worth, when filter, smoother and batch are one estimate, and by how
+//! much they are not.
+
+mod anchored;
+pub mod consistency;
+pub mod divergence;
+mod figures;
+pub mod followed;
+mod lag;
+mod orders;
+mod variants;
+
+use crate::chapter::Chapter;
+
+pub fn exhibits(chapter: &mut Chapter) {
+    lag::exhibits(chapter);
+    anchored::exhibits(chapter);
+    orders::counterexamples(chapter);
+    variants::numbers(chapter);
+    consistency::numbers(chapter);
+    divergence::numbers(chapter);
+    figures::figures(chapter);
+}
+
+pub fn records(chapter: &mut Chapter) {
+    consistency::record(chapter);
+    divergence::record(chapter);
+    variants::record(chapter);
+}
