@@ -127,7 +127,7 @@ export const terms = {
     "ba_solve": "algorithms.html#sec:alg-bundle",
     "msckf_update": "algorithms.html#sec:alg-msckf",
     "fixed-lag smoother": "smoother.html#sec:smoother",
-    "causal estimate": "smoother.html#sec:lag-worth",
+    "causal and delayed": "smoother.html#sec:lag-worth",
     "visual-inertial odometry": "odometry.html#sec:odometry",
     "complexity": "algorithms.html#sec:alg-cost",
     "factrs": "factrs.html#sec:factrs",
