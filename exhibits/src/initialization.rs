@@ -7,7 +7,7 @@ mod exact;
 mod exercise;
 mod figures;
 mod flights;
-mod gtsam;
+pub mod gtsam;
 mod gyro;
 mod judged;
 mod linear;

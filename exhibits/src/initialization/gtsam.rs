@@ -44,7 +44,7 @@ pub fn numbers(chapter: &mut Chapter) {
 }
 
 /// Where the two files are.
-fn files() -> Result<[PathBuf; 2], NotMade> {
+pub fn files() -> Result<[PathBuf; 2], NotMade> {
     for file in &FILES {
         file.read()?;
     }

@@ -8,6 +8,7 @@ use vislam::odometry::{Estimator, Odometry, OdometryOptions};
 
 use crate::chapter::Chapter;
 use crate::data::NotMade;
+use crate::initialization::gtsam::files;
 use crate::initialization::real::{FILES, FROM, Real, ate};
 use crate::python::Python;
 use crate::record::{RecordValue, accepted};
@@ -71,15 +72,6 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("filter_gate", 100.0 * FILTER_GATES[0], "%", 0);
 }
 
-/// Where the two files are.
-fn files() -> Result<[PathBuf; 2], NotMade> {
-    for file in &FILES {
-        file.read()?;
-    }
-    let folder = PathBuf::from(std::env::var_os("VISLAM_DATA").unwrap_or_default());
-    Ok(FILES.map(|file| folder.join(file.path)))
-}
-
 /// States by the number of their picture.
 type Trajectory = Vec<(usize, NavState)>;
 
@@ -114,9 +106,13 @@ fn flown(flight: &Real, estimator: Estimator, gate: usize) -> Result<Flown, NotM
 
 /// The error of a trajectory after alignment, in centimetres.
 fn error(flight: &Real, trajectory: &Trajectory) -> Result<f64, NotMade> {
-    let (states, truth): (Vec<NavState>, Vec<NavState>) =
-        trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip();
+    let (states, truth) = beside_truth(flight, trajectory);
     ate(&states, &truth, Freedom::Four)
+}
+
+/// The states of a trajectory, and the true ones.
+fn beside_truth(flight: &Real, trajectory: &Trajectory) -> (Vec<NavState>, Vec<NavState>) {
+    trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip()
 }
 
 /// ISAM2 of the same pictures: causal, delayed and smoothed errors in centimetres, and how many times as fast as the
@@ -244,8 +240,7 @@ fn path(
         ("smoothed", smoothed),
     ];
     for (name, trajectory) in all {
-        let (states, truth): (Vec<NavState>, Vec<NavState>) =
-            trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip();
+        let (states, truth) = beside_truth(flight, trajectory);
         let states = aligned(&states, &truth, Freedom::Four)
             .map_err(|error| NotMade::Failed(error.to_string()))?;
         for at in 0..PATH {
