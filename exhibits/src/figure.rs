@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::fmt::Display;
+use std::ops::Range;
 
 use nalgebra::Vector2;
 use plotters::chart::{ChartBuilder, ChartContext};
@@ -180,6 +181,45 @@ where
         .axis_desc_style(letters(INK))
         .draw()?;
     Ok(chart)
+}
+
+/// What points in a plane reach over.
+pub struct Extent {
+    pub x: Range<f64>,
+    pub y: Range<f64>,
+}
+
+/// Axes on which a metre is as long in both directions, and the height of a figure that has them.
+pub struct Map {
+    pub x: Range<f64>,
+    pub y: Range<f64>,
+    /// Of the horizontal axis, in metres.
+    pub width: f64,
+    pub height: u32,
+}
+
+impl Extent {
+    pub fn of<'a>(points: impl Iterator<Item = &'a (f64, f64)> + Clone) -> Self {
+        let range = |of: fn(&(f64, f64)) -> f64| {
+            let all = points.clone().map(of);
+            all.fold(f64::INFINITY..f64::NEG_INFINITY, |range, x| {
+                range.start.min(x)..range.end.max(x)
+            })
+        };
+        Self { x: range(|at| at.0), y: range(|at| at.1) }
+    }
+
+    /// A map of it with a margin in metres, and room for words above it, as a part of the width.
+    pub fn map(&self, margin: f64, above: f64) -> Map {
+        let Self { x, y } = self;
+        let width = x.end - x.start + 2.0 * margin;
+        let above = above * width;
+        let tall = y.end - y.start + 2.0 * margin + above;
+        // The plot is 1070 units wide.
+        let height = (1070.0 * tall / width) as u32 + 150;
+        let x = x.start - margin..x.end + margin;
+        Map { x, y: y.start - margin..y.end + margin + above, width, height }
+    }
 }
 
 /// A tick without needless zeros, so that 0.30000000000000004 is 0.3 and 20.0 is 20.

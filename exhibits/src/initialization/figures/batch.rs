@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::figure::{self, Draw, ESTIMATED, Figure, INK, decimals, letters_right_of};
+use crate::figure::{self, Draw, ESTIMATED, Extent, Figure, INK, Map, decimals, letters_right_of};
 use crate::initialization::real::{ENLARGED, PATH, PATH_RATE, accepted_value};
 
 fn place(name: &str, at: usize) -> (f64, f64) {
@@ -42,31 +42,17 @@ pub fn batch() -> Figure {
         ("y of the ground truth (m)", decimals(3, each().map(|at| truth[at].1))),
         ("reported σ in the plane (cm)", decimals(2, each().map(sigma))),
     ];
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let (low, high) = path
-            .iter()
-            .map(of)
-            .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
-        (low, high)
-    };
-    let ((left, right), (low, high)) = (range(|at| at.0), range(|at| at.1));
-    // A metre is as long in both directions: the plot is 1070 units wide.
-    let margin = 0.35;
-    let width = right - left + 2.0 * margin;
-    let above = 0.16 * width;
-    let tall = high - low + 2.0 * margin + above;
-    let height = (1070.0 * tall / width) as u32 + 150;
+    let Map { x: across, y: up, width, height } = Extent::of(path.iter()).map(0.35, 0.16);
+    let (left, top) = (across.start, up.end);
     Figure::new(height, columns, |drawing| {
-        let x_axis = ("x (m)", left - margin..right + margin, 6);
-        let y_axis = ("y (m)", low - margin..high + margin + above, 6);
-        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        let mut chart = figure::axes(drawing, ("x (m)", across, 6), ("y (m)", up, 6))?;
         for at in (0..=PATH).step_by(PATH_RATE) {
             chart.line(ellipse(at), ESTIMATED, 2)?;
         }
         chart.line(path.iter().copied(), ESTIMATED, 5)?;
         chart.dots(truth.iter().copied(), 6, INK)?;
-        let (x, step) = (left - margin + 0.03 * width, 0.055 * width);
-        let row = |row: f64| high + margin + above - step * row;
+        let (x, step) = (left + 0.03 * width, 0.055 * width);
+        let row = |row: f64| top - step * row;
         chart.line([(x, row(0.7)), (x + 0.05 * width, row(0.7))], ESTIMATED, 5)?;
         let beside = x + 0.07 * width;
         chart.write("batch", (beside, row(0.7)), letters_right_of(ESTIMATED))?;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Vector2;
 use vislam::odometry::Estimator;
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Extent, Figure, INK, Map, SERIES, decimals, letters_right_of};
 use crate::msckf::flights::example::flight as example;
 use crate::msckf::flights::flown;
 use crate::smoother::consistency::followed;
@@ -59,21 +59,12 @@ pub fn flight() -> Figure {
         ("error of the filter (cm)", each(&lines[1].error)),
         ("its σ (cm)", each(&lines[1].sigma)),
     ];
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
-        truth.iter().map(of).fold((low, high), |(low, high), x| (low.min(x), high.max(x)))
-    };
-    let ((left, right), (low, high)) = (range(|at| at.0), range(|at| at.1));
-    // A metre is as long in both directions: the plot is 1070 units wide.
-    let margin = 0.12 * (right - left);
-    let width = right - left + 2.0 * margin;
-    let above = 0.2 * width;
-    let tall = high - low + 2.0 * margin + above;
-    let height = (1070.0 * tall / width) as u32 + 150;
+    let extent = Extent::of(truth.iter());
+    let margin = 0.12 * (extent.x.end - extent.x.start);
+    let Map { x: across, y: up, width, height } = extent.map(margin, 0.2);
+    let (left, top) = (across.start, up.end);
     Figure::new(height, columns, |drawing| {
-        let x_axis = ("x (m)", left - margin..right + margin, 6);
-        let y_axis = ("y (m)", low - margin..high + margin + above, 6);
-        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        let mut chart = figure::axes(drawing, ("x (m)", across, 6), ("y (m)", up, 6))?;
         chart.dots(truth.iter().copied().step_by(SHOWN), 6, INK)?;
         for (series, line) in lines.iter().enumerate() {
             chart.line(line.path.iter().copied(), SERIES[series], 4)?;
@@ -83,8 +74,8 @@ pub fn flight() -> Figure {
             let ends = (EVERY - 1..line.path.len()).step_by(EVERY).map(|at| line.path[at]);
             chart.marks(ends, series)?;
         }
-        let x = left - margin + 0.03 * width;
-        let row = |row: f64| high + margin + above - 0.055 * width * row;
+        let x = left + 0.03 * width;
+        let row = |row: f64| top - 0.055 * width * row;
         let names = ["smoother", "filter"];
         for (series, name) in names.iter().enumerate() {
             chart.key(

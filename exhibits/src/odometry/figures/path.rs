@@ -1,6 +1,6 @@
 //! The real flight from above: what was known at once, two seconds later, and in the end.
 
-use crate::figure::{self, Draw, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::figure::{self, Draw, Extent, Figure, INK, Map, SERIES, decimals, letters_right_of};
 use crate::odometry::real::{PATH, recorded};
 
 const LINES: [(&str, &str); 4] = [
@@ -31,29 +31,18 @@ pub fn path() -> Figure {
     ];
     let titles = ["filter off by (cm)", "smoother (cm)", "two seconds later (cm)", "batch (cm)"];
     columns.extend(titles.iter().zip(&lines).map(|(title, line)| (*title, decimals(1, off(line)))));
-    let all = || lines.iter().flatten().chain(&truth);
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
-        all().map(of).fold((low, high), |(low, high), x| (low.min(x), high.max(x)))
-    };
-    let ((left, right), (low, high)) = (range(|at| at.0), range(|at| at.1));
-    // A metre is as long in both directions: the plot is 1070 units wide.
-    let margin = 0.25;
-    let width = right - left + 2.0 * margin;
-    let above = 0.33 * width;
-    let tall = high - low + 2.0 * margin + above;
-    let height = (1070.0 * tall / width) as u32 + 150;
+    let map = Extent::of(lines.iter().flatten().chain(&truth)).map(0.25, 0.33);
+    let Map { x: across, y: up, width, height } = map;
+    let (left, top) = (across.start, up.end);
     Figure::new(height, columns, |drawing| {
-        let x_axis = ("x (m)", left - margin..right + margin, 6);
-        let y_axis = ("y (m)", low - margin..high + margin + above, 6);
-        let mut chart = figure::axes(drawing, x_axis, y_axis)?;
+        let mut chart = figure::axes(drawing, ("x (m)", across, 6), ("y (m)", up, 6))?;
         for (series, line) in lines.iter().enumerate() {
             chart.line(line.iter().copied(), SERIES[series], 4)?;
             chart.marks(line.iter().copied().skip(series).step_by(6), series)?;
         }
         chart.dots(truth.iter().copied(), 6, INK)?;
-        let x = left - margin + 0.03 * width;
-        let row = |row: f64| high + margin + above - 0.055 * width * row;
+        let x = left + 0.03 * width;
+        let row = |row: f64| top - 0.055 * width * row;
         for (series, (_, name)) in LINES.iter().enumerate() {
             let height = row(0.8 + series as f64);
             chart.key(series, name, (x, height), x + 0.03 * width)?;
