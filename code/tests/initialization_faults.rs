@@ -196,6 +196,21 @@ fn a_start_in_mid_air_is_no_stand() {
 }
 
 #[test]
+fn pixels_that_are_worse_than_they_are_said_to_be_do_not_begin() {
+    let recording = flown(&flight());
+    let readings_and_pictures = (&recording.readings[..], &recording.pictures[..]);
+    let begun = |pixel_sigma: f64| {
+        let sensors = Sensors { pixel_sigma, ..Sensors::of_flight(&recording.flight) };
+        let (readings, pictures) = readings_and_pictures;
+        begin(&sensors, readings, pictures, &BeginOptions::default())
+    };
+    begun(1.0).unwrap();
+    let refused = begun(0.2).unwrap_err();
+    let NoStart::Misfit { misfit } = refused else { panic!("{refused}") };
+    assert!(misfit > 4.0, "{misfit}");
+}
+
+#[test]
 fn a_reading_that_is_no_number_is_refused() {
     let recording = flown(&flight());
     for broken in [100, 700] {

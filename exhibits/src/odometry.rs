@@ -1,6 +1,7 @@
 //! What chapter `odometry` shows: the whole estimator on simulated flights, with one thing after the other switched off,
 //! and on a real one.
 
+mod begun;
 mod figures;
 pub mod real;
 pub mod switches;
@@ -9,11 +10,13 @@ use crate::chapter::Chapter;
 
 pub fn exhibits(chapter: &mut Chapter) {
     switches::numbers(chapter);
+    begun::numbers(chapter);
     real::numbers(chapter);
     figures::figures(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {
     switches::record(chapter);
+    begun::record(chapter);
     real::record(chapter);
 }

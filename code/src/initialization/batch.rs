@@ -301,6 +301,11 @@ impl Batch {
     }
     // ANCHOR_END: solve
 
+    /// The cost of values.
+    pub fn cost(&self, values: &Values) -> f64 {
+        self.problem.cost(values)
+    }
+
     /// The covariance of values, by variables.
     ///
     /// # Errors

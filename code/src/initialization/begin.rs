@@ -1,9 +1,13 @@
 //! Which start it is to be.
 
+use nalgebra::{Rotation3, Vector3};
+
 use super::{Known, MotionOptions, NoStart, RestOptions, Sensors, Started, at_rest, in_motion};
 use crate::datasets::tracks::Picture;
-use crate::inertial::StampedSample;
+use crate::filtering::StateError;
+use crate::inertial::{NavState, StampedSample};
 use crate::msckf::Start;
+use crate::observability::Similarity;
 
 // ANCHOR: begin_options
 /// How a beginning is looked for.
@@ -45,6 +49,20 @@ pub struct Beginning {
     pub scale_sigma: Option<f64>,
     /// The last picture of which something is known, and what a filter begins with there.
     pub start: (usize, Start),
+    /// The time on the sensor's clock, in nanoseconds, and the state by which the origin of the world and its
+    /// heading were chosen: of this state's place and yaw nothing can be wrong.
+    pub origin: (i64, NavState),
+}
+
+impl Beginning {
+    /// What takes the world of this beginning to one in which the state of its origin was `truth`.
+    pub fn to_world_of(&self, truth: &NavState) -> Similarity {
+        let (_, origin) = &self.origin;
+        let yaw = StateError::between(origin, truth).yaw();
+        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+        let translation = truth.position - rotation * origin.position;
+        Similarity { scale: 1.0, rotation, translation }
+    }
 }
 
 // ANCHOR: begin
@@ -167,7 +185,9 @@ impl StartSearch {
                 Ok(found) => {
                     let last = chosen[found.pictures[found.pictures.len() - 1]];
                     let start = found.start(&self.sensors, pictures[last].nanoseconds);
-                    return Some(moving(&found, (last, start), end));
+                    let first = some[found.pictures[0]].nanoseconds;
+                    let origin = (self.sensors.rig.imu_nanoseconds(first), found.first());
+                    return Some(moving(&found, (last, start), origin, end));
                 }
                 Err(error) => self.last_error = Some(error),
             }
@@ -203,10 +223,15 @@ fn thinned(pictures: &[Picture], range: std::ops::Range<usize>, rate: f64) -> Ve
 }
 
 /// What a start in motion knows at its last picture. The rest follows from there.
-fn moving(found: &Started, start: (usize, Start), seconds: f64) -> Beginning {
+fn moving(
+    found: &Started,
+    start: (usize, Start),
+    origin: (i64, NavState),
+    seconds: f64,
+) -> Beginning {
     let states = vec![(start.1.state, start.1.bias)];
     let known = Known { first: start.0, states, standing: 0, start: None };
-    Beginning { known, seconds, scale_sigma: Some(found.scale_sigma), start }
+    Beginning { known, seconds, scale_sigma: Some(found.scale_sigma), start, origin }
 }
 
 /// What a stand knows at its last picture.
@@ -218,5 +243,6 @@ fn standing((last, start): (usize, Start), pictures: &[Picture]) -> Beginning {
         seconds: seconds_to(pictures, last),
         scale_sigma: None,
         start: (last, start),
+        origin: (start.nanoseconds, start.state),
     }
 }

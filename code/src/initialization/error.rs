@@ -173,6 +173,16 @@ pub enum NoStart {
         /// What could not be found therefore.
         error: Box<NoStart>,
     },
+    /// Pixels and readings do not fit together where the search ended.
+    #[error(
+        "pixels and readings are {:.1} times as far off as their noise says: either this is a wrong minimum, and \
+         later pictures have a better one, or noise, calibration or clocks are not what they are said to be",
+        .misfit.sqrt()
+    )]
+    Misfit {
+        /// Twice the cost by its degrees of freedom.
+        misfit: f64,
+    },
     /// The estimate is too uncertain.
     #[error(
         "the scale is known within {:.1} %, the tilt within {:.2}°: wait for more motion",
@@ -196,6 +206,7 @@ impl NoStart {
         match self {
             Self::Alignment(error) => !of_readings(error),
             Self::Batch(error) => matches!(error, BatchError::Solve(_)),
+            Self::Misfit { .. } => false,
             _ => true,
         }
     }

@@ -25,6 +25,8 @@ pub struct MotionOptions {
     pub scale_sigma: f64,
     /// The largest standard deviation of the tilt, in radians.
     pub tilt_sigma: f64,
+    /// How badly pixels and readings may fit together: the largest [`Started::misfit`].
+    pub misfit: f64,
     /// The least angle at which two rays of a landmark must meet, in radians.
     pub least_parallax: f64,
     /// The kernel of the pixels.
@@ -38,6 +40,7 @@ impl Default for MotionOptions {
             gyro_bias: 0.1,
             scale_sigma: 0.1,
             tilt_sigma: 1f64.to_radians(),
+            misfit: 1.5,
             least_parallax: 0.01,
             kernel: Kernel::Huber(1.345),
         }
@@ -60,11 +63,19 @@ pub struct Started {
     /// The standard deviation of the first state's tilt, in radians: its greatest about any
     /// horizontal axis.
     pub tilt_sigma: f64,
+    /// Twice the cost at the minimum by its degrees of freedom: about one, if this is the right minimum
+    /// and the noise is as it is said to be.
+    pub misfit: f64,
     /// Which picture each state belongs to.
     pub pictures: Vec<usize>,
 }
 
 impl Started {
+    /// The first state, whose place and yaw were chosen.
+    pub fn first(&self) -> NavState {
+        self.values[self.batch.states[0]]
+    }
+
     /// What a filter begins with at the last of its pictures, which was taken at this time on the
     /// camera's clock.
     pub fn start(&self, sensors: &Sensors, nanoseconds: i64) -> Start {
@@ -175,7 +186,15 @@ fn settled(
         });
         if landmarks.len() == before {
             let covariance = batch.covariance(&values)?;
-            return Started::judged(batch, values, covariance, motion.pictures.clone(), options);
+            let (scale_sigma, tilt_sigma) = (
+                scale_sigma(&batch, &values, &covariance),
+                tilt_sigma(&batch, &values, &covariance),
+            );
+            let misfit = misfit(&batch, &values, &landmarks);
+            let pictures = motion.pictures.clone();
+            let started =
+                Started { batch, values, covariance, scale_sigma, tilt_sigma, misfit, pictures };
+            return started.judged(options);
         }
     }
 }
@@ -196,24 +215,32 @@ fn know_beginning(
 
 impl Started {
     // ANCHOR: judged
-    fn judged(
-        batch: Batch,
-        values: Values,
-        covariance: Covariance,
-        pictures: Vec<usize>,
-        options: &MotionOptions,
-    ) -> Result<Self, NoStart> {
-        let scale_sigma = scale_sigma(&batch, &values, &covariance);
-        let tilt_sigma = tilt_sigma(&batch, &values, &covariance);
-        let (scale, tilt) = (scale_sigma <= options.scale_sigma, tilt_sigma <= options.tilt_sigma);
-        if scale && tilt {
-            Ok(Self { batch, values, covariance, scale_sigma, tilt_sigma, pictures })
-        } else {
-            Err(NoStart::Uncertain { scale_sigma, tilt_sigma })
+    /// The start, if it fits and is certain enough. A wrong minimum is as certain as the right one.
+    fn judged(self, options: &MotionOptions) -> Result<Self, NoStart> {
+        let Self { scale_sigma, tilt_sigma, misfit, .. } = self;
+        let is_certain = scale_sigma <= options.scale_sigma && tilt_sigma <= options.tilt_sigma;
+        if misfit.is_nan() || misfit > options.misfit {
+            return Err(NoStart::Misfit { misfit });
         }
+        if !is_certain {
+            return Err(NoStart::Uncertain { scale_sigma, tilt_sigma });
+        }
+        Ok(self)
     }
     // ANCHOR_END: judged
 }
+
+// ANCHOR: misfit
+/// Twice the cost by the degrees of freedom. Two numbers of each pixel go against three of each landmark; an
+/// interval of readings tells as many numbers as a state and its biases have, and of the first ones tilt and
+/// velocity are told by nothing else.
+fn misfit(batch: &Batch, values: &Values, landmarks: &[(usize, VisualLandmark)]) -> f64 {
+    let placed = landmarks.iter().filter(|(track, _)| batch.landmarks.contains_key(track));
+    let told: usize = placed.map(|(_, landmark)| 2 * landmark.sightings.len()).sum();
+    let degrees = told.saturating_sub(3 * batch.landmarks.len() + 5);
+    2.0 * batch.cost(values) / degrees as f64
+}
+// ANCHOR_END: misfit
 
 // ANCHOR: scale_sigma
 /// The standard deviation of the distance from the first state to the one that is farthest from it,

@@ -10,6 +10,7 @@ use crate::datasets::tracks::{Feature, Picture};
 use crate::inertial::{ImuBias, NavState, StampedSample};
 use crate::initialization::Beginning;
 use crate::msckf::Start;
+use crate::observability::Similarity;
 use crate::preintegration::Matrix15;
 
 // ANCHOR: odometry
@@ -46,6 +47,19 @@ pub struct Estimate {
     pub bias: ImuBias,
     /// The 15×15 covariance of the errors of state and biases.
     pub covariance: Matrix15,
+}
+
+impl Estimate {
+    /// The same in another world, of the same size.
+    pub fn in_world(&self, by: &Similarity) -> Self {
+        let none = Vector3::zeros();
+        let mut turn = Matrix15::identity();
+        for from in [3, 6] {
+            turn.fixed_view_mut::<3, 3>(from, from).copy_from(by.rotation.matrix());
+        }
+        let covariance = turn * self.covariance * turn.transpose();
+        Self { state: by.state(&self.state, &none, &none), covariance, ..*self }
+    }
 }
 
 // ANCHOR: progress

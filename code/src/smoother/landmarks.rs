@@ -191,7 +191,7 @@ impl Smoother {
             ))
         });
         let views: Vec<View> = views.flatten().collect();
-        let start = triangulate(&views, self.options.least_parallax).ok()?;
+        let start = triangulate(&views, self.options.least_angle()).ok()?;
         Some(triangulate_nonlinear(&views, &start).map_or(start, |found| found.point))
     }
 

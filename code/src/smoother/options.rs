@@ -79,6 +79,9 @@ pub struct SmootherOptions {
     pub least_sightings: usize,
     /// The least angle at which two of its rays must meet, in radians.
     pub least_parallax: f64,
+    /// The same in standard deviations of a ray, which is a pixel's over the focal length. At less, noise alone
+    /// may show a far landmark near, and which ones are begun depends on their noise.
+    pub least_parallax_sigmas: f64,
     /// How far a pixel may be off where the landmark is expected, in standard deviations.
     pub gate: f64,
     /// Whether what a prior names keeps the linearization point of the prior.
@@ -100,6 +103,12 @@ impl SmootherOptions {
         }
     }
 
+    /// The least angle at which two rays of a landmark must meet, with the noise of the pixels.
+    pub fn least_angle(&self) -> f64 {
+        let ray_sigma = self.sensors.pixel_sigma / self.sensors.camera.fx;
+        self.least_parallax.max(self.least_parallax_sigmas * ray_sigma)
+    }
+
     /// Those for some sensors: two seconds.
     pub fn new(sensors: Sensors) -> Self {
         Self {
@@ -113,6 +122,7 @@ impl SmootherOptions {
             tolerance: 1e-3,
             least_sightings: 3,
             least_parallax: 0.02,
+            least_parallax_sigmas: 5.0,
             gate: 30.0,
             frozen: true,
         }

@@ -54,6 +54,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("gate", plain.gate, "", 0);
     chapter.number("sightings", plain.least_sightings as f64, "", 0);
     chapter.number("parallax", 1e3 * plain.least_parallax, "mrad", 0);
+    chapter.number("parallax_sigmas", plain.least_parallax_sigmas, "", 0);
     for seed in 0..FEW {
         let recording = flown(&flight(BRIEF), seed);
         let followed = followed(&recording, Estimator::Smoother, seed);

@@ -1,7 +1,6 @@
 //! A flight, and the odometry that is given what its sensors bring home.
 
-use nalgebra::{Matrix2, Matrix3, Rotation3, Vector3};
-use vislam::datasets::tracks::Picture;
+use nalgebra::{Matrix2, Matrix3, Vector3};
 use vislam::filtering::{StateError, nees};
 use vislam::inertial::NavState;
 use vislam::observability::Similarity;
@@ -182,7 +181,7 @@ impl Run {
         };
         if self.odometry.worlds() > self.worlds {
             self.worlds = self.odometry.worlds();
-            self.true_from_world = self.world(number).unwrap_or_else(Similarity::identity);
+            self.true_from_world = self.world().unwrap_or_else(Similarity::identity);
         }
         let newest = self.odometry.newest().filter(|_| phase != Phase::Missing);
         let above = |place: &Vector3<f64>| {
@@ -201,28 +200,10 @@ impl Run {
         }
     }
 
-    /// What takes the world of the last beginning to the true one. Its heading was chosen then, and the start tells it as
-    /// well as it knows its yaw. Its origin is where the body stood, or else the camera at the first picture that was
-    /// used; pictures are so far from one another that the start tells which one that was.
-    fn world(&self, number: usize) -> Option<Similarity> {
+    /// What takes the world of the last beginning to the true one: where and when that one was chosen tells it.
+    fn world(&self) -> Option<Similarity> {
         let beginning = self.odometry.beginning()?;
-        let start = &beginning.start.1;
-        let truth = self.truth(start.nanoseconds);
-        let yaw = StateError::between(&start.state, &truth).yaw();
-        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
-        let expected = truth.position - rotation * start.state.position;
-        let camera = |picture: &Picture| {
-            let body = self.truth(picture.nanoseconds);
-            self.recording().flight.rig.world_from_camera(&body).translation.vector
-        };
-        let off = |place: &Vector3<f64>| (place - expected).norm();
-        let cameras = self.recording().pictures[..=number].iter().map(camera);
-        let first = match beginning.scale_sigma {
-            Some(_) => cameras.min_by(|a, b| off(a).total_cmp(&off(b))),
-            None => None,
-        };
-        let translation = first.unwrap_or(truth.position);
-        Some(Similarity { scale: 1.0, rotation, translation })
+        Some(beginning.to_world_of(&self.truth(beginning.origin.0)))
     }
 
     /// The body at a time of the sensor's clock.
@@ -231,11 +212,8 @@ impl Run {
     }
 
     fn known(&self, newest: &Estimate) -> Known {
-        let none = Vector3::zeros();
-        let estimate = self.true_from_world.state(&newest.state, &none, &none);
-        let turn = self.true_from_world.rotation.matrix();
-        let covariance: Matrix3<f64> = newest.covariance.fixed_view::<3, 3>(6, 6).into_owned();
-        let covariance = turn * covariance * turn.transpose();
+        let Estimate { state: estimate, covariance, .. } = newest.in_world(&self.true_from_world);
+        let covariance: Matrix3<f64> = covariance.fixed_view::<3, 3>(6, 6).into_owned();
         let error = StateError::between(&estimate, &self.truth(newest.nanoseconds)).position;
         Known {
             estimate,
