@@ -60,7 +60,7 @@ pub fn flight() -> Flight {
     let position = [wave(30.0, rate, 0.0), wave(20.0, rate, -FRAC_PI_2), wave(0.8, 0.7, 0.0)];
     let (yaw, pitch) = (ScalarTrajectory::linear(rate), wave(0.1, 0.9, 1.0));
     let angles = EulerAngles { yaw, pitch, roll: wave(0.15, 1.3, 0.0) };
-    let flight = Flight::new(Trajectory { position, angles });
+    let flight = Flight::new(Trajectory { position, angles, ..Trajectory::default() });
     Flight {
         seconds: 160.0,
         picture_rate: 10.0,

@@ -21,7 +21,7 @@ const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.02);
 fn tilted() -> Trajectory {
     let constant = ScalarTrajectory::constant;
     let angles = EulerAngles { yaw: constant(0.0), pitch: constant(0.3), roll: constant(-0.2) };
-    Trajectory { position: [ScalarTrajectory::default(); 3], angles }
+    Trajectory { position: [ScalarTrajectory::default(); 3], angles, ..Trajectory::default() }
 }
 
 fn flown(flight: &Flight, seed: u64) -> FlightRecording {
@@ -419,8 +419,11 @@ fn taking_off(seed: u64) -> FlightRecording {
     };
     let angles =
         EulerAngles { yaw: swing(0.2, 1.1), pitch: swing(0.05, 1.7), roll: swing(0.06, 1.3) };
-    let motion =
-        Trajectory { position: [swing(0.8, 1.5), swing(0.6, 1.2), swing(0.4, 1.9)], angles };
+    let motion = Trajectory {
+        position: [swing(0.8, 1.5), swing(0.6, 1.2), swing(0.4, 1.9)],
+        angles,
+        ..Trajectory::default()
+    };
     let still = Trajectory::hover();
     let base = Flight { picture_rate: 20.0, tracks: 40, ..Flight::new(still) }.with_lever(LEVER);
     let flying = Flight { seconds: 4.0, motion, ..base.clone() };
@@ -468,4 +471,28 @@ fn a_flight_without_a_beginning_says_why() {
     let error = beginning(&recording.pictures[..1]).unwrap_err();
     assert_eq!(error, NoStart::TooShort { pictures: 1 });
     assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0 });
+}
+
+/// In the last tenth of a second of a window the body may have set out unseen.
+#[test]
+fn a_stand_that_ends_is_left_before_the_body_sets_out() {
+    const ENDS: [[[f64; 2]; 1]; 5] =
+        [[[-1.0, 2.0]], [[-1.0, 2.05]], [[-1.0, 2.1]], [[-1.0, 2.15]], [[-1.0, 2.2]]];
+    for stands in &ENDS {
+        let motion = Trajectory::figure_eight().with_stands(stands);
+        let flight = Flight { seconds: 4.0, tracks: 40, ..Flight::new(motion) };
+        let flight = Flight { picture_rate: 5.0, ..flight };
+        let recording = flight.record(&flight.room(3.0, 400, 1).unwrap(), 1).unwrap();
+        let sensors = Sensors::of_flight(&flight);
+        let begun = |options| begin(&sensors, &recording.readings, &recording.pictures, &options);
+        for options in [BeginOptions::default(), BeginOptions::at_rest()] {
+            let (_, start) = begun(options).unwrap().start;
+            let truth = motion.at(1e-9 * start.nanoseconds as f64).state;
+            assert!(truth.velocity.norm() < 1e-9, "{stands:?}: {}", truth.velocity);
+        }
+        let never = Flight { motion: Trajectory::figure_eight(), ..flight };
+        let never = never.record(&never.room(3.0, 400, 1).unwrap(), 1).unwrap();
+        let begun = begin(&sensors, &never.readings, &never.pictures, &BeginOptions::at_rest());
+        assert!(matches!(begun.unwrap_err(), NoStart::NoStand { .. }));
+    }
 }

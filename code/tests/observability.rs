@@ -37,7 +37,7 @@ fn swaying(angles: EulerAngles) -> Trajectory {
         ScalarTrajectory::wave(0.4, 3.0, 0.0),
         ScalarTrajectory::wave(0.2, 2.5, 0.0),
     ];
-    Trajectory { position, angles }
+    Trajectory { position, angles, ..Trajectory::default() }
 }
 
 /// What is free when the biases are unknown, and when they are known. What is said of constant

@@ -213,7 +213,7 @@ impl Random {
     fn motion(&mut self) -> Trajectory {
         let position = [self.coordinate(2.0), self.coordinate(2.0), self.coordinate(2.0)];
         let (yaw, pitch, roll) = (self.coordinate(0.8), self.coordinate(0.4), self.coordinate(0.8));
-        Trajectory { position, angles: EulerAngles { yaw, pitch, roll } }
+        Trajectory { position, angles: EulerAngles { yaw, pitch, roll }, ..Trajectory::default() }
     }
 
     fn bias(&mut self, gyro: f64, accelerometer: f64) -> ImuBias {

@@ -1,5 +1,6 @@
 //! What the sensors of a simulated flight bring home.
 
+use approx::assert_relative_eq;
 use nalgebra::{Vector2, Vector3};
 use vislam::datasets::tracks::Feature;
 use vislam::inertial::{ImuBias, ImuNoise, ImuSample, between};
@@ -383,4 +384,26 @@ fn a_flight_that_cannot_be_is_refused_with_the_number_that_is_wrong() {
     }
     let margin = flight().room(0.0, 10, 1).unwrap_err();
     assert!(matches!(margin, FlightError::Number { name: "margin", .. }));
+}
+
+/// The kinematics of a stand are those of the formulas with another time, so derivatives still are derivatives.
+#[test]
+fn a_body_stands_where_it_is_and_goes_on_from_there() {
+    let stands: &[[f64; 2]] = &[[-1.0, 1.5], [4.0, 5.0]];
+    let motion = Trajectory::figure_eight().with_stands(stands);
+    let step = 1e-4;
+    for time in [0.2, 1.4, 1.7, 2.3, 3.2, 3.9, 4.5, 5.4, 7.0] {
+        let [before, now, after] = [time - step, time, time + step].map(|time| motion.at(time));
+        let velocity = (after.state.position - before.state.position) / (2.0 * step);
+        let acceleration = (after.state.velocity - before.state.velocity) / (2.0 * step);
+        assert_relative_eq!(now.state.velocity, velocity, epsilon = 1e-6);
+        assert_relative_eq!(now.acceleration, acceleration, epsilon = 1e-6);
+        let rotation = before.state.world_from_body.inverse() * after.state.world_from_body;
+        let rate = rotation.scaled_axis() / (2.0 * step);
+        assert_relative_eq!(now.angular_velocity, rate, epsilon = 1e-6);
+        let is_standing = stands.iter().any(|[from, to]| (*from..*to).contains(&time));
+        assert_eq!(now.state.velocity.norm() == 0.0, is_standing, "at {time} s");
+    }
+    let [end, start] = [5.0, 4.0].map(|time| motion.at(time).state.position);
+    assert_relative_eq!(end, start, epsilon = 1e-12);
 }

@@ -6,12 +6,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use flate2::Compression;
 use toolchain::{TARGET, Toolchain};
 
 use crate::compiler;
 use crate::files;
-use crate::packing::{digest, packed};
+use crate::packing::{digest, packed_tightly};
 use crate::settings::Layout;
 use crate::steps::Steps;
 
@@ -143,7 +142,7 @@ pub enum Refreshed {
 
 /// A module as a script that hands it over.
 fn pack(name: &str, module: &[u8]) -> Result<Vec<u8>> {
-    let text = packed(module, Compression::best())?;
+    let text = packed_tightly(module)?;
     Ok(format!("vislamWidgets.module({name:?}, \"{text}\");\n").into_bytes())
 }
 

@@ -13,7 +13,7 @@ import { axe, bookDir, launch, open, overhang, pages, read, serve } from "./help
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const every = Boolean(process.env.EVERY);
 /** The filter of a whole flight has more to load than a picture. The assembled system is loaded when it is asked for. */
-const LARGEST = { msckf: 250, odometry: 470 };
+const LARGEST = { msckf: 250, odometry: 250 };
 /** A flight begins anew with every move of a slider, and its start in motion is looked for in one go. */
 const SLOWEST = { odometry: 100 };
 const SLOW = 8;

@@ -1,20 +1,23 @@
 //! Which start it is to be.
 
-use nalgebra::{Rotation3, Vector3};
-
 use super::{Known, MotionOptions, NoStart, RestOptions, Sensors, Started, at_rest, in_motion};
 use crate::datasets::tracks::Picture;
-use crate::filtering::StateError;
 use crate::inertial::{NavState, StampedSample};
 use crate::msckf::Start;
 use crate::observability::Similarity;
 
 // ANCHOR: begin_options
+/// Looks for a start in motion, as [`in_motion`] does.
+pub type InMotion =
+    fn(&Sensors, &[StampedSample], &[Picture], &MotionOptions) -> Result<Started, NoStart>;
+
 /// How a beginning is looked for.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct BeginOptions {
     /// How a stand is judged.
     pub rest: RestOptions,
+    /// What looks for a start in motion; without it a flight begins when its body stands.
+    pub in_motion: Option<InMotion>,
     /// How a start in motion is judged.
     pub motion: MotionOptions,
     /// How long a body must stand, in seconds.
@@ -27,16 +30,25 @@ pub struct BeginOptions {
 
 impl Default for BeginOptions {
     fn default() -> Self {
+        Self { in_motion: Some(in_motion), spans: vec![1.5, 2.0, 3.0, 4.0], ..Self::at_rest() }
+    }
+}
+// ANCHOR_END: begin_options
+
+impl BeginOptions {
+    /// A beginning at rest alone, for as long as it takes until the body stands. A program that uses no other
+    /// is smaller by all that finds a motion in pictures.
+    pub fn at_rest() -> Self {
         Self {
             rest: RestOptions::default(),
+            in_motion: None,
             motion: MotionOptions::default(),
             stand: 1.0,
-            spans: vec![1.5, 2.0, 3.0, 4.0],
+            spans: Vec::new(),
             rate: 5.0,
         }
     }
 }
-// ANCHOR_END: begin_options
 
 /// A beginning of a flight.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +69,7 @@ pub struct Beginning {
 impl Beginning {
     /// What takes the world of this beginning to one in which the state of its origin was `truth`.
     pub fn to_world_of(&self, truth: &NavState) -> Similarity {
-        let (_, origin) = &self.origin;
-        let yaw = StateError::between(origin, truth).yaw();
-        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
-        let translation = truth.position - rotation * origin.position;
-        Similarity { scale: 1.0, rotation, translation }
+        Similarity::between(&self.origin.1, truth)
     }
 }
 
@@ -96,7 +104,9 @@ pub struct StartSearch {
     options: BeginOptions,
     /// The first picture of the window in which a stand is looked for; `None` when the body has moved.
     window: Option<usize>,
-    /// The last picture of the stand so far, and what is known there.
+    /// The last picture of the last window, and what is known there, if it stands.
+    last: Option<(usize, Start)>,
+    /// The same of the last window after which the next one stands too.
     stand: Option<(usize, Start)>,
     /// Seconds at which a start in motion was looked for last.
     tried: f64,
@@ -107,7 +117,7 @@ impl StartSearch {
     /// A search that has seen nothing yet.
     pub fn new(sensors: Sensors, options: BeginOptions) -> Self {
         let window = Some(0);
-        Self { sensors, options, window, stand: None, tried: 0.0, last_error: None }
+        Self { sensors, options, window, last: None, stand: None, tried: 0.0, last_error: None }
     }
 
     /// Looks at all pictures so far, one more than the last time, with the readings that reach their
@@ -128,8 +138,11 @@ impl StartSearch {
     ///
     /// The [`NoStart`] of the last span, when the body did not stand.
     pub fn at_the_end(&self, pictures: &[Picture]) -> Result<Beginning, NoStart> {
-        let too_short = || NoStart::TooShort { pictures: pictures.len() };
-        match self.stand {
+        let too_short = || match self.options.in_motion {
+            Some(_) => NoStart::TooShort { pictures: pictures.len() },
+            None => NoStart::NoStand { seconds: self.options.stand },
+        };
+        match self.stand.or(self.last) {
             Some(start) => Ok(standing(start, pictures)),
             None => Err(self.last_error.clone().unwrap_or_else(too_short)),
         }
@@ -143,7 +156,9 @@ impl StartSearch {
 
     // ANCHOR: standing
     /// Whether nothing has moved so far: in windows of pictures, each as long as a body must stand and
-    /// beginning in the middle of the one before.
+    /// beginning in the middle of the one before. A window may end with a body that has just set out, too little
+    /// to be seen; so what it says counts when the next one stands as well. When there is no start in motion to be had, until it has stood
+    /// nothing has moved.
     fn stands(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> bool {
         let after = |from: usize, seconds: f64| {
             let time = pictures[from].nanoseconds.saturating_add((1e9 * seconds) as i64);
@@ -152,14 +167,13 @@ impl StartSearch {
         while let Some(from) = self.window {
             let Some(until) = after(from, self.options.stand) else { return true };
             let window = &pictures[from..=until];
-            self.window = match at_rest(&self.sensors, readings, window, &self.options.rest) {
-                Ok(start) => {
-                    self.stand = Some((until, start));
-                    let middle = after(from, 0.5 * self.options.stand);
-                    middle.map(|middle| middle.max(from + 1))
-                }
-                Err(_) => None,
-            };
+            let start = at_rest(&self.sensors, readings, window, &self.options.rest).ok();
+            let looks_on = self.options.in_motion.is_none() && self.stand.is_none();
+            let middle = after(from, 0.5 * self.options.stand);
+            let next = middle.map(|middle| middle.max(from + 1));
+            self.window = next.filter(|_| start.is_some() || looks_on);
+            let before = std::mem::replace(&mut self.last, start.map(|start| (until, start)));
+            self.stand = before.filter(|_| self.last.is_some()).or(self.stand.take());
         }
         false
     }
@@ -169,7 +183,8 @@ impl StartSearch {
     /// A start in motion with the last of these pictures, if some span of them is enough.
     fn moves(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> Option<Beginning> {
         let seconds = |picture: usize| seconds_to(pictures, picture);
-        let BeginOptions { ref spans, ref motion, rate, .. } = self.options;
+        let BeginOptions { ref spans, ref motion, rate, in_motion, .. } = self.options;
+        let in_motion = in_motion?;
         let end = seconds(pictures.len() - 1);
         let step = spans.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
         if end < self.tried + step {

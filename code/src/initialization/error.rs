@@ -145,6 +145,15 @@ pub enum NoStart {
         /// How many there are.
         pictures: usize,
     },
+    /// The body did not stand, and no other beginning was to be looked for.
+    #[error(
+        "the body never stood for {seconds} s, and a start in motion is not looked for; put it down, or use \
+         `BeginOptions::default()`"
+    )]
+    NoStand {
+        /// How long it would have had to.
+        seconds: f64,
+    },
     /// The camera stays on one spot.
     #[error(
         "the camera hovers: {narrow} of {pairs} pairs of pictures have no parallax to speak of, which \

@@ -23,7 +23,7 @@ mod whole;
 pub use alignment::{Alignment, align_motion};
 pub(crate) use batch::calibrate;
 pub use batch::{Batch, Sighting};
-pub use begin::{BeginOptions, Beginning, StartSearch, begin};
+pub use begin::{BeginOptions, Beginning, InMotion, StartSearch, begin};
 pub use error::{AlignmentRefused, BatchError, NoStart, UniformMotion};
 pub use inertial_map::{InertialMap, inertial_map};
 pub use linear::LinearAlignment;

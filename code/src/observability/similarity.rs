@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::Window;
+use crate::filtering::StateError;
 use crate::inertial::NavState;
 
 // ANCHOR: similarity
@@ -22,6 +23,15 @@ impl Similarity {
     /// The one that changes nothing.
     pub fn identity() -> Self {
         Self { scale: 1.0, rotation: Rotation3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// The turn about the vertical and the shift that take yaw and position of a state to those of another one:
+    /// what camera and inertial sensor leave open.
+    pub fn between(from: &NavState, to: &NavState) -> Self {
+        let yaw = StateError::between(from, to).yaw();
+        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+        let translation = to.position - rotation * from.position;
+        Self { scale: 1.0, rotation, translation }
     }
 
     /// A point of the world after it.

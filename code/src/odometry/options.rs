@@ -62,7 +62,7 @@ pub struct NoSuchEstimator {
 
 // ANCHOR: odometry_options
 /// How an odometry works.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct OdometryOptions {
     /// What is known of the sensors, and what of that is estimated.
     pub sensors: Sensors,
@@ -83,8 +83,13 @@ pub struct OdometryOptions {
 // ANCHOR_END: odometry_options
 
 impl OdometryOptions {
-    /// Those for some sensors.
+    /// Those for some sensors, with a beginning at rest or in motion.
     pub fn new(sensors: Sensors, estimator: Estimator) -> Self {
+        Self::beginning(sensors, estimator, BeginOptions::default())
+    }
+
+    /// Those for some sensors and a beginning that is looked for in this way.
+    pub fn beginning(sensors: Sensors, estimator: Estimator, begin: BeginOptions) -> Self {
         let Sensors { camera, pixel_sigma, noise, calibrated, .. } = sensors;
         let msckf = MsckfOptions {
             gravity: sensors.gravity(),
@@ -92,7 +97,6 @@ impl OdometryOptions {
             ..MsckfOptions::new(camera, pixel_sigma, noise)
         };
         let smoother = SmootherOptions::new(sensors);
-        let begin = BeginOptions::default();
         Self { sensors, estimator, begin, smoother, msckf, patience: 1.0, longest_gap: 0.1 }
     }
 }

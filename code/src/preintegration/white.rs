@@ -57,10 +57,13 @@ impl White {
 }
 
 /// Calls a function with the widest registers, telling it whether all axes have the same noise. It
-/// is compiled once for either case, so that neither has branches.
+/// is compiled once for either case, so that neither has branches; in a page, which has to load what is compiled,
+/// once for both.
 #[inline(always)]
 pub fn wide_either<T>(isotropic: bool, compute: impl FnOnce(bool) -> T) -> T {
-    if isotropic {
+    if cfg!(target_family = "wasm") {
+        compute(isotropic)
+    } else if isotropic {
         wide(
             #[inline(always)]
             || compute(true),

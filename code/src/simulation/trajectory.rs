@@ -76,6 +76,9 @@ pub struct Trajectory {
     pub position: [ScalarTrajectory; 3],
     /// How the body is turned.
     pub angles: EulerAngles,
+    /// Spans of seconds in which the body stands wherever it is then, in order and two seconds apart or more.
+    /// In the second before and the second after it changes its pace.
+    pub stands: &'static [[f64; 2]],
 }
 
 /// The kinematics of a body at one time: its state, and the rates at which that changes.
@@ -89,6 +92,21 @@ pub struct Kinematics {
     pub acceleration: Vector3<f64>,
 }
 // ANCHOR_END: trajectory
+
+/// How long a stand has held a body back after `t` seconds, with derivatives: it slows down in the second before
+/// and speeds up in the second after, both by 3 u² - 2 u³.
+fn stood(&[from, to]: &[f64; 2], t: f64) -> [f64; 3] {
+    let since = |t: f64| {
+        let u = t.clamp(0.0, 1.0);
+        [
+            u * u * u * (1.0 - 0.5 * u) + (t - u).max(0.0),
+            u * u * (3.0 - 2.0 * u),
+            6.0 * u * (1.0 - u),
+        ]
+    };
+    let (slowed, sped) = (since(t - from + 1.0), since(t - to));
+    std::array::from_fn(|at| slowed[at] - sped[at])
+}
 
 impl Kinematics {
     // ANCHOR: perfect_sample
@@ -105,10 +123,10 @@ impl Trajectory {
     // ANCHOR: kinematics
     /// State and rates after `t` seconds.
     pub fn at(&self, t: f64) -> Kinematics {
-        let [x, y, z] = self.position.map(|coordinate| coordinate.at(t));
-        let [yaw, yaw_rate, _] = self.angles.yaw.at(t);
-        let [pitch, pitch_rate, _] = self.angles.pitch.at(t);
-        let [roll, roll_rate, _] = self.angles.roll.at(t);
+        let [x, y, z] = self.position.map(|coordinate| self.paced(&coordinate, t));
+        let [yaw, yaw_rate, _] = self.paced(&self.angles.yaw, t);
+        let [pitch, pitch_rate, _] = self.paced(&self.angles.pitch, t);
+        let [roll, roll_rate, _] = self.paced(&self.angles.roll, t);
         let about_z = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
         let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
         let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
@@ -126,6 +144,21 @@ impl Trajectory {
         }
     }
     // ANCHOR_END: kinematics
+
+    /// A coordinate and its derivatives after `t` seconds, some of which the body has stood.
+    fn paced(&self, coordinate: &ScalarTrajectory, t: f64) -> [f64; 3] {
+        let [time, pace, change] = self.stands.iter().fold([t, 1.0, 0.0], |paced, stand| {
+            let stood = stood(stand, t);
+            std::array::from_fn(|at| paced[at] - stood[at])
+        });
+        let [value, first, second] = coordinate.at(time);
+        [value, pace * first, pace * pace * second + change * first]
+    }
+
+    /// The same, with a stand in each of these spans of seconds.
+    pub fn with_stands(self, stands: &'static [[f64; 2]]) -> Self {
+        Self { stands, ..self }
+    }
 
     /// What a perfect sensor reads at the times 0, dt, 2 dt, …, `count` of them.
     pub fn samples(&self, gravity: &Vector3<f64>, dt: f64, count: usize) -> Vec<ImuSample> {
@@ -146,7 +179,7 @@ impl Trajectory {
             roll: wave(0.05, 1.1, 0.0),
         };
         let position = [wave(0.56, 0.9, 0.0), wave(0.8, 0.6, 1.0), wave(0.56, 0.8, 2.0)];
-        Self { position, angles }
+        Self { position, angles, ..Self::default() }
     }
 
     /// Turning about the vertical without moving, at `rate` rad/s.
@@ -179,13 +212,17 @@ impl Trajectory {
         let yaw = ScalarTrajectory::wave(1.0, 0.9, 0.2);
         let pitch = ScalarTrajectory::wave(0.3, 1.3, 1.0);
         let roll = ScalarTrajectory::wave(0.4, 1.7, 0.0);
-        Self { position, angles: EulerAngles { yaw, pitch, roll } }
+        Self { position, angles: EulerAngles { yaw, pitch, roll }, ..Self::default() }
     }
     // ANCHOR_END: trajectories
 
     /// Straight ahead at `velocity` m/s in the world, with the angles given.
     pub fn constant_velocity(velocity: &Vector3<f64>, angles: EulerAngles) -> Self {
-        Self { position: [0, 1, 2].map(|axis| ScalarTrajectory::linear(velocity[axis])), angles }
+        Self {
+            position: [0, 1, 2].map(|axis| ScalarTrajectory::linear(velocity[axis])),
+            angles,
+            ..Self::default()
+        }
     }
 
     /// From rest with a constant `acceleration` in the world, in m/s², with the angles given.
@@ -194,7 +231,7 @@ impl Trajectory {
             acceleration: acceleration[axis],
             ..ScalarTrajectory::default()
         };
-        Self { position: [0, 1, 2].map(along), angles }
+        Self { position: [0, 1, 2].map(along), angles, ..Self::default() }
     }
 
     // ANCHOR: body_acceleration

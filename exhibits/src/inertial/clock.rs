@@ -169,10 +169,10 @@ pub fn paced(pace: f64) -> Trajectory {
         frequency: pace * coordinate.frequency,
         ..coordinate
     };
-    let Trajectory { position, angles } = Trajectory::figure_eight();
+    let Trajectory { position, angles, .. } = Trajectory::figure_eight();
     let EulerAngles { yaw, pitch, roll } = angles;
     let angles = EulerAngles { yaw: faster(yaw), pitch: faster(pitch), roll: faster(roll) };
-    Trajectory { position: position.map(faster), angles }
+    Trajectory { position: position.map(faster), angles, ..Trajectory::default() }
 }
 
 /// Paces in the figure.

@@ -21,7 +21,7 @@ pub fn motion(random: &mut Random) -> Trajectory {
     let position = [coordinate(2.0), coordinate(2.0), coordinate(1.0)];
     let angles =
         EulerAngles { yaw: coordinate(1.5), pitch: coordinate(0.5), roll: coordinate(0.8) };
-    Trajectory { position, angles }
+    Trajectory { position, angles, ..Trajectory::default() }
 }
 
 /// A camera at the end of a lever arm of 5 to 30 cm, turned in any way.

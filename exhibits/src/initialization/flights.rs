@@ -95,13 +95,14 @@ fn recorded(flight: &Flight, landmarks: &[Vector3<f64>], seed: u64) -> FlightRec
 /// A figure-eight, smaller by up to a quarter on each axis and taken up anywhere.
 pub fn eight(seed: u64, seconds: f64) -> FlightRecording {
     let mut random = Random::new(seed + 1000);
-    let Trajectory { mut position, angles: EulerAngles { mut yaw, mut pitch, mut roll } } =
+    let Trajectory { mut position, angles: EulerAngles { mut yaw, mut pitch, mut roll }, .. } =
         Trajectory::figure_eight();
     for coordinate in position.iter_mut().chain([&mut yaw, &mut pitch, &mut roll]) {
         coordinate.amplitude *= random.uniform(0.75..1.0);
         coordinate.phase = random.uniform(0.0..TAU);
     }
-    let motion = Trajectory { position, angles: EulerAngles { yaw, pitch, roll } };
+    let motion =
+        Trajectory { position, angles: EulerAngles { yaw, pitch, roll }, ..Trajectory::default() };
     let flight = flight(motion, seconds, seed);
     let landmarks = flight.room(3.0, 400, seed).expect("a room");
     recorded(&flight, &landmarks, seed)

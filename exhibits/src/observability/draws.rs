@@ -55,7 +55,7 @@ pub fn angles(random: &mut Random) -> EulerAngles {
 
 pub fn motion(random: &mut Random) -> Trajectory {
     let position = [coordinate(random, 0.7), coordinate(random, 0.7), coordinate(random, 0.5)];
-    Trajectory { position, angles: angles(random) }
+    Trajectory { position, angles: angles(random), ..Trajectory::default() }
 }
 
 /// Four pictures of a motion at the truth, with known biases.

@@ -35,7 +35,7 @@ pub fn turning() -> EulerAngles {
 pub fn swaying(angles: EulerAngles) -> Trajectory {
     let waves = [(0.3, 2.0), (0.4, 3.0), (0.2, 2.5)];
     let position = waves.map(|(size, rate)| ScalarTrajectory::wave(size, rate, 0.0));
-    Trajectory { position, angles }
+    Trajectory { position, angles, ..Trajectory::default() }
 }
 
 pub fn cases() -> [Case; 12] {

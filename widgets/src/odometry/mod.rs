@@ -9,7 +9,7 @@ mod setting;
 mod tracker;
 
 pub use run::{Frame, Known, Phase, Run, Why};
-pub use setting::{FAULT, Fault, PICTURES, SECONDS, Setting};
+pub use setting::{FAULT, Fault, PICTURES, SECONDS, STAND, STANDS, Setting};
 
 use crate::{Axis, Control, Face, Kind, Panel, Reading, Scene, Steps, Widget};
 
@@ -41,7 +41,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Assembled {
     const FACE: Face = Face {
-        lead: "It flies by itself; let something go wrong and see whether it knows. Dashed is where the body truly flew, rings and discs are the states and landmarks of the window.",
+        lead: "It stands, begins, and flies by itself; at 17 s it stands again. Let something go wrong and see whether it knows. Dashed is where the body truly flew, rings and discs are the states and landmarks of the window.",
         controls: &[
             Control {
                 kind: Kind::Sweep,

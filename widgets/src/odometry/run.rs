@@ -184,6 +184,10 @@ impl Run {
             self.true_from_world = self.world().unwrap_or_else(Similarity::identity);
         }
         let newest = self.odometry.newest().filter(|_| phase != Phase::Missing);
+        if let Some(standing) = newest.filter(|_| phase == Phase::Standing) {
+            let truth = self.truth(standing.nanoseconds);
+            self.true_from_world = Similarity::between(&standing.state, &truth);
+        }
         let above = |place: &Vector3<f64>| {
             let place = self.true_from_world.point(place);
             [place.x, place.y]

@@ -2,14 +2,18 @@
 
 use nalgebra::{Vector2, Vector3};
 use vislam::inertial::{Calibrated, CameraImu};
-use vislam::initialization::Sensors;
+use vislam::initialization::{BeginOptions, Sensors};
 use vislam::odometry::{Estimator, OdometryOptions};
 use vislam::simulation::{Flight, FlightError, Recorder, Trajectory};
 
 /// How long the flight is shown at most, in seconds.
 pub const SECONDS: f64 = 30.0;
-/// Pictures in a second. A start in motion uses all of them.
+/// Pictures in a second.
 pub const PICTURES: f64 = 5.0;
+/// When the body stands, in seconds: before it sets out, and once on its way.
+pub const STANDS: [[f64; 2]; 2] = [[-1.0, 2.0], [17.0, 20.0]];
+/// How long it must stand to begin, which the shortest tracks do not outlast by much.
+pub const STAND: f64 = 0.6;
 /// From when to when something goes wrong, if it does, in seconds.
 pub const FAULT: [f64; 2] = [12.0, 13.0];
 /// Metres from the flight to the walls of its room, and landmarks on them.
@@ -92,7 +96,8 @@ impl Setting {
 
     fn flight(&self) -> Flight {
         let lever = Vector3::new(0.1, 0.05, -0.02);
-        let flight = Flight::new(Trajectory::figure_eight()).with_lever(lever);
+        let flight = Flight::new(Trajectory::figure_eight().with_stands(&STANDS));
+        let flight = flight.with_lever(lever);
         Flight {
             seconds: SECONDS + BEHIND,
             picture_rate: PICTURES,
@@ -113,7 +118,8 @@ impl Setting {
             calibrated: Calibrated { time_offset, ..known.calibrated },
             ..known
         };
-        OdometryOptions::new(sensors, self.estimator)
+        let begin = BeginOptions { stand: STAND, ..BeginOptions::at_rest() };
+        OdometryOptions::beginning(sensors, self.estimator, begin)
     }
 
     /// Whether a picture is never taken.

@@ -135,7 +135,7 @@ fn coordinate(random: &mut Random, size: f64) -> ScalarTrajectory {
 pub fn motion(random: &mut Random) -> Trajectory {
     let position = [2.0, 2.0, 2.0].map(|size| coordinate(random, size));
     let [yaw, pitch, roll] = [0.8, 0.4, 0.8].map(|size| coordinate(random, size));
-    Trajectory { position, angles: EulerAngles { yaw, pitch, roll } }
+    Trajectory { position, angles: EulerAngles { yaw, pitch, roll }, ..Trajectory::default() }
 }
 
 /// A bias of the gyroscope alone.
