@@ -22,7 +22,7 @@ const EVERY: [usize; 3] = [2, 1, 4];
 const GATES: [f64; 3] = [30.0, 10.0, 100.0];
 const ISAM_GATES: [f64; 3] = [20.0, 10.0, 100.0];
 /// The chance with which the filter lets a good track pass.
-const FILTER_GATES: [f64; 3] = [0.95, 0.9, 0.99];
+const FILTER_GATES: [f64; 3] = [0.99, 0.95, 0.999];
 /// Points of the figure in a second.
 const PATH_RATE: usize = 2;
 /// Points of the figure.
@@ -69,7 +69,6 @@ pub fn numbers(chapter: &mut Chapter) {
     for (name, from) in ["from_second", "from_third", "from_fourth"].into_iter().zip(&FROM[1..]) {
         chapter.number(name, f64::from(*from), "s", 0);
     }
-    chapter.number("filter_gate", 100.0 * FILTER_GATES[0], "%", 0);
 }
 
 /// States by the number of their picture.

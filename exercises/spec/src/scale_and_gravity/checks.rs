@@ -458,6 +458,7 @@ fn to_and_fro(t: f64) -> Vec<Flight> {
             ScalarTrajectory::default(),
         ],
         angles: tilted(),
+        ..Trajectory::default()
     };
     let (full_speed, turning_point) = (rocking(0.0), rocking(FRAC_PI_2));
     let (whole, halves) = ([0.0, t], [0.0, 0.5 * t, t]);
@@ -479,7 +480,12 @@ fn near(tolerance: f64, t: f64) -> Vec<Flight> {
     };
     let lasting = |name, coordinate, t| {
         let position = [ScalarTrajectory::linear(1.0), coordinate, ScalarTrajectory::default()];
-        Flight::new(name, &Trajectory { position, angles: tilted() }, &GRAVITY, &[0.0, t])
+        Flight::new(
+            name,
+            &Trajectory { position, angles: tilted(), ..Trajectory::default() },
+            &GRAVITY,
+            &[0.0, t],
+        )
     };
     let flight = |name, coordinate| lasting(name, coordinate, t);
     let (less, more) = (0.8 * tolerance, 1.25 * tolerance);
