@@ -4,6 +4,8 @@ use std::mem::take;
 
 use nalgebra::{DMatrix, DVector, RealField};
 
+use crate::registers::wide;
+
 /// Columns and entries.
 pub(crate) type SparseRow<T> = Vec<(usize, T)>;
 
@@ -12,10 +14,16 @@ pub(crate) fn dense<T: RealField + Copy>(rows: &[SparseRow<T>]) -> (Vec<usize>, 
     let mut columns: Vec<usize> = rows.iter().flatten().map(|(column, _)| *column).collect();
     columns.sort_unstable();
     columns.dedup();
+    let (first, last) = (columns.first().copied(), columns.last().copied());
+    let first = first.unwrap_or_default();
+    let mut places = vec![0; last.map_or(0, |last| last + 1 - first)];
+    for (place, column) in columns.iter().enumerate() {
+        places[column - first] = place;
+    }
     let mut dense = DMatrix::zeros(rows.len(), columns.len());
     for (number, row) in rows.iter().enumerate() {
         for (column, slope) in row {
-            dense[(number, columns.partition_point(|other| other < column))] = *slope;
+            dense[(number, places[column - first])] = *slope;
         }
     }
     (columns, dense)
@@ -27,11 +35,19 @@ pub(crate) fn dense<T: RealField + Copy>(rows: &[SparseRow<T>]) -> (Vec<usize>, 
 /// Gives these rows, as many as the columns have independent directions, and then those that say
 /// everything else that was said, without the first columns. A direction of a column that is seen by
 /// no more than rounding, beside the rows before it, has no row.
-// ANCHOR: eliminate_rows
 pub fn eliminate<T: RealField + Copy>(
-    mut rows: DMatrix<T>,
+    rows: DMatrix<T>,
     columns: usize,
 ) -> (DMatrix<T>, DMatrix<T>) {
+    wide(
+        #[inline(always)]
+        || turned(rows, columns),
+    )
+}
+
+// ANCHOR: eliminate_rows
+#[inline(always)]
+fn turned<T: RealField + Copy>(mut rows: DMatrix<T>, columns: usize) -> (DMatrix<T>, DMatrix<T>) {
     let columns = columns.min(rows.ncols());
     let lost = T::default_epsilon() * nalgebra::convert(rows.nrows() as f64);
     let mut axis = DVector::zeros(rows.nrows());
@@ -57,6 +73,7 @@ pub fn eliminate<T: RealField + Copy>(
 /// Mirrors the rows from `own` on so that this column keeps a number in the first of them alone
 /// (Householder). The columns before it are zero there and stay so, and so do rows below the last
 /// one in which this column is not zero: they are left alone.
+#[inline(always)]
 fn reflect<T: RealField + Copy>(
     rows: &mut DMatrix<T>,
     own: usize,

@@ -221,10 +221,7 @@ impl Odometry {
     /// have to come before it is taken. A filter that estimates the time offset moves it a little.
     pub fn imu_nanoseconds(&self, picture: &Picture) -> i64 {
         let nominal = &self.options.sensors.rig;
-        let rig = match &self.phase {
-            Phase::Waiting(_) => *nominal,
-            Phase::Following(engine) => engine.rig(nominal),
-        };
+        let rig = self.engine().map_or(*nominal, |engine| engine.rig(nominal));
         rig.imu_nanoseconds(picture.nanoseconds)
     }
 
@@ -332,41 +329,37 @@ impl Odometry {
         }
     }
 
+    /// What follows the flight, if it has begun.
+    fn engine(&self) -> Option<&Engine> {
+        match &self.phase {
+            Phase::Waiting(_) => None,
+            Phase::Following(engine) => Some(engine),
+        }
+    }
+
     /// The state of some seconds ago, or the oldest one that is still estimated, as it is believed now,
     /// with its time; `None` before there is a beginning, and always from a filter, which has no such
     /// state.
     pub fn ago(&self, seconds: f64) -> Option<(i64, NavState)> {
-        match &self.phase {
-            Phase::Waiting(_) => None,
-            Phase::Following(engine) => engine.ago(seconds),
-        }
+        self.engine()?.ago(seconds)
     }
 
     /// The states of the window from the oldest to the newest; a filter has poses there, which are given
     /// at rest. None before there is a beginning.
     pub fn window(&self) -> Vec<NavState> {
-        match &self.phase {
-            Phase::Waiting(_) => Vec::new(),
-            Phase::Following(engine) => engine.window(),
-        }
+        self.engine().map(Engine::window).unwrap_or_default()
     }
 
     /// The tracks that are landmarks of the window, and where in the world those are, in metres. None
     /// before there is a beginning, and none of a filter, which has forgotten them when it was corrected.
     pub fn points(&self) -> Vec<(usize, Vector3<f64>)> {
-        match &self.phase {
-            Phase::Waiting(_) => Vec::new(),
-            Phase::Following(engine) => engine.points(),
-        }
+        self.engine().map(Engine::points).unwrap_or_default()
     }
 
     /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is
     /// known or estimated; `None` before there is a beginning.
     pub fn time_offset(&self) -> Option<f64> {
-        match &self.phase {
-            Phase::Waiting(_) => None,
-            Phase::Following(engine) => Some(engine.time_offset()),
-        }
+        self.engine().map(Engine::time_offset)
     }
 
     /// How many pictures are kept because there is no beginning yet.

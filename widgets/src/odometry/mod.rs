@@ -45,7 +45,7 @@ impl Widget for Assembled {
         controls: &[
             Control {
                 kind: Kind::Sweep,
-                ..Control::slider("time", "Time flown", "s", [20.0, 0.0, SECONDS, 0.2])
+                ..Control::slider("time", "Time flown", "s", [16.0, 0.0, SECONDS, 0.2])
             },
             Control::choice("estimator", "Estimator", &["smoother", "MSCKF"]),
             Control::slider("pixel", "Noise of a pixel", "px", [1.0, 0.3, 2.0, 0.1]),
