@@ -15,7 +15,7 @@ const every = Boolean(process.env.EVERY);
 /** The filter of a whole flight has more to load than a picture. The assembled system is loaded when it is asked for. */
 const LARGEST = { msckf: 250, odometry: 250 };
 /** A flight begins anew with every move of a slider, and its start in motion is looked for in one go. */
-const SLOWEST = { odometry: 100 };
+const SLOWEST = { odometry: 20 };
 const SLOW = 8;
 /** A flight of half a minute at ten times real time, drawn all the while. */
 const LONGEST = { msckf: 3000, odometry: 3000 };
