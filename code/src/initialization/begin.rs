@@ -36,6 +36,11 @@ impl Default for BeginOptions {
 // ANCHOR_END: begin_options
 
 impl BeginOptions {
+    /// So many seconds of pictures a beginning needs at most: two windows that stand, or the longest span.
+    pub fn longest(&self) -> f64 {
+        self.spans.iter().copied().fold(1.5 * self.stand, f64::max)
+    }
+
     /// A beginning at rest alone, for as long as it takes until the body stands. A program that uses no other
     /// is smaller by all that finds a motion in pictures.
     pub fn at_rest() -> Self {
@@ -157,8 +162,8 @@ impl StartSearch {
     // ANCHOR: standing
     /// Whether nothing has moved so far: in windows of pictures, each as long as a body must stand and
     /// beginning in the middle of the one before. A window may end with a body that has just set out, too little
-    /// to be seen; so what it says counts when the next one stands as well. When there is no start in motion to be had, until it has stood
-    /// nothing has moved.
+    /// to be seen; so what it says counts when the next one stands as well. Where no start in motion is looked for,
+    /// nothing has moved until it has stood.
     fn stands(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> bool {
         let after = |from: usize, seconds: f64| {
             let time = pictures[from].nanoseconds.saturating_add((1e9 * seconds) as i64);

@@ -186,10 +186,8 @@ fn settled(
         });
         if landmarks.len() == before {
             let covariance = batch.covariance(&values)?;
-            let (scale_sigma, tilt_sigma) = (
-                scale_sigma(&batch, &values, &covariance),
-                tilt_sigma(&batch, &values, &covariance),
-            );
+            let scale_sigma = scale_sigma(&batch, &values, &covariance);
+            let tilt_sigma = tilt_sigma(&batch, &values, &covariance);
             let misfit = misfit(&batch, &values, &landmarks);
             let pictures = motion.pictures.clone();
             let started =
@@ -218,11 +216,11 @@ impl Started {
     /// The start, if it fits and is certain enough. A wrong minimum is as certain as the right one.
     fn judged(self, options: &MotionOptions) -> Result<Self, NoStart> {
         let Self { scale_sigma, tilt_sigma, misfit, .. } = self;
-        let is_certain = scale_sigma <= options.scale_sigma && tilt_sigma <= options.tilt_sigma;
         if misfit.is_nan() || misfit > options.misfit {
             return Err(NoStart::Misfit { misfit });
         }
-        if !is_certain {
+        let (scale, tilt) = (scale_sigma <= options.scale_sigma, tilt_sigma <= options.tilt_sigma);
+        if !(scale && tilt) {
             return Err(NoStart::Uncertain { scale_sigma, tilt_sigma });
         }
         Ok(self)

@@ -36,8 +36,7 @@ impl Waiting {
     /// memory, however long a body stands or a flight has no beginning.
     pub fn forget(&mut self, options: &OdometryOptions) {
         let begin = &options.begin;
-        let longest = begin.spans.iter().copied().fold(1.5 * begin.stand, f64::max);
-        let kept = (1e9 * (longest + 0.5)) as i64;
+        let kept = (1e9 * (begin.longest() + 0.5)) as i64;
         let Some(last) = self.pictures.last().map(|picture| picture.nanoseconds) else { return };
         if last - self.pictures[0].nanoseconds < 3 * kept {
             return;
