@@ -4,7 +4,6 @@ use std::array::from_fn;
 
 use super::Linearized;
 use super::elimination_tree::Tree;
-use super::group::FactorGroup;
 use super::problem::{Columns, Problem};
 
 // ANCHOR: assembly
@@ -49,47 +48,54 @@ pub struct Segments {
 
 impl Segments {
     pub fn of(problem: &Problem, columns: &Columns, place: &[usize]) -> Self {
+        let of_variables = Self::of_variables(problem, columns, place);
         let mut segments = Self::default();
-        for factor in problem.factors() {
-            segments.add(factor, (problem, columns), place);
+        for (group, factor) in problem.factors() {
+            let (begin, mut slot) = (segments.all.len(), 0);
+            group.variables(factor, &mut |variable| {
+                let own = of_variables.own(variable).iter();
+                segments.all.extend(own.map(|segment| Segment { slot, ..*segment }));
+                slot += 1;
+            });
+            segments.all[begin..].sort_by_key(|segment| segment.column);
+            segments.ends.push(segments.all.len());
         }
         segments
     }
 
-    fn add(
-        &mut self,
-        (group, factor): (&dyn FactorGroup, usize),
-        (problem, columns): (&Problem, &Columns),
-        place: &[usize],
-    ) {
-        let Self { all, ends } = self;
-        let (begin, mut slot) = (all.len(), 0);
-        group.variables(factor, &mut |variable| {
+    /// Those of each variable, as if it was the only one of a factor.
+    fn of_variables(problem: &Problem, columns: &Columns, place: &[usize]) -> Self {
+        let Self { mut all, mut ends } = Self::default();
+        for variable in 0..problem.values().len() {
+            let begin = all.len();
             let coordinates = problem.values().coordinates_of(variable).unwrap_or_default();
             let columns = columns.of[coordinates].iter().enumerate();
             for (first, column) in columns.filter_map(|(at, c)| Some((at, place[(*c)?]))) {
                 match all[begin..].last_mut() {
-                    Some(last) if last.continues(slot, first, column) => last.len += 1,
-                    _ => all.push(Segment { slot, first, len: 1, column }),
+                    Some(last) if last.continues(first, column) => last.len += 1,
+                    _ => all.push(Segment { slot: 0, first, len: 1, column }),
                 }
             }
-            slot += 1;
-        });
-        all[begin..].sort_by_key(|segment| segment.column);
-        ends.push(all.len());
+            ends.push(all.len());
+        }
+        Self { all, ends }
+    }
+
+    /// Those of one factor or variable.
+    fn own(&self, number: usize) -> &[Segment] {
+        let begin = if number == 0 { 0 } else { self.ends[number - 1] };
+        &self.all[begin..self.ends[number]]
     }
 
     /// Those of one factor after the other.
     pub fn of_each(&self) -> impl Iterator<Item = &[Segment]> {
-        let begins = [0].into_iter().chain(self.ends.iter().copied());
-        begins.zip(&self.ends).map(|(begin, end)| &self.all[begin..*end])
+        (0..self.ends.len()).map(|factor| self.own(factor))
     }
 }
 
 impl Segment {
-    fn continues(&self, slot: usize, coordinate: usize, column: usize) -> bool {
-        let next = (self.slot, self.first + self.len, self.column + self.len);
-        next == (slot, coordinate, column)
+    fn continues(&self, coordinate: usize, column: usize) -> bool {
+        (self.first + self.len, self.column + self.len) == (coordinate, column)
     }
 }
 

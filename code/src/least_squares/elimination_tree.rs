@@ -1,6 +1,6 @@
 //! Which columns meet when variables are eliminated one after the other.
 
-use std::collections::BTreeSet;
+use std::mem::{replace, take};
 use std::ops::Range;
 
 // ANCHOR: node
@@ -36,6 +36,18 @@ impl Node {
             self.own.len() + self.rest.partition_point(|other| *other < column)
         }
     }
+
+    /// The same for columns that ascend.
+    pub fn places(&self, columns: &[usize]) -> impl Iterator<Item = usize> {
+        let mut passed = 0;
+        columns.iter().map(move |column| {
+            if self.own.contains(column) {
+                return column - self.own.start;
+            }
+            passed += self.rest[passed..].iter().take_while(|other| *other < column).count();
+            self.own.len() + passed
+        })
+    }
 }
 
 // ANCHOR: elimination_tree
@@ -49,20 +61,24 @@ pub fn elimination_tree(
     blocks: &[Range<usize>],
     couplings: impl Iterator<Item = impl Iterator<Item = usize> + Clone>,
 ) -> Vec<Node> {
-    let mut rests = vec![BTreeSet::new(); blocks.len()];
+    // Of each block what it is coupled with, some of it often; and for which block each was last counted.
+    let (mut coupled_with, mut counted) = (vec![Vec::new(); blocks.len()], vec![0; blocks.len()]);
     for coupled in couplings {
         if let Some(first) = coupled.clone().min() {
-            rests[first].extend(coupled);
+            coupled_with[first].extend(coupled);
         }
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(blocks.len());
     let (mut node_of_block, mut parents) = (Vec::with_capacity(blocks.len()), Vec::new());
     for (number, own) in blocks.iter().enumerate() {
-        let mut later = rests[number].split_off(&(number + 1));
+        let mut later = take(&mut coupled_with[number]);
+        later
+            .retain(|block| *block > number && replace(&mut counted[*block], number + 1) <= number);
+        later.sort_unstable();
         let rest: Vec<usize> = later.iter().flat_map(|block| blocks[*block].clone()).collect();
         let parent = later.first().copied();
         if let Some(parent) = parent {
-            rests[parent].append(&mut later);
+            coupled_with[parent].append(&mut later);
         }
         match nodes.last_mut() {
             Some(last) if continues(last, own, &rest) => {

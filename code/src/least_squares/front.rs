@@ -77,7 +77,7 @@ impl Updates {
         let (later, first) = (&tree.nodes[front], node.own.len() + at);
         let end = node.rest.partition_point(|column| *column < later.own.end);
         let (place, run) = (self.places.len(), self.runs.len());
-        let rows = node.rest[at..].iter().map(|column| later.place(*column));
+        let rows = later.places(&node.rest[at..]);
         for (row, to) in (first..).zip(rows.chain([later.width()])) {
             match self.runs[run..].last_mut() {
                 Some(run) if run.continues(to) => run.from.end += 1,

@@ -250,8 +250,7 @@ impl Fronts {
 
     /// The covariance of what a front leaves, which is a part of its parent's.
     fn rest_of(&self, node: &Node, parent: usize, matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        let places = node.rest.iter().map(|column| self.tree.nodes[parent].place(*column));
-        let places: Vec<usize> = places.collect();
+        let places: Vec<usize> = self.tree.nodes[parent].places(&node.rest).collect();
         matrix.select_rows(&places).select_columns(&places)
     }
 

@@ -9,7 +9,8 @@ use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
-use super::square_root::{SparseRow, dense, eliminate, eliminate_fronts};
+use super::sparse_rows::SparseRows;
+use super::square_root::{eliminate, eliminate_fronts};
 use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
@@ -56,27 +57,32 @@ impl LinearPrior {
         problem.check_values(values)?;
         let columns = problem.columns();
         let (place, sizes) = first(&columns, values, variables)?;
-        // By their first column: what begins first is turned first, and a triangle costs little.
-        let mut rows: Vec<Vec<SparseRow<f64>>> = vec![Vec::new(); 2 * columns.count + 1];
+        let mut rows = SparseRows::default();
         let is_first = |column: &usize| place[*column] < columns.count;
         let goes = |variable| {
             let coordinates = values.coordinates_of(variable).unwrap_or_default();
             columns.of[coordinates].iter().flatten().any(is_first)
         };
+        let goes: Vec<bool> = (0..values.len()).map(goes).collect();
         problem.at(values, |at| {
-            problem.each_row_of(goes, at, &columns, &mut Buffer::default(), |row| {
-                let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
-                let named = named.map(|(column, slope)| (place[*column], *slope));
-                let residual = (2 * columns.count, row.residual);
-                let mut row: SparseRow<f64> = Vec::with_capacity(row.entries.len() + 1);
-                row.extend(named.chain([residual]));
-                let first =
-                    row.iter().fold(2 * columns.count, |first, (column, _)| first.min(*column));
-                rows[first].push(row);
-            })
+            problem.each_row_of(
+                |variable| goes[variable],
+                at,
+                &columns,
+                &mut Buffer::default(),
+                |row| {
+                    let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
+                    let named = named.map(|(column, slope)| (place[*column], *slope));
+                    let residual = (2 * columns.count, row.residual);
+                    rows.push(named.chain([residual]));
+                },
+            )
         })?;
-        let (_, rest) = eliminate_fronts(rows.into_iter().flatten(), &together(&sizes));
-        let (named, rows) = dense(&rest);
+        // What begins first is turned first, and a triangle costs little.
+        let order = rows.by_first_column();
+        let in_order = order.iter().map(|number| rows.row(*number));
+        let (_, rest) = eliminate_fronts(in_order, &together(&sizes));
+        let (named, rows) = rest.dense();
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
         let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();

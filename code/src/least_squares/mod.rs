@@ -37,6 +37,7 @@ mod orthogonal;
 mod problem;
 mod singular;
 mod solver;
+mod sparse_rows;
 mod spectrum;
 mod square_root;
 mod structure;
@@ -62,8 +63,9 @@ pub use solver::{
     Iteration, LinearSystem, Method, Options, Prediction, Report, Search, Solution, SolveError,
     Stop,
 };
+pub(crate) use sparse_rows::SparseRows;
 pub use spectrum::Spectrum;
 pub use square_root::eliminate;
-pub(crate) use square_root::{SparseRow, eliminate_fronts};
+pub(crate) use square_root::eliminate_fronts;
 pub use values::{Key, Values};
 pub use whitening::{WhiteningError, sqrt_information};

@@ -8,8 +8,9 @@ use super::null_space::{NullSpace, check_gap};
 use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
+use super::sparse_rows::SparseRows;
 use super::spectrum::scale_of;
-use super::square_root::{Piece, SparseRow, eliminate_fronts};
+use super::square_root::{Piece, eliminate_fronts};
 
 /// Weak measurements of zero of every column, far above rounding and far below anything that is
 /// seen, make the triangle regular.
@@ -21,7 +22,7 @@ const ITERATIONS: usize = 16;
 /// A sparse Jacobian with columns of length one, in the order of their elimination, and its
 /// triangle.
 pub(super) struct Triangle {
-    rows: Vec<SparseRow<f64>>,
+    rows: SparseRows<f64>,
     scale: DVector<f64>,
     /// The place of each column of the problem in the order of elimination.
     place: Vec<usize>,
@@ -31,12 +32,12 @@ pub(super) struct Triangle {
 impl Triangle {
     /// Eliminates every variable of a problem.
     pub(super) fn of(problem: &Problem, at: Point, columns: &Columns) -> Result<Self, SolveError> {
-        let mut rows: Vec<SparseRow<f64>> = Vec::with_capacity(problem.rows());
+        let mut rows = SparseRows::default();
         problem.each_row(at, columns, &mut Buffer::default(), |row| {
-            rows.push(row.entries.to_vec());
+            rows.push(row.entries.iter().copied());
         })?;
         let mut squares = DVector::<f64>::zeros(columns.count);
-        for (column, slope) in rows.iter().flatten() {
+        for (column, slope) in rows.entries() {
             squares[*column] += slope * slope;
         }
         let scale = squares.map(|square| scale_of(square.sqrt()));
@@ -49,13 +50,13 @@ impl Triangle {
         let mut place = vec![0; columns.count];
         let in_order = order.iter().flat_map(|block| blocks[*block].clone());
         in_order.zip(0..).for_each(|(column, new)| place[column] = new);
-        for (column, slope) in rows.iter_mut().flatten() {
+        for (column, slope) in rows.entries_mut() {
             *slope *= scale[*column];
             *column = place[*column];
         }
         let sizes: Vec<usize> = order.iter().map(|block| sizes[*block]).collect();
-        let regular = (0..columns.count).map(|column| vec![(column, REGULAR)]);
-        let (pieces, _) = eliminate_fronts(rows.iter().cloned().chain(regular), &sizes);
+        let regular: Vec<_> = (0..columns.count).map(|column| (column, REGULAR)).collect();
+        let (pieces, _) = eliminate_fronts(rows.iter().chain(regular.chunks(1)), &sizes);
         Ok(Self { rows, scale, place, pieces })
     }
 
@@ -122,7 +123,7 @@ impl Triangle {
     /// The Jacobian times a vector.
     fn product(&self, vector: &DVector<f64>) -> DVector<f64> {
         let entry =
-            |row: &SparseRow<f64>| row.iter().map(|(column, slope)| slope * vector[*column]).sum();
+            |row: &[(usize, f64)]| row.iter().map(|(column, slope)| slope * vector[*column]).sum();
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(entry))
     }
 

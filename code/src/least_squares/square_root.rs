@@ -4,30 +4,8 @@ use std::mem::take;
 
 use nalgebra::{DMatrix, DVector, RealField};
 
+use super::sparse_rows::SparseRows;
 use crate::registers::wide;
-
-/// Columns and entries.
-pub(crate) type SparseRow<T> = Vec<(usize, T)>;
-
-/// The columns of some rows, ascending, and the rows with these alone.
-pub(crate) fn dense<T: RealField + Copy>(rows: &[SparseRow<T>]) -> (Vec<usize>, DMatrix<T>) {
-    let mut columns: Vec<usize> = rows.iter().flatten().map(|(column, _)| *column).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    let (first, last) = (columns.first().copied(), columns.last().copied());
-    let first = first.unwrap_or_default();
-    let mut places = vec![0; last.map_or(0, |last| last + 1 - first)];
-    for (place, column) in columns.iter().enumerate() {
-        places[column - first] = place;
-    }
-    let mut dense = DMatrix::zeros(rows.len(), columns.len());
-    for (number, row) in rows.iter().enumerate() {
-        for (column, slope) in row {
-            dense[(number, places[column - first])] = *slope;
-        }
-    }
-    (columns, dense)
-}
 
 /// Eliminates the first columns of some rows, the last column of which may be the residual: turns the
 /// rows by an orthogonal matrix until no more of them name these columns than there are of them.
@@ -127,26 +105,25 @@ pub(crate) struct Piece<T> {
 ///
 /// Gives the pieces, and the rows that are left: they name columns behind those of all blocks.
 // ANCHOR: eliminate_fronts
-pub(crate) fn eliminate_fronts<T: RealField + Copy>(
-    rows: impl IntoIterator<Item = SparseRow<T>>,
+pub(crate) fn eliminate_fronts<'a, T: RealField + Copy>(
+    rows: impl IntoIterator<Item = &'a [(usize, T)]>,
     sizes: &[usize],
-) -> (Vec<Piece<T>>, Vec<SparseRow<T>>) {
+) -> (Vec<Piece<T>>, SparseRows<T>) {
     let ends = running_sums(sizes);
-    let front_of = |row: &SparseRow<T>| {
+    let front_of = |first: usize| ends.partition_point(|end| *end <= first);
+    let mut fronts: Vec<SparseRows<T>> = vec![SparseRows::default(); sizes.len() + 1];
+    for row in rows {
         let first = row.iter().map(|(column, _)| *column).min().unwrap_or(usize::MAX);
-        ends.partition_point(|end| *end <= first)
-    };
-    let mut fronts: Vec<Vec<SparseRow<T>>> = vec![Vec::new(); sizes.len() + 1];
-    rows.into_iter().for_each(|row| fronts[front_of(&row)].push(row));
+        fronts[front_of(first)].push(row.iter().copied());
+    }
     let mut pieces = Vec::with_capacity(sizes.len());
     for (number, end) in ends.iter().enumerate() {
-        let (columns, dense) = dense(&take(&mut fronts[number]));
+        let (columns, dense) = take(&mut fronts[number]).dense();
         let named = columns.partition_point(|column| column < end);
         let (rows, rest) = eliminate(dense, named);
         for (number, row) in rest.row_iter().enumerate() {
             let entries = columns[named..].iter().copied().zip(row.iter().copied());
-            let row = entries.skip(number).collect();
-            fronts[front_of(&row)].push(row);
+            fronts[front_of(columns[named + number])].push(entries.skip(number));
         }
         pieces.push(Piece { columns, rows });
     }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, RealField};
 use super::information::check_finite;
 use super::pivots::{cast, factorize_blocks};
 use super::{Blocks, Information, MarginalizationError};
-use crate::least_squares::{SparseRow, eliminate, eliminate_fronts};
+use crate::least_squares::{SparseRows, eliminate, eliminate_fronts};
 
 // ANCHOR: square_root
 /// A Gaussian over named blocks in square-root form: whitened residuals R x + d, and the density
@@ -98,7 +98,8 @@ impl<T: RealField + Copy> SquareRoot<T> {
         let (gone, first) = self.blocks.select(names)?;
         let (blocks, then) = self.blocks.select(&survivors)?;
         let sizes: Vec<usize> = gone.ranges().map(|range| range.len()).collect();
-        let (pieces, rest) = eliminate_fronts(self.sparse_rows(&[first, then].concat()), &sizes);
+        let (pieces, rest) =
+            eliminate_fronts(self.sparse_rows(&[first, then].concat()).iter(), &sizes);
         for (piece, range) in pieces.iter().zip(gone.ranges()) {
             if piece.rows.nrows() < range.len() {
                 let name = gone.name_at(range.start);
@@ -118,13 +119,14 @@ impl<T: RealField + Copy> SquareRoot<T> {
     // ANCHOR_END: marginalize_root
 
     /// The rows with their columns in this order, and behind them the residual.
-    fn sparse_rows(&self, order: &[usize]) -> Vec<SparseRow<T>> {
-        let row = |number: usize| {
+    fn sparse_rows(&self, order: &[usize]) -> SparseRows<T> {
+        let mut rows = SparseRows::default();
+        for number in 0..self.root.nrows() {
             let slopes = order.iter().map(|column| self.root[(number, *column)]);
             let row = slopes.chain([self.offset[number]]).enumerate();
-            row.filter(|(_, slope)| *slope != T::zero()).collect()
-        };
-        (0..self.root.nrows()).map(row).collect()
+            rows.push(row.filter(|(_, slope)| *slope != T::zero()));
+        }
+        rows
     }
 
     /// The Gaussian with some of its rows alone.
