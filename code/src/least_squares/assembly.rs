@@ -46,10 +46,15 @@ pub struct Segments {
     ends: Vec<usize>,
 }
 
+/// So many segments few factors have more of.
+const MANY: usize = 4;
+
 impl Segments {
     pub fn of(problem: &Problem, columns: &Columns, place: &[usize]) -> Self {
         let of_variables = Self::of_variables(problem, columns, place);
-        let mut segments = Self::default();
+        let factors = problem.len();
+        let mut segments =
+            Self { all: Vec::with_capacity(MANY * factors), ends: Vec::with_capacity(factors) };
         for (group, factor) in problem.factors() {
             let (begin, mut slot) = (segments.all.len(), 0);
             group.variables(factor, &mut |variable| {
@@ -100,9 +105,12 @@ impl Segment {
 }
 
 impl Assembly {
-    /// From the segments of all factors.
-    pub fn new(of_factors: &Segments, tree: &Tree) -> Self {
-        let (mut segments, mut ends, mut products) = (Vec::new(), Vec::new(), Vec::new());
+    /// Finds the places from the segments of all factors, in the memory that is there.
+    pub fn arrange(&mut self, of_factors: &Segments, tree: &Tree) {
+        let Self { segments, ends, products } = self;
+        segments.clear();
+        ends.clear();
+        products.clear();
         for own in of_factors.of_each() {
             for (at, &segment) in own.iter().enumerate() {
                 let front = tree.front_of(segment.column);
@@ -113,7 +121,6 @@ impl Assembly {
             }
             ends.push(segments.len());
         }
-        Self { segments, ends, products }
     }
 
     /// Adds what all factors say, once they are linearized.

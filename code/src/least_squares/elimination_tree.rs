@@ -62,7 +62,9 @@ pub fn elimination_tree(
     couplings: impl Iterator<Item = impl Iterator<Item = usize> + Clone>,
 ) -> Vec<Node> {
     // Of each block what it is coupled with, some of it often; and for which block each was last counted.
-    let (mut coupled_with, mut counted) = (vec![Vec::new(); blocks.len()], vec![0; blocks.len()]);
+    let room = || Vec::with_capacity(ROOM);
+    let mut coupled_with: Vec<Vec<usize>> = blocks.iter().map(|_| room()).collect();
+    let mut counted = vec![0; blocks.len()];
     for coupled in couplings {
         if let Some(first) = coupled.clone().min() {
             coupled_with[first].extend(coupled);
@@ -96,6 +98,9 @@ pub fn elimination_tree(
     nodes
 }
 // ANCHOR_END: elimination_tree
+
+/// So many couplings few blocks have more of.
+const ROOM: usize = 32;
 
 /// So many columns of a front are eliminated together, or those of one block.
 const MOST_TOGETHER: usize = 32;

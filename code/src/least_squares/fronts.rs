@@ -80,7 +80,7 @@ impl Fronts {
         let block_with = |segment: &Segment| blocks.partition_point(|b| b.end <= segment.column);
         let couplings = segments.of_each().map(|of_factor| of_factor.iter().map(block_with));
         let tree = Tree::new(elimination_tree(&blocks, couplings));
-        self.assembly = Assembly::new(&segments, &tree);
+        self.assembly.arrange(&segments, &tree);
         self.updates.arrange(&tree);
         for entries in [&mut self.hessian, &mut self.factor] {
             entries.resize(tree.len(), 0.0);
@@ -277,11 +277,11 @@ impl Fronts {
 }
 
 impl LinearSystem for Fronts {
-    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<Option<f64>, SolveError> {
         let Self { assembly, hessian, linear, .. } = self;
         hessian.fill(0.0);
         let mut cursor = assembly.cursor();
-        problem.each_group(at, linear, |_, linear| {
+        let cost = problem.each_group(at, linear, |_, linear| {
             wide(
                 #[inline(always)]
                 || cursor.add(linear, hessian),
@@ -294,7 +294,7 @@ impl LinearSystem for Fronts {
                     (entries[place], entries[node.width()]);
             }
         }
-        if self.gradient_norm().is_finite() { Ok(()) } else { Err(SolveError::OutOfRange) }
+        if self.gradient_norm().is_finite() { Ok(Some(cost)) } else { Err(SolveError::OutOfRange) }
     }
 
     fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction> {

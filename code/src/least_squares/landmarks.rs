@@ -560,7 +560,7 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
 }
 
 impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> {
-    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<Option<f64>, SolveError> {
         self.gradient.fill([0.0; D]);
         self.curvature.fill([0.0; D]);
         wide(
@@ -571,7 +571,7 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
             },
         )?;
         self.linearize_others(problem, at)?;
-        if self.gradient_norm().is_finite() { Ok(()) } else { Err(problem.not_finite(at)) }
+        if self.gradient_norm().is_finite() { Ok(None) } else { Err(problem.not_finite(at)) }
     }
 
     // ANCHOR: attempt

@@ -78,10 +78,7 @@ impl LinearPrior {
                 },
             )
         })?;
-        // What begins first is turned first, and a triangle costs little.
-        let order = rows.by_first_column();
-        let in_order = order.iter().map(|number| rows.row(*number));
-        let (_, rest) = eliminate_fronts(in_order, &together(&sizes));
+        let (_, rest) = eliminate_fronts(rows.iter(), &together(&sizes));
         let (named, rows) = rest.dense();
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, named.len().saturating_sub(1));

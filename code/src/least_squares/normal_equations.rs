@@ -168,12 +168,12 @@ impl Dense {
 
 impl LinearSystem for Dense {
     // ANCHOR: linearize
-    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError> {
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<Option<f64>, SolveError> {
         let Self { equations, columns, buffer, .. } = self;
         equations.gradient.fill(0.0);
         equations.hessian.fill(0.0);
         equations.cost = problem.each_row(at, columns, buffer, |row| equations.accumulate(&row))?;
-        if equations.complete() { Ok(()) } else { Err(SolveError::OutOfRange) }
+        if equations.complete() { Ok(Some(equations.cost)) } else { Err(SolveError::OutOfRange) }
     }
     // ANCHOR_END: linearize
 

@@ -14,12 +14,12 @@ use super::{Covariance, Values};
 // ANCHOR: linear_system
 /// The normal equations of a problem, in whatever form they are kept.
 pub trait LinearSystem {
-    /// Takes note of a new point.
+    /// Takes note of a new point, and gives the cost there, where all factors are asked for it.
     ///
     /// # Errors
     ///
     /// A [`SolveError`] when a residual is undefined or not finite there.
-    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<(), SolveError>;
+    fn linearize(&mut self, problem: &Problem, at: Point) -> Result<Option<f64>, SolveError>;
 
     /// Writes the step of all coordinates for a damping relative to the Hessian's diagonal, from
     /// the point of the last [`LinearSystem::linearize`]. `None` when the equations are singular.
@@ -354,14 +354,14 @@ impl<S: LinearSystem> Search<S> {
             options: *options,
             trial: values.clone(),
             frozen: problem.linearization_point(),
-            cost: problem.cost(&values),
+            cost: 0.0,
             step: vec![0.0; values.dimension()],
             values,
             damping: Damping::begin(options),
             iterations: Vec::with_capacity(options.max_iterations.min(1000)),
             linearizes_end: true,
         };
-        search.linearize(problem)?;
+        search.begin(problem)?;
         Ok(search)
     }
 
@@ -381,11 +381,17 @@ impl<S: LinearSystem> Search<S> {
         self.values.clone_from(problem.values());
         self.trial.clone_from(problem.values());
         self.frozen = problem.linearization_point();
-        self.cost = problem.cost(&self.values);
         self.step.resize(self.values.dimension(), 0.0);
         self.damping = Damping::begin(&self.options);
         self.iterations.clear();
-        self.linearize(problem)
+        self.begin(problem)
+    }
+
+    /// Linearizes where the search begins.
+    fn begin(&mut self, problem: &Problem) -> Result<(), SolveError> {
+        let cost = self.linearize(problem)?;
+        self.cost = cost.unwrap_or_else(|| problem.cost(&self.values));
+        Ok(())
     }
 
     /// The same search, but nothing is linearized where it ends: the system stays that of the last step,
@@ -492,7 +498,7 @@ impl<S: LinearSystem> Search<S> {
         Point { values: &self.values, frozen: self.frozen.as_ref() }
     }
 
-    fn linearize(&mut self, problem: &Problem) -> Result<(), SolveError> {
+    fn linearize(&mut self, problem: &Problem) -> Result<Option<f64>, SolveError> {
         if let Some(frozen) = &mut self.frozen {
             problem.follow(&self.values, frozen);
         }

@@ -45,7 +45,7 @@ impl<T: RealField + Copy> SparseRows<T> {
     }
 
     /// The numbers of the rows, those whose first column comes first before others.
-    pub fn by_first_column(&self) -> Vec<usize> {
+    fn by_first_column(&self) -> Vec<usize> {
         let first = |row: &[(usize, T)]| row.iter().map(|(column, _)| *column).min();
         let firsts: Vec<Option<usize>> = self.iter().map(first).collect();
         let mut numbers: Vec<usize> = (0..self.len()).collect();
@@ -53,7 +53,8 @@ impl<T: RealField + Copy> SparseRows<T> {
         numbers
     }
 
-    /// The columns that rows name, ascending, and the rows with these alone.
+    /// The columns that rows name, ascending, and the rows with these alone: those whose first column
+    /// comes first before others, so that a triangle beside another one is turned as a triangle.
     pub fn dense(&self) -> (Vec<usize>, DMatrix<T>) {
         let named = || self.entries.iter().map(|(column, _)| *column);
         let first = named().min().unwrap_or_default();
@@ -65,9 +66,9 @@ impl<T: RealField + Copy> SparseRows<T> {
             columns.push(column);
         }
         let mut dense = DMatrix::zeros(self.len(), columns.len());
-        for (number, row) in self.iter().enumerate() {
-            for (column, slope) in row {
-                dense[(number, places[column - first])] = *slope;
+        for (place, number) in self.by_first_column().into_iter().enumerate() {
+            for (column, slope) in self.row(number) {
+                dense[(place, places[column - first])] = *slope;
             }
         }
         (columns, dense)
