@@ -8,7 +8,7 @@ use exercise_spec::left_perturbation::{EXERCISE, Functions};
 use exercise_spec::scale_and_gravity;
 use solutions::left_perturbation as known;
 
-use crate::corpus::Want::{Refused, Runs};
+use crate::corpus::Want::{DoesNotCompile, Refused, Runs};
 use crate::corpus::{
     ALONG, FILL, Hostile, LEFT, every, right, right_after, right_and, row, skeleton, with_body,
 };
@@ -199,6 +199,76 @@ fn asking_the_library() -> Vec<Hostile> {
             right_and("outlier_rescue", "use vislam::least_squares::\u{212a}ernel as Known;"),
             Refused,
             "`Kernel` of the library",
+        ),
+        row(
+            "asks the library with a dead method of that name",
+            LEFT,
+            every(
+                LEFT,
+                "camera.pinhole().jacobians(&camera_from_world, &point_in_world).unwrap()",
+                "struct Dead; impl Dead { fn jacobians(&self) {} }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "asks another module with a dead type of that name",
+            LEFT,
+            right_and(
+                LEFT,
+                "#[allow(non_camel_case_types)] struct factors; use vislam::factors::*;",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "asks the library with a dead macro of that name",
+            LEFT,
+            every(
+                LEFT,
+                "camera.pinhole().project_with_jacobians(&camera_from_world, &point_in_world)",
+                "macro_rules! project_with_jacobians { () => {} }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "takes the camera of another exercise",
+            LEFT,
+            right_and(LEFT, "use exercise_spec::outlier_rescue::Camera as Whole;"),
+            Refused,
+            "an answer takes the types of its arguments from it",
+        ),
+        row(
+            "factorizes with a dead method of that name",
+            "null_space",
+            right_and(
+                "null_space",
+                "trait Dead { fn qr(self); } fn f(m: DMatrix<f64>) { m.qr(); }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "takes a null space from least squares",
+            "null_space",
+            right_and("null_space", "use vislam::least_squares::NullSpace;"),
+            Refused,
+            "`least_squares` of the library",
+        ),
+        row(
+            "asks a module that nobody has listed",
+            "null_space",
+            right_and("null_space", "use vislam::smoother as known;"),
+            DoesNotCompile,
+            "smoother",
+        ),
+        row(
+            "takes the library's camera by its path",
+            LEFT,
+            right_and(LEFT, "use vislam::reprojection::Pinhole;"),
+            DoesNotCompile,
+            "Pinhole",
         ),
         row(
             "asks the library",
