@@ -86,6 +86,9 @@ pub struct CheckGrade {
     pub numbers: String,
     /// Name of the misconception that was recognized.
     pub misconception: Option<String>,
+    /// Expected and obtained as SVG, where that can be drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<String>,
 }
 
 /// Three outcomes, never two.

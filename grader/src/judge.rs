@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::thread;
 
 use book_tests::hidden_checks;
+use exercise_runner::picture;
 use exercise_spec::Exercise;
 use exercise_spec::check::{Check, Failure};
 use sha2::{Digest, Sha256};
@@ -240,6 +241,7 @@ impl Judge {
                 .as_ref()
                 .and_then(|f| f.misconception)
                 .map(|known| known.name.to_owned()),
+            picture: failure.as_ref().and_then(|f| picture::svg(f.picture.as_deref()?).ok()),
         }
     }
 

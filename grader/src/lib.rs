@@ -14,6 +14,7 @@ pub mod grade;
 pub mod items;
 pub mod judge;
 pub mod machine;
+pub mod mine;
 pub mod points;
 pub mod report;
 pub mod roster;

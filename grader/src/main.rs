@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use grader::batch::{self, Order};
 use grader::report::Detail;
-use grader::{export, workshop};
+use grader::{export, mine, workshop};
 
 /// Grades the exercises of the book.
 #[derive(Parser)]
@@ -28,6 +28,11 @@ enum Command {
     },
     /// Grades submissions
     Run(Run),
+    /// Grades the answers in exercises/src, in the machine in which submissions run
+    Mine {
+        /// Names of exercises; without one, all
+        names: Vec<String>,
+    },
     /// Makes the files of a new exercise
     New {
         /// Its name: small letters and underscores
@@ -98,6 +103,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
         Command::Run(run) => return grade(run),
+        Command::Mine { names } => mine::grade(names),
         Command::New { name, title, chapter } => {
             workshop::new(&name, &title, &chapter).map(|()| true)
         }

@@ -233,6 +233,25 @@ fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {
 }
 
 #[test]
+fn feedback_shows_the_pictures_of_public_checks_and_hidden_ones_in_full_only() {
+    let mut grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![])]);
+    for (name, hidden) in [("open", false), ("deep", true)] {
+        grade.exercises[0].checks.push(check(name, hidden, Verdict::Failed));
+    }
+    grade.exercises[0].checks.push(check("right", false, Verdict::Passed));
+    for check in &mut grade.exercises[0].checks {
+        check.picture = Some("<svg/>".to_owned());
+    }
+    let slug = grade.exercises[0].exercise.clone();
+    for detail in [Detail::Full, Detail::Hint, Detail::None] {
+        let report = markdown::feedback(&grade, detail);
+        let shows = |name: &str| report.contains(&format!("]({slug}-{name}.svg)"));
+        assert!(shows("open") && !shows("right"), "{report}");
+        assert_eq!(shows("deep"), detail == Detail::Full, "{report}");
+    }
+}
+
+#[test]
 fn a_hint_about_a_hidden_check_repeats_nothing_of_the_answer() {
     let mut panicked = check("deep", true, Verdict::Failed);
     panicked.sentence = "the answer panicked: fx 843.0307".to_owned();

@@ -14,7 +14,7 @@ use crate::items::Items;
 use crate::report::gradebook::Gradebook;
 use crate::report::markdown::{self, Summary};
 use crate::report::terminal::{Terminal, wrapped};
-use crate::report::{gradescope, junit};
+use crate::report::{gradescope, junit, picture_file};
 use crate::repository;
 use crate::similarity::Similarity;
 use crate::submission;
@@ -80,7 +80,23 @@ fn one(plan: &Plan, kept: &Kept, grade: &Grade) -> Result<(), Trouble> {
     let junit = junit::xml(grade, plan.detail).map_err(Trouble::CouldNotGrade)?;
     kept.report_on(name, "feedback.md", markdown::feedback(grade, plan.detail).as_bytes())?;
     kept.report_on(name, "results.json", gradescope::json(grade, plan.detail).as_bytes())?;
-    kept.report_on(name, "junit.xml", junit.as_bytes())
+    kept.report_on(name, "junit.xml", junit.as_bytes())?;
+    pictures(plan, kept, grade)
+}
+
+/// The pictures of checks that failed, and none of a former answer.
+fn pictures(plan: &Plan, kept: &Kept, grade: &Grade) -> Result<(), Trouble> {
+    let name = &grade.submission;
+    for exercise in &grade.exercises {
+        for check in &exercise.checks {
+            let file = picture_file(exercise, check);
+            match plan.detail.picture(check) {
+                Some(picture) => kept.report_on(name, &file, picture.as_bytes())?,
+                None => kept.without(&format!("submissions/{name}/{file}")),
+            }
+        }
+    }
+    Ok(())
 }
 
 fn junit_of_all(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Result<()> {

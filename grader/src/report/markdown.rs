@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use exercise_spec::Exercise;
 
 use super::{
-    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, points, who, why_not,
-    words,
+    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, picture_file, points,
+    who, why_not, words,
 };
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::roster::Differences;
@@ -144,8 +144,13 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     while !checks.is_empty() {
         let told = detail.of_check(checks[0]);
         // What would be said over and over is said once.
-        let (same, rest) = checks.into_iter().partition(|check| detail.of_check(check) == told);
-        text += &on_checks(same, &told);
+        let (same, rest): (Vec<_>, Vec<_>) =
+            checks.into_iter().partition(|check| detail.of_check(check) == told);
+        text += &on_checks(&same, &told);
+        let drawn = same.into_iter().filter(|check| detail.picture(check).is_some());
+        for file in drawn.map(|check| picture_file(exercise, check)) {
+            let _ = writeln!(text, "\n  ![Expected and obtained, drawn]({file})");
+        }
         checks = rest;
     }
     if text.is_empty() || matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
@@ -155,12 +160,12 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     format!("\n## {title}\n\nThe file is {}.\n{text}", file(exercise))
 }
 
-fn on_checks(checks: Vec<&CheckGrade>, told: &Told) -> String {
+fn on_checks(checks: &[&CheckGrade], told: &Told) -> String {
     let name = |check: &CheckGrade| {
         let hidden = if check.hidden { " (hidden)" } else { "" };
         format!("**{}**{hidden}", escaped(&words(&check.name), NAME))
     };
-    let names: Vec<String> = checks.into_iter().map(name).collect();
+    let names: Vec<String> = checks.iter().copied().map(name).collect();
     let mut text = format!("\n- {}", names.join(", "));
     match told.sentence.is_empty() {
         true => text += "\n",

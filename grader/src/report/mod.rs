@@ -59,6 +59,18 @@ impl Detail {
             (Verdict::Failed, Self::None) => Told::new("", ""),
         }
     }
+
+    /// The picture of a check that a student is shown.
+    pub fn picture(self, check: &CheckGrade) -> Option<&str> {
+        let shown = !check.hidden || self == Self::Full;
+        check.picture.as_deref().filter(|_| shown && check.verdict == Verdict::Failed)
+    }
+}
+
+/// The file of a check's picture, beside the feedback.
+pub fn picture_file(exercise: &ExerciseGrade, check: &CheckGrade) -> String {
+    let name = format!("{}-{}", exercise.exercise, check.name);
+    name.replace(|letter: char| !letter.is_ascii_alphanumeric() && letter != '-', "_") + ".svg"
 }
 
 impl Told {

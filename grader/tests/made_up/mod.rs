@@ -56,6 +56,7 @@ pub fn check(name: &str, hidden: bool, verdict: Verdict) -> CheckGrade {
             String::new()
         },
         misconception: failed.then(|| "skew_sign".to_owned()),
+        picture: None,
     }
 }
 
