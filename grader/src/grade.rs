@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 /// The version of the form of `grade.json`. It grows when a field changes its meaning.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// A batch of graded submissions: `grade.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
     /// [`VERSION`].
     pub version: u32,
-    /// The seed of the hidden instances. The same seed gives the same grades.
-    pub seed: u64,
+    /// The mark of the seed that hidden instances were drawn from. The same one gives the same grades.
+    pub instances: String,
     /// What stood around the compiler, in a sentence for the instructor.
     pub sandbox: String,
     /// One grade for each submission, in the order of their names.

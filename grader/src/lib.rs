@@ -7,6 +7,7 @@
 //! hundreds and [`report`] tells what came out.
 
 pub mod batch;
+pub mod budget;
 pub mod changes;
 pub mod compile;
 pub mod export;
@@ -14,10 +15,12 @@ pub mod grade;
 pub mod items;
 pub mod judge;
 pub mod machine;
+pub mod memory;
 pub mod points;
 pub mod report;
 pub mod roster;
 pub mod screen;
+pub mod seed;
 pub mod similarity;
 pub mod submission;
 pub mod text;

@@ -86,7 +86,12 @@ fn root_of(path: &Path) -> Result<PathBuf, String> {
 fn submissions_in(root: PathBuf) -> Result<Vec<PathBuf>, String> {
     let entries = entries_of(&root).map_err(|error| error.to_string())?;
     if let Some(answers) = answers_in(&root) {
-        let other = entries.iter().find(|folder| has_others(folder));
+        let mut others = entries.iter().filter(|folder| has_others(folder));
+        let other = others.next();
+        // One who is called `src` among others.
+        if answers.ends_with("src") && answers.parent() == Some(&root) && others.next().is_some() {
+            return Ok(entries);
+        }
         return match other.filter(|_| !root.join("Cargo.toml").is_file()) {
             None => Ok(vec![root]),
             Some(other) => Err(beside(&root, &answers, other)),
@@ -466,7 +471,7 @@ fn links(root: &Path) -> Option<String> {
 
 /// A notice of files that their author may believe to be used.
 fn unused(root: &Path, folder: &Path) -> Option<String> {
-    const SETTINGS: [&str; 8] = [
+    const SETTINGS: [&str; 7] = [
         "Cargo.toml",
         "build.rs",
         ".cargo/config.toml",
@@ -474,7 +479,6 @@ fn unused(root: &Path, folder: &Path) -> Option<String> {
         "rust-toolchain.toml",
         "rust-toolchain",
         "target",
-        "exercises/Cargo.toml",
     ];
     let mut names: Vec<String> =
         SETTINGS.into_iter().filter(|name| is_there(&root.join(name))).map(str::to_owned).collect();

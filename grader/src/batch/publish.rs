@@ -22,6 +22,7 @@ use crate::submission;
 /// Writes every report, and hands back what the terminal shows.
 pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trouble> {
     let seed = kept.seed();
+    let mark = seed.mark();
     let differences = &plan.matches.differences;
     let mut terminal = Terminal::new(&plan.exercises);
     let mut summary = Summary::new(&plan.exercises);
@@ -49,9 +50,9 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     kept.report_by("junit.xml", |file| junit_of_all(plan, kept, file))?;
     kept.report("items.md", items.markdown().as_bytes())?;
     kept.report("similarity.md", similarity(plan).markdown().as_bytes())?;
-    let summary = summary.finish(seed, sandbox, differences) + &alone;
+    let summary = summary.finish(&mark, sandbox, differences) + &alone;
     kept.report("summary.md", summary.as_bytes())?;
-    let mut told = terminal.finish(seed, sandbox, differences);
+    let mut told = terminal.finish(&mark, sandbox, differences);
     told += &had(plan, kept);
     told += &regrade(plan, kept, changes)?;
     told += &wrapped(
@@ -97,7 +98,7 @@ fn gradebook(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Result<
     for name in plan.names() {
         let grade = stored(kept, name).map_err(std::io::Error::other)?;
         let folder = plan.matches.folder(name).unwrap_or_default();
-        book.add(&grade, roster.further_of(folder))?;
+        book.add(&grade, &plan.handed_in(name), roster.further_of(folder))?;
     }
     for (folder, student) in &plan.matches.differences.absent {
         book.add_absent(folder, student, roster.further_of(folder))?;
@@ -116,7 +117,10 @@ fn regrade(plan: &Plan, kept: &Kept, mut changes: Changes) -> Result<String, Tro
             changes.add_gone(&former);
         }
     }
-    kept.report("changes.md", changes.markdown(former_seed, kept.seed()).as_bytes())?;
+    kept.report(
+        "changes.md",
+        changes.markdown(&former_seed.mark(), &kept.seed().mark()).as_bytes(),
+    )?;
     Ok(changes.terminal())
 }
 
@@ -141,6 +145,13 @@ fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
 }
 
 impl Plan {
+    /// What the folder of a submission is called.
+    fn handed_in(&self, name: &str) -> String {
+        let found = self.submissions.iter().find(|submission| submission.name == name);
+        let folder = found.and_then(|submission| submission.path.file_name());
+        folder.unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     fn names(&self) -> impl Iterator<Item = &String> {
         self.submissions.iter().map(|submission| &submission.name)
     }
@@ -157,7 +168,7 @@ impl Serialize for Whole<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut batch = serializer.serialize_struct("Batch", 4)?;
         batch.serialize_field("version", &VERSION)?;
-        batch.serialize_field("seed", &self.kept.seed())?;
+        batch.serialize_field("instances", &self.kept.seed().mark())?;
         batch.serialize_field("sandbox", self.sandbox)?;
         batch.serialize_field("grades", &Grades(self))?;
         batch.end()

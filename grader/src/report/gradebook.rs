@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{NAME, points};
+use super::{NAME, points, state};
 use crate::grade::{Grade, Outcome};
 use crate::text::harmless_line;
 use exercise_spec::Exercise;
@@ -11,12 +11,16 @@ use exercise_spec::Exercise;
 pub struct Gradebook<W: Write> {
     writer: csv::Writer<W>,
     exercises: Vec<&'static str>,
+    /// Names of the columns that tell what became of each exercise.
+    states: Vec<String>,
     /// How many columns of the roster are carried over.
     further: usize,
 }
 
 const BEFORE: [&str; 2] = ["submission", "student"];
 const POINTS: [&str; 2] = ["points", "of"];
+/// The folder as it was handed in, where a submission had to be called otherwise.
+const FOLDER: &str = "folder";
 const AFTER: &str = "status";
 
 impl<W: Write> Gradebook<W> {
@@ -28,7 +32,10 @@ impl<W: Write> Gradebook<W> {
     pub fn new(to: W, exercises: &[&'static Exercise], further: &[String]) -> csv::Result<Self> {
         let mut writer = csv::Writer::from_writer(to);
         let exercises: Vec<&str> = exercises.iter().map(|exercise| exercise.slug).collect();
-        let ours: Vec<&str> = [&BEFORE[..], &POINTS[..], &exercises[..], &[AFTER]].concat();
+        let states: Vec<String> = exercises.iter().map(|slug| format!("{slug} status")).collect();
+        let states_of: Vec<&str> = states.iter().map(String::as_str).collect();
+        let ours: Vec<&str> =
+            [&BEFORE[..], &POINTS[..], &exercises[..], &states_of[..], &[FOLDER, AFTER]].concat();
         // No two columns have one name.
         let further = further.iter().map(|column| match ours.contains(&column.as_str()) {
             true => format!("roster {column}"),
@@ -40,7 +47,7 @@ impl<W: Write> Gradebook<W> {
         let further = heading.len() - before.len();
         heading.extend(after.iter().map(|name| (*name).to_owned()));
         writer.write_record(heading)?;
-        Ok(Self { writer, exercises, further })
+        Ok(Self { writer, exercises, states, further })
     }
 
     /// The line of a grade. What could not be graded is an empty cell and never a zero, and so is
@@ -49,7 +56,7 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn add(&mut self, grade: &Grade, further: &[String]) -> csv::Result<()> {
+    pub fn add(&mut self, grade: &Grade, folder: &str, further: &[String]) -> csv::Result<()> {
         let number = |number: Option<f64>| number.map_or_else(String::new, points);
         let student = grade.student.as_deref().unwrap_or_default();
         let mut row = self.begun(&grade.submission, student, further);
@@ -58,7 +65,11 @@ impl<W: Write> Gradebook<W> {
             let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
             row.push(number(exercise.and_then(|exercise| exercise.earned())));
         }
-        row.push(status(grade));
+        for slug in &self.exercises {
+            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
+            row.push(exercise.map_or_else(String::new, |exercise| state(exercise).to_owned()));
+        }
+        row.extend([cell(folder), status(grade)]);
         self.writer.write_record(row)
     }
 
@@ -75,8 +86,9 @@ impl<W: Write> Gradebook<W> {
         further: &[String],
     ) -> csv::Result<()> {
         let mut row = self.begun(folder, student, further);
-        row.resize(row.len() + POINTS.len() + self.exercises.len(), String::new());
-        row.push("nothing handed in".to_owned());
+        let empty = POINTS.len() + self.exercises.len() + self.states.len();
+        row.resize(row.len() + empty, String::new());
+        row.extend([cell(folder), "nothing handed in".to_owned()]);
         self.writer.write_record(row)
     }
 
@@ -114,14 +126,18 @@ fn status(grade: &Grade) -> String {
     status.to_owned()
 }
 
-/// Text that no spreadsheet takes for a formula.
+/// Text that no spreadsheet takes for a formula, wherever it lets a cell begin: some end one at a
+/// semicolon or a tab.
 fn cell(text: &str) -> String {
-    let text = harmless_line(text, NAME);
-    let first = text.trim_start().chars().next();
-    match first {
-        Some('=' | '+' | '-' | '@' | '|' | '%' | '＝' | '＋' | '－' | '＠') => {
-            format!("'{text}")
+    let mut shown = String::new();
+    let mut begins = true;
+    for letter in harmless_line(text, NAME).chars() {
+        let sign = matches!(letter, '=' | '+' | '-' | '@' | '|' | '%' | '＝' | '＋' | '－' | '＠');
+        if begins && sign {
+            shown.push('\'');
         }
-        _ => text,
+        begins = matches!(letter, ';' | ',' | '|' | '"') || begins && letter.is_whitespace();
+        shown.push(letter);
     }
+    shown
 }

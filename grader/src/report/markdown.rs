@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use exercise_spec::Exercise;
 
 use super::{
-    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, points, who, why_not,
+    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, points, reasons, who,
     words,
 };
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
@@ -178,7 +178,8 @@ pub struct Summary {
     exercises: Vec<&'static str>,
     lines: String,
     count: usize,
-    ungraded: String,
+    /// Reasons, and for whose submissions and exercises they hold.
+    ungraded: Vec<(String, Vec<String>)>,
     ungraded_count: usize,
     /// Submissions in which no answer was found.
     empty: Vec<String>,
@@ -194,7 +195,7 @@ impl Summary {
             exercises,
             lines: String::new(),
             count: 0,
-            ungraded: String::new(),
+            ungraded: Vec::new(),
             ungraded_count: 0,
             empty: Vec::new(),
             earned: 0.0,
@@ -232,19 +233,18 @@ impl Summary {
         if self.ungraded_count > LINES / 10 {
             return;
         }
-        for exercise in grade.ungraded() {
-            let _ = writeln!(
-                self.ungraded,
-                "- {}, `{}`: {}",
-                escaped(&who(grade), NAME),
-                exercise.exercise,
-                escaped(&why_not(exercise), SENTENCE)
-            );
+        for (why, exercises) in reasons(grade) {
+            let names: String = exercises.iter().map(|slug| format!(", `{slug}`")).collect();
+            let who = escaped(&who(grade), NAME) + &names;
+            match self.ungraded.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, whose)) => whose.push(who),
+                None => self.ungraded.push((why, vec![who])),
+            }
         }
     }
 
     /// The summary, with what stood around the compiler and where the roster does not agree.
-    pub fn finish(self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+    pub fn finish(self, mark: &str, sandbox: &str, differences: &Differences) -> String {
         let graded = self.count - self.ungraded_count;
         let mut text = format!("# Grades\n\n{}", counted(self.count, "submission"));
         if self.ungraded_count > 0 {
@@ -255,7 +255,7 @@ impl Summary {
             let mean = points(self.earned / graded as f64);
             let _ = write!(text, "The mean is {mean} of {} points. ", points(self.points));
         }
-        let _ = writeln!(text, "The seed is {seed}. {}", escaped(sandbox, SENTENCE));
+        let _ = writeln!(text, "The hidden instances are {mark}. {}", escaped(sandbox, SENTENCE));
         let _ = write!(text, "\n| Submission | Points |");
         for (index, _) in self.exercises.iter().enumerate() {
             let _ = write!(text, " {} |", index + 1);
@@ -270,7 +270,10 @@ impl Summary {
             named.map(|(index, slug)| format!("{} `{slug}`", index + 1)).collect();
         text += &format!("\n{}.\n\n{MARKS}\n", named.join(", "));
         if !self.ungraded.is_empty() {
-            text += &format!("\n## Could not be graded\n\n{}", self.ungraded);
+            text += "\n## Could not be graded\n\n";
+        }
+        for (why, whose) in &self.ungraded {
+            let _ = writeln!(text, "- {}: {}", whose.join("; "), escaped(why, SENTENCE));
         }
         let Differences { unknown, absent, doubtful } = differences;
         let shown = |name: &String| escaped(name, NAME);

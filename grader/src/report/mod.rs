@@ -155,10 +155,41 @@ pub fn mark(exercise: &ExerciseGrade) -> String {
     }
 }
 
+/// What became of an exercise, in a word or two.
+pub fn state(exercise: &ExerciseGrade) -> &'static str {
+    match (&exercise.outcome, exercise.earned()) {
+        (_, None) => "could not be graded",
+        (Outcome::Missing, _) => "no file",
+        (Outcome::NotBegun, _) => "not begun",
+        (Outcome::Refused(_), _) => "refused",
+        (Outcome::DoesNotCompile(_), _) => "does not compile",
+        (Outcome::Ran | Outcome::CouldNotGrade(_), _) => "graded",
+    }
+}
+
 /// What the marks mean.
 pub const MARKS: &str = "A dash is no file, n is the skeleton as it was, c does not compile, r was \
                          refused: these earn 0. A question mark could not be graded, which is no \
                          0: a person must look.";
+
+/// Why a submission could not be graded: each reason once, with the exercises that it holds for,
+/// or with none when it holds for all.
+pub fn reasons(grade: &Grade) -> Vec<(String, Vec<&str>)> {
+    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+    for exercise in grade.ungraded() {
+        let why = why_not(exercise);
+        match reasons.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, exercises)) => exercises.push(&exercise.exercise),
+            None => reasons.push((why, vec![&exercise.exercise])),
+        }
+    }
+    for (_, exercises) in &mut reasons {
+        if exercises.len() == grade.exercises.len() {
+            exercises.clear();
+        }
+    }
+    reasons
+}
 
 /// Why an exercise could not be graded, for whoever runs the grader.
 pub fn why_not(exercise: &ExerciseGrade) -> String {
