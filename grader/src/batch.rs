@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::judge::Judge;
+use crate::marks::Marks;
 use crate::memory::Memory;
 use crate::points::{Points, unknown};
 use crate::report::Detail;
@@ -53,6 +54,8 @@ pub struct Order {
     pub roster: Option<PathBuf>,
     /// A file of points and weights.
     pub points: Option<PathBuf>,
+    /// A file of what a person decides.
+    pub marks: Option<PathBuf>,
     /// How many submissions at a time.
     pub jobs: Option<usize>,
     /// Megabytes that grading may use; what the container allows when there is none.
@@ -193,6 +196,7 @@ struct Plan {
     roster: Roster,
     matches: Matches,
     detail: Detail,
+    marks: Marks,
     jobs: usize,
     /// How many submissions had their grade already.
     had: AtomicUsize,
@@ -224,6 +228,7 @@ impl Plan {
         }
         let roster = roster.map_err(Trouble::Usage)?;
         let submissions = submissions(order).map_err(Trouble::Usage)?;
+        let marks = order.marks.as_deref().map(|path| Marks::read(path, &points)).transpose();
         let matches = roster.as_ref().map(|roster| roster.matched(&submissions));
         Ok(Self {
             submissions,
@@ -232,6 +237,7 @@ impl Plan {
             roster: roster.unwrap_or_default(),
             matches: matches.unwrap_or_default(),
             detail: order.detail,
+            marks: marks.map_err(Trouble::Usage)?.unwrap_or_default(),
             jobs: jobs.map_err(Trouble::Usage)?,
             had: AtomicUsize::new(0),
         })
@@ -315,12 +321,16 @@ impl Plan {
             outcome: Outcome::CouldNotGrade(why.to_owned()),
             points: self.points.of(exercise.slug),
             checks: Vec::new(),
+            marked: None,
+            words: None,
+            comments: Vec::new(),
         };
         Grade {
             submission: submission.name.clone(),
             student,
             key: String::new(),
             notices: Vec::new(),
+            late: None,
             exercises: self.exercises.iter().map(exercise).collect(),
         }
     }

@@ -8,16 +8,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Time of the compiler for all answers at once. The reference answers take three seconds.
-const TOGETHER: Duration = Duration::from_secs(12);
+/// Time of the compiler for all answers at once. The reference answers take two seconds.
+const TOGETHER: Duration = Duration::from_secs(9);
 /// Time for all that are compiled alone, because they do not compile together.
 const ALONE: Duration = Duration::from_secs(24);
 /// The most of it that one answer gets. The longest reference answer takes one second.
-const LONGEST: Duration = Duration::from_secs(10);
+const LONGEST: Duration = Duration::from_secs(6);
 /// Time of the machine that every answer has for itself, in all its checks.
 const SHARE: Duration = Duration::from_millis(1_000);
 /// Time of the machine that all answers of a submission have besides.
-const POOL: Duration = Duration::from_secs(10);
+const POOL: Duration = Duration::from_secs(5);
 
 /// Time for the compiler.
 #[derive(Debug)]

@@ -83,7 +83,8 @@ impl Compiler {
 
     /// Compiles answers to one module, in as much of the processor's time.
     pub fn compile(&self, answers: &Answers, time: Duration, memory: &Memory) -> Compiled {
-        let seconds = time.as_secs().max(1);
+        // Systems count whole seconds here.
+        let seconds = time.as_millis().div_ceil(1_000).max(1) as u64;
         let megabytes = memory.of_compiler();
         let compiled = self.kit.folder().and_then(|folder| {
             write_tree(folder.path(), answers)

@@ -121,7 +121,7 @@ impl Judge {
                 self.graded_all(self.exercises.iter().map(not).collect())
             }
         };
-        Grade { submission: submission.name.clone(), student, key, notices, exercises }
+        Grade { submission: submission.name.clone(), student, key, notices, late: None, exercises }
     }
 
     /// Grades texts that need no screen, because they are known.
@@ -241,6 +241,9 @@ impl Judge {
             outcome,
             points: self.points.of(exercise.slug),
             checks,
+            marked: None,
+            words: None,
+            comments: Vec::new(),
         }
     }
 

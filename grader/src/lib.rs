@@ -6,6 +6,7 @@
 //! [`judge`] asks it the questions of the checks, whose answers stay here. [`batch`] does that for
 //! hundreds and [`report`] tells what came out.
 
+pub mod archive;
 pub mod batch;
 pub mod budget;
 pub mod changes;
@@ -15,6 +16,7 @@ pub mod grade;
 pub mod items;
 pub mod judge;
 pub mod machine;
+pub mod marks;
 pub mod memory;
 pub mod points;
 pub mod report;
@@ -24,6 +26,7 @@ pub mod seed;
 pub mod similarity;
 pub mod submission;
 pub mod text;
+pub mod words;
 pub mod workshop;
 
 use std::path::{Path, PathBuf};

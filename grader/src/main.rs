@@ -74,6 +74,9 @@ struct Run {
     /// Points and weights, as in grader/points.toml
     #[arg(long)]
     points: Option<PathBuf>,
+    /// A CSV file of what a person decides: points for answers in words, other points, comments
+    #[arg(long)]
+    marks: Option<PathBuf>,
     /// How many submissions at a time; without it, one for each core
     #[arg(long)]
     jobs: Option<usize>,
@@ -133,6 +136,7 @@ fn grade(run: Run) -> ExitCode {
         out: run.out,
         roster: run.roster,
         points: run.points,
+        marks: run.marks,
         jobs: run.jobs,
         memory: run.memory,
     };

@@ -49,9 +49,10 @@ impl Memory {
         Ok(Self { all: rest, free: Mutex::new(rest), freed: Condvar::new() })
     }
 
-    /// What one compiler may have: as much as there is, as long as it helps.
+    /// What one compiler may have: as much as there is, as long as it helps, and where there is
+    /// enough, not so much that nothing else can go on.
     pub fn of_compiler(&self) -> u64 {
-        self.all.min(MOST)
+        (self.all * 2 / 3).clamp(LEAST, MOST)
     }
 
     /// Waits until there are as many megabytes, and takes them. Who wants more than there are in

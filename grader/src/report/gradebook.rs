@@ -13,15 +13,16 @@ pub struct Gradebook<W: Write> {
     exercises: Vec<&'static str>,
     /// Names of the columns that tell what became of each exercise.
     states: Vec<String>,
+    /// Exercises whose answers in words have points.
+    words: Vec<&'static str>,
     /// How many columns of the roster are carried over.
     further: usize,
 }
 
 const BEFORE: [&str; 2] = ["submission", "student"];
 const POINTS: [&str; 2] = ["points", "of"];
-/// The folder as it was handed in, where a submission had to be called otherwise.
-const FOLDER: &str = "folder";
-const AFTER: &str = "status";
+/// How late it came, what is left then, the folder as it was handed in, and what became of it.
+const AFTER: [&str; 4] = ["days late", "points after lateness", "folder", "status"];
 
 impl<W: Write> Gradebook<W> {
     /// Begins one with the further columns of the roster and a column for each exercise.
@@ -29,13 +30,19 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn new(to: W, exercises: &[&'static Exercise], further: &[String]) -> csv::Result<Self> {
+    pub fn new(
+        to: W,
+        exercises: &[&'static Exercise],
+        words: &[&'static str],
+        further: &[String],
+    ) -> csv::Result<Self> {
         let mut writer = csv::Writer::from_writer(to);
         let exercises: Vec<&str> = exercises.iter().map(|exercise| exercise.slug).collect();
         let states: Vec<String> = exercises.iter().map(|slug| format!("{slug} status")).collect();
-        let states_of: Vec<&str> = states.iter().map(String::as_str).collect();
-        let ours: Vec<&str> =
-            [&BEFORE[..], &POINTS[..], &exercises[..], &states_of[..], &[FOLDER, AFTER]].concat();
+        let words_of: Vec<String> = words.iter().map(|slug| format!("{slug} words")).collect();
+        let made = states.iter().chain(&words_of).map(String::as_str);
+        let columns = POINTS.into_iter().chain(exercises.iter().copied()).chain(made).chain(AFTER);
+        let ours: Vec<&str> = BEFORE.into_iter().chain(columns).collect();
         // No two columns have one name.
         let further = further.iter().map(|column| match ours.contains(&column.as_str()) {
             true => format!("roster {column}"),
@@ -47,7 +54,7 @@ impl<W: Write> Gradebook<W> {
         let further = heading.len() - before.len();
         heading.extend(after.iter().map(|name| (*name).to_owned()));
         writer.write_record(heading)?;
-        Ok(Self { writer, exercises, states, further })
+        Ok(Self { writer, exercises, states, words: words.to_vec(), further })
     }
 
     /// The line of a grade. What could not be graded is an empty cell and never a zero, and so is
@@ -69,6 +76,11 @@ impl<W: Write> Gradebook<W> {
             let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
             row.push(exercise.map_or_else(String::new, |exercise| state(exercise).to_owned()));
         }
+        for slug in &self.words {
+            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
+            row.push(number(exercise.and_then(|exercise| Some(exercise.words?.earned))));
+        }
+        row.extend([number(grade.late.map(|late| late.days)), number(grade.after_lateness())]);
         row.extend([cell(folder), status(grade)]);
         self.writer.write_record(row)
     }
@@ -86,7 +98,7 @@ impl<W: Write> Gradebook<W> {
         further: &[String],
     ) -> csv::Result<()> {
         let mut row = self.begun(folder, student, further);
-        let empty = POINTS.len() + self.exercises.len() + self.states.len();
+        let empty = POINTS.len() + self.exercises.len() + self.states.len() + self.words.len() + 2;
         row.resize(row.len() + empty, String::new());
         row.extend([cell(folder), "nothing handed in".to_owned()]);
         self.writer.write_record(row)
@@ -128,7 +140,7 @@ fn status(grade: &Grade) -> String {
 
 /// Text that no spreadsheet takes for a formula, wherever it lets a cell begin: some end one at a
 /// semicolon or a tab.
-fn cell(text: &str) -> String {
+pub(crate) fn cell(text: &str) -> String {
     let mut shown = String::new();
     let mut begins = true;
     for letter in harmless_line(text, NAME).chars() {

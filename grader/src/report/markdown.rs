@@ -53,7 +53,7 @@ fn sentence(text: &str) -> String {
 }
 
 /// Text in a block of code that it cannot leave, indented as a part of a list.
-fn block(text: &str, indent: &str) -> String {
+pub(crate) fn block(text: &str, indent: &str) -> String {
     let text = harmless(text.trim_end(), PAGE);
     let mut longest = 0;
     let mut run = 0;
@@ -73,6 +73,15 @@ fn block(text: &str, indent: &str) -> String {
 pub fn feedback(grade: &Grade, detail: Detail) -> String {
     let mut text = format!("# Feedback for {}\n\n", escaped(&who(grade), NAME));
     text += &total(grade);
+    if let (Some(late), Some(left)) = (grade.late, grade.after_lateness()) {
+        let _ = write!(
+            text,
+            "\nIt came {} days late, for which {} % are taken off: {} points are left.\n",
+            points(late.days),
+            points(late.percent),
+            points(left)
+        );
+    }
     text += "\n| Exercise | Points | Public checks | Hidden checks |\n| --- | --: | --: | --: |\n";
     for exercise in &grade.exercises {
         let _ = writeln!(text, "| {} |", line_of(exercise).join(" | "));
@@ -94,7 +103,7 @@ fn total(grade: &Grade) -> String {
             let earned: f64 = grade.exercises.iter().filter_map(ExerciseGrade::earned).sum();
             let names: Vec<String> =
                 grade.ungraded().map(|exercise| escaped(&exercise.title, NAME)).collect();
-            let open: f64 = grade.ungraded().map(|exercise| exercise.points).sum();
+            let open: f64 = grade.ungraded().map(ExerciseGrade::of).sum();
             format!(
                 "**Not graded in full.** {} of {} points are earned so far; {} of {all} are open: \
                  {}.\n{COULD_NOT_GRADE}\n",
@@ -108,7 +117,7 @@ fn total(grade: &Grade) -> String {
 }
 
 fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
-    let of = points(exercise.points);
+    let of = points(exercise.of());
     let earned = exercise.earned().map_or_else(|| "open".to_owned(), points);
     let count = |hidden: bool| match passed(exercise, hidden) {
         (_, 0) => String::new(),
@@ -148,11 +157,32 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
         text += &on_checks(same, &told);
         checks = rest;
     }
-    if text.is_empty() || matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+    if matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+        text.clear();
+    }
+    text += &by_person(exercise);
+    if text.is_empty() {
         return String::new();
     }
     let title = escaped(&exercise.title, NAME);
     format!("\n## {title}\n\nThe file is {}.\n{text}", file(exercise))
+}
+
+/// What a person gave, and what a person says.
+fn by_person(exercise: &ExerciseGrade) -> String {
+    let mut text = String::new();
+    if let Some(marked) = exercise.marked {
+        let (earned, of) = (points(marked), points(exercise.points));
+        let _ = write!(text, "\nYour instructor gave the program {earned} of {of} points.\n");
+    }
+    if let Some(words) = exercise.words {
+        let (earned, of) = (points(words.earned), points(words.of));
+        let _ = write!(text, "\nThe answer in words earns {earned} of {of} points.\n");
+    }
+    for comment in &exercise.comments {
+        let _ = write!(text, "\n{}\n", sentence(comment));
+    }
+    text
 }
 
 fn on_checks(checks: Vec<&CheckGrade>, told: &Told) -> String {

@@ -157,7 +157,7 @@ fn one(grade: &Grade) -> String {
         let earned = exercise.earned().map_or_else(|| "?".to_owned(), points);
         table.add_row(vec![
             harmless_line(&exercise.exercise, usize::from(NAME)),
-            format!("{earned} of {}", points(exercise.points)),
+            format!("{earned} of {}", points(exercise.of())),
             count(false),
             count(true),
             remark(exercise),

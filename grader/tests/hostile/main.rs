@@ -96,6 +96,7 @@ fn order(root: &Path, out: &Path) -> Order {
         detail: Detail::Full,
         out: out.to_owned(),
         roster: None,
+        marks: None,
         points: None,
         jobs: None,
         memory: None,

@@ -64,7 +64,16 @@ pub fn check(name: &str, hidden: bool, verdict: Verdict) -> CheckGrade {
 pub fn exercise(index: usize, outcome: Outcome, checks: Vec<CheckGrade>) -> ExerciseGrade {
     let Exercise { slug, title, .. } = EXERCISES[index];
     let (exercise, title) = ((*slug).to_owned(), (*title).to_owned());
-    ExerciseGrade { exercise, title, outcome, points: 10.0, checks }
+    ExerciseGrade {
+        exercise,
+        title,
+        outcome,
+        points: 10.0,
+        checks,
+        marked: None,
+        words: None,
+        comments: Vec::new(),
+    }
 }
 
 pub fn grade(submission: &str, exercises: Vec<ExerciseGrade>) -> Grade {
@@ -73,6 +82,7 @@ pub fn grade(submission: &str, exercises: Vec<ExerciseGrade>) -> Grade {
         student: None,
         key: "key".to_owned(),
         notices: Vec::new(),
+        late: None,
         exercises,
     }
 }
@@ -162,6 +172,7 @@ pub fn order(submissions: &Path, out: &Path) -> Order {
         detail: Detail::Hint,
         out: out.to_owned(),
         roster: None,
+        marks: None,
         points: None,
         jobs: Some(2),
         memory: None,
@@ -252,6 +263,9 @@ impl Judging for StandIn {
                 outcome: Outcome::Ran,
                 points: self.points.of(exercise.slug),
                 checks: public.chain(names.iter().map(|name| check(name, true))).collect(),
+                marked: None,
+                words: None,
+                comments: Vec::new(),
             }
         });
         Grade {
@@ -259,6 +273,7 @@ impl Judging for StandIn {
             student,
             key: self.key(submission).unwrap_or_default(),
             notices: Vec::new(),
+            late: None,
             exercises: exercises.collect(),
         }
     }
