@@ -315,7 +315,7 @@ impl Running {
         let (at, length) = ((output >> 32) as usize, (output & 0xffff_ffff) as usize);
         if length > LONGEST {
             let sentence =
-                format!("the output has {length} bytes, and {LONGEST} are the most that is read");
+                format!("the output is too long: {LONGEST} bytes are the most that is read");
             return Err(Stop::Fault(stopped(sentence)));
         }
         let output = self.memory.data(&self.store).get(at..at + length);

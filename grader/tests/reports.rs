@@ -239,16 +239,23 @@ fn a_hint_about_a_hidden_check_repeats_nothing_of_the_answer() {
     panicked.quiet = Some("the answer panicked".to_owned());
     let mut returned = check("deeper", true, Verdict::Failed);
     returned.sentence =
-        "It is 0.8430307e3 and not 12: 8430×3 numbers came back. See camera 0.".to_owned();
-    let grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![panicked, returned])]);
+        "It is 0.8430307e3 and not 12: 43×3 numbers came back. See x0 of camera 0.".to_owned();
+    returned.misconception = None;
+    let mut stopped = check("deepest", true, Verdict::Failed);
+    stopped.misconception = None;
+    stopped.sentence = "the call was stopped: it took more than 4000 million steps.".to_owned();
+    let checks = vec![panicked, returned, stopped];
+    let grade = grade("ada", vec![exercise(0, Outcome::Ran, checks)]);
     for (detail, told) in [(Detail::Full, true), (Detail::Hint, false)] {
         let junit = junit::xml(&grade, detail).expect("XML");
         let reports = [markdown::feedback(&grade, detail), gradescope::json(&grade, detail), junit];
         for report in reports {
             assert_eq!(report.contains("843"), told, "{detail:?} {report}");
             assert!(report.contains("The answer panicked"), "{report}");
-            assert!(report.contains("and not 12: "), "{report}");
-            assert!(report.contains("numbers came back. See camera 0."), "{report}");
+            assert_eq!(report.contains("43×3"), told, "{detail:?} {report}");
+            let hint = "It is … and not …: …×… numbers came back. See x0 of camera ….";
+            assert_eq!(report.contains(hint), !told, "{detail:?} {report}");
+            assert!(report.contains("it took more than 4000 million steps."), "{report}");
         }
     }
 }
