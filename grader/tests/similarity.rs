@@ -281,7 +281,7 @@ fn five_of_nine_that_are_the_same_are_told_and_the_others_are_not() {
     let similarity = compared("left_perturbation", &answers);
     let within = similarity.within("left_perturbation");
     assert_eq!(within.len(), 10, "{within:?}");
-    assert!(within.iter().all(|pair| pair.share == 1.0 && pair.other < "s5".to_owned()));
+    assert!(within.iter().all(|pair| pair.share == 1.0 && pair.other.as_str() < "s5"));
     let report = similarity.markdown();
     assert!(report.contains("but for names: 5 answers, of s0, s1, s2, s3, s4."), "{report}");
 }

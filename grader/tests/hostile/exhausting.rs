@@ -61,11 +61,11 @@ fn running() -> Vec<Hostile> {
                 FEW,
                 "leap()",
                 "fn leap<T>() -> T {\n    let much = vec![1_usize; 48 << 20];\n    let mut at = 1;\n    \
-                 loop { at = (at * 1_664_525 + much[at] + 1_013_904_223) % (48 << 20); \
+                 loop { at = at.wrapping_mul(1_664_525).wrapping_add(much[at] + 1_013_904_223) % (48 << 20); \
                  std::hint::black_box(at); }\n}",
             ),
             Runs(0.0),
-            "",
+            "more time, in all its checks, than an answer may",
         ),
         row(
             "asks again and again for memory that there is not",
