@@ -320,7 +320,8 @@ impl<'a> Comparison<'a> {
                 expected.nrows(),
                 expected.ncols()
             );
-            let quiet = format!("{}: there should be more numbers, fewer, or in another shape.", self.what);
+            let quiet =
+                format!("{}: there should be more numbers, fewer, or in another shape.", self.what);
             return Err(Failure::new(sentence).or_quietly(quiet));
         }
         if let Some(bad) = obtained.iter().find(|entry| !entry.is_finite()) {
