@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use grader::batch::{self, Order};
 use grader::report::Detail;
+use grader::seed::Seed;
 use grader::{export, mine, workshop};
 
 /// Grades the exercises of the book.
@@ -62,9 +63,10 @@ struct Run {
     /// Grade this exercise alone; may be given more than once
     #[arg(long = "exercise", value_name = "NAME")]
     exercises: Vec<String>,
-    /// Seed of the hidden instances; drawn when not given, or that of the batch in --out
-    #[arg(long, allow_negative_numbers = true, value_parser = seed)]
-    seed: Option<u64>,
+    /// Secret of 32 hexadecimal digits, from which hidden instances are drawn; a new one when not given, or that of
+    /// the batch in --out
+    #[arg(long, allow_hyphen_values = true, value_parser = Seed::parse)]
+    seed: Option<Seed>,
     /// What students are told about hidden checks
     #[arg(long, value_enum, default_value_t = DetailName::Hint)]
     detail: DetailName,
@@ -77,9 +79,15 @@ struct Run {
     /// Points and weights, as in grader/points.toml
     #[arg(long)]
     points: Option<PathBuf>,
+    /// A CSV file of what a person decides: points for answers in words, other points, comments
+    #[arg(long)]
+    marks: Option<PathBuf>,
     /// How many submissions at a time; without it, one for each core
     #[arg(long)]
     jobs: Option<usize>,
+    /// Memory that grading may use, in megabytes; without it, what the container allows
+    #[arg(long, value_name = "MB")]
+    memory: Option<u64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -119,10 +127,6 @@ fn main() -> ExitCode {
     }
 }
 
-fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
-}
-
 fn grade(run: Run) -> ExitCode {
     let detail = match run.detail {
         DetailName::Full => Detail::Full,
@@ -138,7 +142,9 @@ fn grade(run: Run) -> ExitCode {
         out: run.out,
         roster: run.roster,
         points: run.points,
+        marks: run.marks,
         jobs: run.jobs,
+        memory: run.memory,
     };
     match batch::carry_out(&order) {
         Ok(finished) if finished.ungraded == 0 => ExitCode::from(DONE),

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::batch::{self, Order, Trouble};
 use crate::judge::Judge;
+use crate::memory::Memory;
 use crate::report::Detail;
 use crate::repository;
 
@@ -27,12 +28,17 @@ pub fn grade(names: Vec<String>) -> Result<bool, String> {
         out: out.clone(),
         roster: None,
         points: None,
+        marks: None,
         jobs: None,
+        memory: None,
     };
-    let finished =
-        batch::carry_out_with(&order, Judge::prepare).map_err(|trouble| match trouble {
-            Trouble::Usage(sentence) | Trouble::CouldNotGrade(sentence) => sentence,
-        })?;
+    let memory = Memory::of(order.memory)?;
+    let finished = batch::carry_out_with(&order, |points, seed, exercises| {
+        Judge::prepare(points, seed, exercises, memory)
+    });
+    let finished = finished.map_err(|trouble| match trouble {
+        Trouble::Usage(sentence) | Trouble::CouldNotGrade(sentence) => sentence,
+    })?;
     println!("{}\n\nDrawings and reports are in {}", feedback(&out).trim_end(), out.display());
     Ok(finished.ungraded == 0)
 }

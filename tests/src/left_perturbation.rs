@@ -7,8 +7,8 @@ use exercise_spec::left_perturbation::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let cases: Vec<Case> =
         (0..50).map(|_| Case::drawn(&mut draw, [0.8, 30.0], 3.0, 15.0)).collect();
     let depths: Vec<f64> = (0..10).map(|_| draw.uniform(0.5..50.0)).collect();

@@ -14,7 +14,7 @@ use quote::ToTokens;
 use solutions::misconceptions::Wrong;
 use solutions::{Answers, answers};
 
-const SEEDS: [u64; 3] = [101, 202, 303];
+const SEEDS: [u128; 3] = [101, 202, 303];
 
 fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
@@ -27,7 +27,7 @@ fn answers_of(exercise: &Exercise) -> Answers {
 
 /// Public checks, and hidden ones of all seeds.
 fn checks(exercise: &Exercise) -> Vec<Check> {
-    let hidden = |seed: &u64| {
+    let hidden = |seed: &u128| {
         hidden_checks(exercise.slug, *seed)
             .unwrap_or_else(|| panic!("{} has no hidden checks", exercise.slug))
     };

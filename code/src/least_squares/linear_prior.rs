@@ -78,8 +78,8 @@ impl LinearPrior {
                 },
             )
         })?;
-        let (_, rest) = eliminate_fronts(rows.iter(), &together(&sizes));
-        let (named, rows) = rest.dense();
+        let (_, rest) = eliminate_fronts(rows.by_first_column().iter(), &together(&sizes));
+        let (named, rows) = rest.by_first_column().dense();
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
         let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();

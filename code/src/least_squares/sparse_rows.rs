@@ -44,17 +44,22 @@ impl<T: RealField + Copy> SparseRows<T> {
         &mut self.entries
     }
 
-    /// The numbers of the rows, those whose first column comes first before others.
-    fn by_first_column(&self) -> Vec<usize> {
+    /// The same rows, those whose first column comes first before others: a triangle beside another one is
+    /// then turned as a triangle.
+    pub fn by_first_column(&self) -> Self {
         let first = |row: &[(usize, T)]| row.iter().map(|(column, _)| *column).min();
         let firsts: Vec<Option<usize>> = self.iter().map(first).collect();
         let mut numbers: Vec<usize> = (0..self.len()).collect();
         numbers.sort_by_key(|number| firsts[*number]);
-        numbers
+        let mut sorted = Self {
+            entries: Vec::with_capacity(self.entries.len()),
+            ends: Vec::with_capacity(self.len()),
+        };
+        numbers.iter().for_each(|number| sorted.push(self.row(*number).iter().copied()));
+        sorted
     }
 
-    /// The columns that rows name, ascending, and the rows with these alone: those whose first column
-    /// comes first before others, so that a triangle beside another one is turned as a triangle.
+    /// The columns that rows name, ascending, and the rows with these alone.
     pub fn dense(&self) -> (Vec<usize>, DMatrix<T>) {
         let named = || self.entries.iter().map(|(column, _)| *column);
         let first = named().min().unwrap_or_default();
@@ -66,9 +71,9 @@ impl<T: RealField + Copy> SparseRows<T> {
             columns.push(column);
         }
         let mut dense = DMatrix::zeros(self.len(), columns.len());
-        for (place, number) in self.by_first_column().into_iter().enumerate() {
-            for (column, slope) in self.row(number) {
-                dense[(place, places[column - first])] = *slope;
+        for (number, row) in self.iter().enumerate() {
+            for (column, slope) in row {
+                dense[(number, places[column - first])] = *slope;
             }
         }
         (columns, dense)

@@ -6,7 +6,7 @@ use exercise_spec::Exercise;
 
 use super::{
     COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, picture_file, points,
-    who, why_not, words,
+    reasons, who, words,
 };
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::roster::Differences;
@@ -53,7 +53,7 @@ fn sentence(text: &str) -> String {
 }
 
 /// Text in a block of code that it cannot leave, indented as a part of a list.
-fn block(text: &str, indent: &str) -> String {
+pub(crate) fn block(text: &str, indent: &str) -> String {
     let text = harmless(text.trim_end(), PAGE);
     let mut longest = 0;
     let mut run = 0;
@@ -73,6 +73,15 @@ fn block(text: &str, indent: &str) -> String {
 pub fn feedback(grade: &Grade, detail: Detail) -> String {
     let mut text = format!("# Feedback for {}\n\n", escaped(&who(grade), NAME));
     text += &total(grade);
+    if let (Some(late), Some(left)) = (grade.late, grade.after_lateness()) {
+        let _ = write!(
+            text,
+            "\nIt came {} days late, for which {} % are taken off: {} points are left.\n",
+            points(late.days),
+            points(late.percent),
+            points(left)
+        );
+    }
     text += "\n| Exercise | Points | Public checks | Hidden checks |\n| --- | --: | --: | --: |\n";
     for exercise in &grade.exercises {
         let _ = writeln!(text, "| {} |", line_of(exercise).join(" | "));
@@ -94,7 +103,7 @@ fn total(grade: &Grade) -> String {
             let earned: f64 = grade.exercises.iter().filter_map(ExerciseGrade::earned).sum();
             let names: Vec<String> =
                 grade.ungraded().map(|exercise| escaped(&exercise.title, NAME)).collect();
-            let open: f64 = grade.ungraded().map(|exercise| exercise.points).sum();
+            let open: f64 = grade.ungraded().map(ExerciseGrade::of).sum();
             format!(
                 "**Not graded in full.** {} of {} points are earned so far; {} of {all} are open: \
                  {}.\n{COULD_NOT_GRADE}\n",
@@ -108,7 +117,7 @@ fn total(grade: &Grade) -> String {
 }
 
 fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
-    let of = points(exercise.points);
+    let of = points(exercise.of());
     let earned = exercise.earned().map_or_else(|| "open".to_owned(), points);
     let count = |hidden: bool| match passed(exercise, hidden) {
         (_, 0) => String::new(),
@@ -153,11 +162,32 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
         }
         checks = rest;
     }
-    if text.is_empty() || matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+    if matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+        text.clear();
+    }
+    text += &by_person(exercise);
+    if text.is_empty() {
         return String::new();
     }
     let title = escaped(&exercise.title, NAME);
     format!("\n## {title}\n\nThe file is {}.\n{text}", file(exercise))
+}
+
+/// What a person gave, and what a person says.
+fn by_person(exercise: &ExerciseGrade) -> String {
+    let mut text = String::new();
+    if let Some(marked) = exercise.marked {
+        let (earned, of) = (points(marked), points(exercise.points));
+        let _ = write!(text, "\nYour instructor gave the program {earned} of {of} points.\n");
+    }
+    if let Some(words) = exercise.words {
+        let (earned, of) = (points(words.earned), points(words.of));
+        let _ = write!(text, "\nThe answer in words earns {earned} of {of} points.\n");
+    }
+    for comment in &exercise.comments {
+        let _ = write!(text, "\n{}\n", sentence(comment));
+    }
+    text
 }
 
 fn on_checks(checks: &[&CheckGrade], told: &Told) -> String {
@@ -183,7 +213,8 @@ pub struct Summary {
     exercises: Vec<&'static str>,
     lines: String,
     count: usize,
-    ungraded: String,
+    /// Reasons, and for whose submissions and exercises they hold.
+    ungraded: Vec<(String, Vec<String>)>,
     ungraded_count: usize,
     /// Submissions in which no answer was found.
     empty: Vec<String>,
@@ -199,7 +230,7 @@ impl Summary {
             exercises,
             lines: String::new(),
             count: 0,
-            ungraded: String::new(),
+            ungraded: Vec::new(),
             ungraded_count: 0,
             empty: Vec::new(),
             earned: 0.0,
@@ -237,19 +268,18 @@ impl Summary {
         if self.ungraded_count > LINES / 10 {
             return;
         }
-        for exercise in grade.ungraded() {
-            let _ = writeln!(
-                self.ungraded,
-                "- {}, `{}`: {}",
-                escaped(&who(grade), NAME),
-                exercise.exercise,
-                escaped(&why_not(exercise), SENTENCE)
-            );
+        for (why, exercises) in reasons(grade) {
+            let names: String = exercises.iter().map(|slug| format!(", `{slug}`")).collect();
+            let who = escaped(&who(grade), NAME) + &names;
+            match self.ungraded.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, whose)) => whose.push(who),
+                None => self.ungraded.push((why, vec![who])),
+            }
         }
     }
 
     /// The summary, with what stood around the compiler and where the roster does not agree.
-    pub fn finish(self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+    pub fn finish(self, mark: &str, sandbox: &str, differences: &Differences) -> String {
         let graded = self.count - self.ungraded_count;
         let mut text = format!("# Grades\n\n{}", counted(self.count, "submission"));
         if self.ungraded_count > 0 {
@@ -260,7 +290,7 @@ impl Summary {
             let mean = points(self.earned / graded as f64);
             let _ = write!(text, "The mean is {mean} of {} points. ", points(self.points));
         }
-        let _ = writeln!(text, "The seed is {seed}. {}", escaped(sandbox, SENTENCE));
+        let _ = writeln!(text, "The hidden instances are {mark}. {}", escaped(sandbox, SENTENCE));
         let _ = write!(text, "\n| Submission | Points |");
         for (index, _) in self.exercises.iter().enumerate() {
             let _ = write!(text, " {} |", index + 1);
@@ -275,7 +305,10 @@ impl Summary {
             named.map(|(index, slug)| format!("{} `{slug}`", index + 1)).collect();
         text += &format!("\n{}.\n\n{MARKS}\n", named.join(", "));
         if !self.ungraded.is_empty() {
-            text += &format!("\n## Could not be graded\n\n{}", self.ungraded);
+            text += "\n## Could not be graded\n\n";
+        }
+        for (why, whose) in &self.ungraded {
+            let _ = writeln!(text, "- {}: {}", whose.join("; "), escaped(why, SENTENCE));
         }
         let Differences { unknown, absent, doubtful } = differences;
         let shown = |name: &String| escaped(name, NAME);

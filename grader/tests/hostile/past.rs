@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use exercise_spec::exercise;
 use grader::grade::Outcome;
 use grader::judge::Judge;
+use grader::memory::Memory;
 use grader::points::Points;
+use grader::seed::Seed;
 
 use crate::corpus::{LEFT, every, right, right_and};
 use crate::{COMPILING, left_behind};
@@ -156,7 +158,8 @@ fn what_gets_past_the_screen_meets_other_walls() {
     let _alone = COMPILING.lock().unwrap_or_else(|held| held.into_inner());
     let points = Points::read(&grader::repository().join("grader/points.toml")).expect("points");
     let exercises: Vec<_> = exercise(LEFT).into_iter().collect();
-    let judge = Judge::prepare(points, 7, &exercises).expect("a judge");
+    let memory = Memory::of(None).expect("enough memory");
+    let judge = Judge::prepare(points, Seed::new(7), &exercises, memory).expect("a judge");
     for (says, text, end) in texts() {
         let graded = judge.grade_texts(&BTreeMap::from([(LEFT, text.clone())]));
         let (outcome, earned) = (&graded[0].outcome, graded[0].earned());

@@ -345,11 +345,14 @@ impl<'a> Comparison<'a> {
                 expected.nrows(),
                 expected.ncols()
             );
-            return Err(Failure::new(sentence));
+            let quiet =
+                format!("{}: there should be more numbers, fewer, or in another shape.", self.what);
+            return Err(Failure::new(sentence).or_quietly(quiet));
         }
         if let Some(bad) = obtained.iter().find(|entry| !entry.is_finite()) {
             let sentence = format!("{}: an entry is {bad}; every entry must be finite.", self.what);
-            return Err(Failure::new(sentence).with_numbers(self.numbers()));
+            let quiet = format!("{}: every entry must be finite.", self.what);
+            return Err(Failure::new(sentence).or_quietly(quiet).with_numbers(self.numbers()));
         }
         if agree(obtained, expected, self.tolerance) {
             return Ok(());
