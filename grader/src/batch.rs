@@ -138,7 +138,40 @@ pub fn carry_out_with<J: Judging>(
     order: &Order,
     prepare: impl FnOnce(Points, u64, &[&'static Exercise]) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
-    let plan = Plan::of(order)?;
+    carry_out_on(order, Subject::of(order)?, prepare)
+}
+
+/// What submissions are about.
+pub struct Subject {
+    /// In the order of the reports.
+    pub exercises: Vec<&'static Exercise>,
+    /// What these are worth.
+    pub points: Points,
+}
+
+impl Subject {
+    /// The exercises of the book that an order names.
+    fn of(order: &Order) -> Result<Self, Trouble> {
+        let points = match &order.points {
+            Some(path) => Points::read(path),
+            None => Points::read(&repository().join("grader").join("points.toml")),
+        };
+        let exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
+        Ok(Self { exercises, points: points.map_err(Trouble::Usage)? })
+    }
+}
+
+/// The same about something else than exercises of the book.
+///
+/// # Errors
+///
+/// As [`carry_out`].
+pub fn carry_out_on<J: Judging>(
+    order: &Order,
+    subject: Subject,
+    prepare: impl FnOnce(Points, u64, &[&'static Exercise]) -> Result<J, String>,
+) -> Result<Finished, Trouble> {
+    let plan = Plan::of(order, subject)?;
     let mut kept = Kept::open(&order.out, order.seed, &plan.slugs())?;
     let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
         .map_err(Trouble::CouldNotGrade)?;
@@ -187,11 +220,7 @@ struct Plan {
 }
 
 impl Plan {
-    fn of(order: &Order) -> Result<Self, Trouble> {
-        let points = match &order.points {
-            Some(path) => Points::read(path),
-            None => Points::read(&repository().join("grader").join("points.toml")),
-        };
+    fn of(order: &Order, Subject { exercises, points }: Subject) -> Result<Self, Trouble> {
         let roster = order.roster.as_deref().map(Roster::read).transpose();
         let jobs = order.jobs.map_or_else(cores, |jobs| {
             if jobs == 0 {
@@ -200,8 +229,6 @@ impl Plan {
                 Ok(jobs)
             }
         });
-        let exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
-        let points = points.map_err(Trouble::Usage)?;
         let roster = roster.map_err(Trouble::Usage)?;
         let submissions = submissions(order).map_err(Trouble::Usage)?;
         let matches = roster.as_ref().map(|roster| roster.matched(&submissions));

@@ -10,6 +10,7 @@ pub mod batch;
 pub mod changes;
 pub mod compile;
 pub mod export;
+pub mod fly;
 pub mod grade;
 pub mod items;
 pub mod judge;
