@@ -20,7 +20,6 @@
 using Row = std::vector<std::string>;
 using Vector = std::array<double, 3>;
 struct Reading { std::int64_t nanoseconds; Vector gyro, accelerometer; };
-using Picture = std::map<int, std::array<double, 2>>;  // pixels by track
 
 // The cells below the line that names the columns.
 std::vector<Row> rows(const std::filesystem::path& path) {
@@ -46,6 +45,8 @@ std::vector<Reading> readings(const std::filesystem::path& flight) {
 // ANCHOR_END: read
 
 // ANCHOR: pictures
+using Picture = std::map<int, std::array<double, 2>>;  // pixels by track
+
 std::map<std::int64_t, Picture> pictures(const std::filesystem::path& flight) {
     std::map<std::int64_t, Picture> all;
     for (const Row& row : rows(flight / "tracks.csv"))
@@ -85,8 +86,7 @@ void write(const std::filesystem::path& folder, const std::vector<Pose>& poses) 
         covariances << time;
         for (int row = 0; row < 6; ++row)
             for (int column = row; column < 6; ++column) covariances << ' ' << pose.covariance[row][column];
-        trajectory << '\n';
-        covariances << '\n';
+        trajectory << '\n', covariances << '\n';
     }
 }
 // ANCHOR_END: write
