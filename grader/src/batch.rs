@@ -153,7 +153,49 @@ pub fn carry_out_with<J: Judging>(
     order: &Order,
     prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
-    let plan = Plan::of(order)?;
+    carry_out_on(order, Subject::of(order)?, prepare)
+}
+
+/// What submissions are about.
+pub struct Subject {
+    /// In the order of the reports.
+    pub exercises: Vec<&'static Exercise>,
+    /// What these are worth.
+    pub points: Points,
+}
+
+impl Subject {
+    /// The exercises of the book that an order names.
+    fn of(order: &Order) -> Result<Self, Trouble> {
+        let points = match &order.points {
+            Some(path) => Points::read(path),
+            None => Points::read(&repository().join("grader").join("points.toml")),
+        };
+        let mut exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
+        let points = points.map_err(Trouble::Usage)?;
+        if order.exercises.is_empty() {
+            // What is worth nothing is no part of the course.
+            exercises.retain(|exercise| points.of(exercise.slug) > 0.0);
+        }
+        if exercises.is_empty() {
+            let sentence = "no exercise is worth anything; give one of them points";
+            return Err(Trouble::Usage(sentence.to_owned()));
+        }
+        Ok(Self { exercises, points })
+    }
+}
+
+/// The same about something else than exercises of the book.
+///
+/// # Errors
+///
+/// As [`carry_out`].
+pub fn carry_out_on<J: Judging>(
+    order: &Order,
+    subject: Subject,
+    prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
+) -> Result<Finished, Trouble> {
+    let plan = Plan::of(order, subject)?;
     let mut kept = Kept::open(&order.out, order.seed, &plan.slugs())?;
     let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
         .map_err(Trouble::CouldNotGrade)?;
@@ -203,11 +245,7 @@ struct Plan {
 }
 
 impl Plan {
-    fn of(order: &Order) -> Result<Self, Trouble> {
-        let points = match &order.points {
-            Some(path) => Points::read(path),
-            None => Points::read(&repository().join("grader").join("points.toml")),
-        };
+    fn of(order: &Order, Subject { exercises, points }: Subject) -> Result<Self, Trouble> {
         let roster = order.roster.as_deref().map(Roster::read).transpose();
         let jobs = order.jobs.map_or_else(cores, |jobs| {
             if jobs == 0 {
@@ -216,16 +254,6 @@ impl Plan {
                 Ok(jobs)
             }
         });
-        let mut exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
-        let points = points.map_err(Trouble::Usage)?;
-        if order.exercises.is_empty() {
-            // What is worth nothing is no part of the course.
-            exercises.retain(|exercise| points.of(exercise.slug) > 0.0);
-        }
-        if exercises.is_empty() {
-            let sentence = "no exercise is worth anything; give one of them points";
-            return Err(Trouble::Usage(sentence.to_owned()));
-        }
         let roster = roster.map_err(Trouble::Usage)?;
         let submissions = submissions(order).map_err(Trouble::Usage)?;
         let marks = order.marks.as_deref().map(|path| Marks::read(path, &points)).transpose();

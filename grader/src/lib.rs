@@ -12,6 +12,7 @@ pub mod budget;
 pub mod changes;
 pub mod compile;
 pub mod export;
+pub mod fly;
 pub mod grade;
 pub mod items;
 pub mod judge;

@@ -5,9 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use grader::batch::{self, Order};
+use grader::fly::run::FlyOrder;
 use grader::report::Detail;
 use grader::seed::Seed;
-use grader::{export, mine, workshop};
+use grader::{export, fly, mine, workshop};
 
 /// Grades the exercises of the book.
 #[derive(Parser)]
@@ -34,6 +35,9 @@ enum Command {
         /// Names of exercises; without one, all
         names: Vec<String>,
     },
+    /// Flights for whole estimators: hands them out and grades what was made of them
+    #[command(subcommand)]
+    Fly(Fly),
     /// Makes the files of a new exercise
     New {
         /// Its name: small letters and underscores
@@ -90,6 +94,42 @@ struct Run {
     memory: Option<u64>,
 }
 
+#[derive(Subcommand)]
+enum Fly {
+    /// Writes flights for everybody on a roster
+    Export {
+        /// A folder that is not there yet; the key of the flights goes beside it
+        dir: PathBuf,
+        /// A CSV file with the columns folder and name
+        #[arg(long)]
+        roster: PathBuf,
+    },
+    /// Grades what was handed in
+    Run {
+        /// Submissions, or folders of submissions
+        #[arg(required = true)]
+        submissions: Vec<PathBuf>,
+        /// The key that the export wrote beside its folder
+        #[arg(long)]
+        key: PathBuf,
+        /// Take each path for one submission, whatever it holds
+        #[arg(long)]
+        single: bool,
+        /// What students are told about hidden checks
+        #[arg(long, value_enum, default_value_t = DetailName::Hint)]
+        detail: DetailName,
+        /// Where reports go, and from where a batch that was stopped goes on
+        #[arg(long, default_value = "flight-grades")]
+        out: PathBuf,
+        /// A CSV file with the columns folder and name
+        #[arg(long)]
+        roster: Option<PathBuf>,
+        /// How many submissions at a time; without it, one for each core
+        #[arg(long)]
+        jobs: Option<usize>,
+    },
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum DetailName {
     /// Sentences and numbers
@@ -112,6 +152,14 @@ fn main() -> ExitCode {
         Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
         Command::Run(run) => return grade(run),
         Command::Mine { names } => mine::grade(names),
+        Command::Fly(Fly::Export { dir, roster }) => {
+            fly::export::export(&dir, &roster).map(|()| true)
+        }
+        Command::Fly(Fly::Run { submissions, key, single, detail, out, roster, jobs }) => {
+            let detail = detail.into();
+            let order = FlyOrder { submissions, single, key, roster, detail, out, jobs };
+            return told(fly::run::run(&order));
+        }
         Command::New { name, title, chapter } => {
             workshop::new(&name, &title, &chapter).map(|()| true)
         }
@@ -128,17 +176,12 @@ fn main() -> ExitCode {
 }
 
 fn grade(run: Run) -> ExitCode {
-    let detail = match run.detail {
-        DetailName::Full => Detail::Full,
-        DetailName::Hint => Detail::Hint,
-        DetailName::None => Detail::None,
-    };
     let order = Order {
         submissions: run.submissions,
         single: run.single,
         exercises: run.exercises,
         seed: run.seed,
-        detail,
+        detail: run.detail.into(),
         out: run.out,
         roster: run.roster,
         points: run.points,
@@ -146,7 +189,22 @@ fn grade(run: Run) -> ExitCode {
         jobs: run.jobs,
         memory: run.memory,
     };
-    match batch::carry_out(&order) {
+    told(batch::carry_out(&order))
+}
+
+impl From<DetailName> for Detail {
+    fn from(name: DetailName) -> Self {
+        match name {
+            DetailName::Full => Self::Full,
+            DetailName::Hint => Self::Hint,
+            DetailName::None => Self::None,
+        }
+    }
+}
+
+/// How a batch ended.
+fn told(finished: Result<batch::Finished, batch::Trouble>) -> ExitCode {
+    match finished {
         Ok(finished) if finished.ungraded == 0 => ExitCode::from(DONE),
         Ok(_) => ExitCode::from(COULD_NOT),
         Err(batch::Trouble::Usage(sentence)) => {

@@ -106,6 +106,17 @@ impl Roster {
         Ok(roster)
     }
 
+    /// One of folders alone, in which nobody has a name.
+    pub fn of_folders(folders: &[String]) -> Self {
+        let rows = folders.iter().map(|folder| (folder.clone(), Row::default()));
+        Self { further: Vec::new(), rows: rows.collect() }
+    }
+
+    /// The folders of its rows.
+    pub fn folders(&self) -> impl Iterator<Item = &str> {
+        self.rows.keys().map(String::as_str)
+    }
+
     /// Names of the columns beside folder and name.
     pub fn further(&self) -> &[String] {
         &self.further

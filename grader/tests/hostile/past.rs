@@ -184,7 +184,8 @@ fn a_factorization_is_found_in_the_module_however_it_is_called() {
     let points = Points::read(&grader::repository().join("grader/points.toml")).expect("points");
     let slugs = ["null_space", "square_root_prior"];
     let exercises: Vec<_> = slugs.into_iter().filter_map(exercise).collect();
-    let judge = Judge::prepare(points, 5, &exercises).expect("a judge");
+    let memory = Memory::of(None).expect("memory");
+    let judge = Judge::prepare(points, Seed::new(5), &exercises, memory).expect("a judge");
     let by = |slug: &str, function: &str, statement: &str| {
         let text = right(slug);
         let begin = text.find(&format!("pub fn {function}(")).expect("a function");
