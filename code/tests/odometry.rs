@@ -1,11 +1,13 @@
 //! The assembled system on simulated flights: each estimator from nothing to the end, and what is wrong with readings
 //! and pictures.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, StateError, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{NavState, StampedSample};
-use vislam::initialization::Sensors;
+use vislam::initialization::{BeginOptions, Sensors, begin};
 use vislam::msckf::Start;
 use vislam::odometry::{
     Estimate, Estimator, Lost, Odometry, OdometryError, OdometryOptions, Progress,
@@ -154,6 +156,52 @@ fn after_each_beginning_errors_are_as_large_as_reported() {
             let total = 3.0 * sum;
             assert!(low < total && total < high, "{pixel_sigma} px, {gap:?}: {total}");
         }
+    }
+}
+
+/// A flight with a gap, whose tracker loses each landmark after twelve pictures and finds it again as another one.
+fn flown_with_short_tracks(seed: u64) -> FlightRecording {
+    let lever = Vector3::new(0.1, 0.05, -0.02);
+    let new = Flight::new(Trajectory::figure_eight()).with_lever(lever);
+    let gap = Some([12.0, 13.0]);
+    let flight = Flight { seconds: 30.5, picture_rate: 5.0, tracks: 20, gap, ..new };
+    let mut recording = flight.record(&flight.room(3.0, 240, seed).unwrap(), seed).unwrap();
+    let mut seen = BTreeMap::new();
+    for picture in &mut recording.pictures {
+        for feature in &mut picture.features {
+            let before = seen.entry(feature.track).or_insert(0);
+            feature.track += 1000 * (*before / 12);
+            *before += 1;
+        }
+        picture.features.sort_by_key(|feature| feature.track);
+    }
+    recording
+}
+
+/// By how many standard deviations the velocity is off, as the body sees it, with which a flight begins from these
+/// pictures, when pixels and readings may fit together so badly.
+fn off_after(recording: &FlightRecording, pictures: &[Picture], misfit: f64) -> f64 {
+    let mut options = BeginOptions::default();
+    options.motion.misfit = misfit;
+    let sensors = Sensors::of_flight(&recording.flight);
+    let begun = begin(&sensors, &recording.readings, pictures, &options).unwrap();
+    let (_, start) = &begun.start;
+    let truth = recording.flight.motion.at(1e-9 * start.nanoseconds as f64).state;
+    let in_body = |state: &NavState| state.world_from_body.inverse() * state.velocity;
+    let spread = start.covariance.fixed_view::<3, 3>(3, 3).symmetric_eigenvalues();
+    (in_body(&start.state) - in_body(&truth)).norm() / spread.max().sqrt()
+}
+
+/// Behind the gap, these flights have a span of pictures that shows another motion than the true one, and a
+/// covariance that knows nothing of it.
+#[test]
+fn a_beginning_that_does_not_fit_would_be_believed_and_is_refused() {
+    for (seed, first) in [(2, 65), (2, 67), (14, 66)] {
+        let recording = flown_with_short_tracks(seed);
+        let pictures = &recording.pictures[first..first + 30];
+        let [refused, believed] =
+            [1.5, f64::INFINITY].map(|misfit| off_after(&recording, pictures, misfit));
+        assert!(refused < 3.0 && believed > 5.0, "{seed}: {refused} and {believed}");
     }
 }
 
