@@ -34,9 +34,9 @@ impl Artifact {
 /// Compiles in a folder what the options name; `what` is what an error calls it. A program is asked for by `--bin`
 /// alone: with its package, its dependencies would have fewer features than `cargo test` gives them, and be compiled
 /// once more.
-pub fn compile(root: &Path, options: [&str; 2], what: &str) -> Result<Vec<Artifact>> {
+pub fn compile(root: &Path, options: &[&str], what: &str) -> Result<Vec<Artifact>> {
     let build = ["build", "--quiet", "--message-format", "json-render-diagnostics"];
-    let messages = call(root, &[&build[..], &options].concat(), &format!("compile {what}"))?;
+    let messages = call(root, &[&build[..], options].concat(), &format!("compile {what}"))?;
     Ok(messages.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
 

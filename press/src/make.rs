@@ -17,7 +17,7 @@ use crate::formulas::RememberingKatex;
 use crate::guard::Guard;
 use crate::links;
 use crate::preprocess::{Later, Press};
-use crate::program::Program;
+use crate::program::{Program, Speed};
 use crate::recordings::Recordings;
 use crate::settings::{Layout, Settings};
 use crate::steps::Steps;
@@ -170,7 +170,8 @@ impl Maker {
         let (stale, others): (Vec<_>, Vec<_>) =
             program.stale()?.into_iter().partition(|slug| wanted(slug));
         if !stale.is_empty() {
-            let executable = self.steps.step("compiling the exhibits", || program.compile())?;
+            let compile = || program.compile(Speed::Everyday);
+            let executable = self.steps.step("compiling the exhibits", compile)?;
             let length = stale.len() as u64;
             self.steps.counted("computing the exhibits", length, |bar| {
                 stale.par_iter().try_for_each(|slug| {
@@ -188,7 +189,8 @@ impl Maker {
     pub fn make_record(&self, name: &str) -> Result<crate::records::Made> {
         let settings = Settings::read(&self.layout.root)?;
         let program = Program::new(&self.layout, &settings)?;
-        let executable = self.steps.step("compiling the exhibits", || program.compile())?;
+        let compile = || program.compile(Speed::Measured);
+        let executable = self.steps.step("compiling the exhibits", compile)?;
         self.steps.step(&format!("making the record {name}"), || program.record(&executable, name))
     }
 

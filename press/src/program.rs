@@ -31,6 +31,24 @@ pub struct Program<'a> {
     chapters: BTreeMap<String, String>,
 }
 
+/// How the program is compiled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Speed {
+    /// As all of the book is, for what every build computes.
+    Everyday,
+    /// As benchmarks are, for records, which say how long something takes.
+    Measured,
+}
+
+impl Speed {
+    fn profile(self) -> &'static str {
+        match self {
+            Self::Everyday => "dev",
+            Self::Measured => "bench",
+        }
+    }
+}
+
 impl<'a> Program<'a> {
     /// Looks at the sources of the exhibits.
     pub fn new(layout: &'a Layout, settings: &Settings) -> Result<Program<'a>> {
@@ -73,9 +91,9 @@ impl<'a> Program<'a> {
     }
 
     /// Compiles the program; gives where it lies.
-    pub fn compile(&self) -> Result<PathBuf> {
-        let artifacts =
-            cargo::compile(&self.layout.root, ["--bin", &self.package], "the exhibits")?;
+    pub fn compile(&self, speed: Speed) -> Result<PathBuf> {
+        let options = ["--bin", &self.package, "--profile", speed.profile()];
+        let artifacts = cargo::compile(&self.layout.root, &options, "the exhibits")?;
         let program = artifacts.into_iter().rev().find_map(|artifact| artifact.executable);
         program.with_context(|| format!("the package {} has no program", self.package))
     }

@@ -111,7 +111,7 @@ fn compiled(order: &Order<'_>) -> Result<BTreeMap<String, Artifact>> {
         "" => ["--package", &settings.library_package],
         program => ["--bin", program],
     };
-    let artifacts = cargo::compile(&order.layout.root, options, "the library")?.into_iter();
+    let artifacts = cargo::compile(&order.layout.root, &options, "the library")?.into_iter();
     let libraries = artifacts.filter(|artifact| artifact.library().is_some());
     Ok(libraries.map(|artifact| (artifact.package_id.clone(), artifact)).collect())
 }
