@@ -64,11 +64,11 @@ double calibrated(const std::filesystem::path& flight, const std::string& name) 
 // ANCHOR_END: pictures
 
 // ANCHOR: write
-using Quaternion = std::array<double, 4>;  // x, y, z, w
+using Turn = std::array<double, 4>;  // a quaternion: x, y, z, w
 struct Pose {
     std::int64_t nanoseconds;
     Vector position;
-    Quaternion quaternion;
+    Turn turn;
     std::array<std::array<double, 6>, 6> covariance;  // a turn in the body, then the position in the world
 };
 
@@ -82,7 +82,7 @@ void write(const std::filesystem::path& folder, const std::vector<Pose>& poses) 
         const std::string time = std::to_string(pose.nanoseconds / 1'000'000'000) + "." + rest;
         trajectory << time;
         for (double number : pose.position) trajectory << ' ' << number;
-        for (double number : pose.quaternion) trajectory << ' ' << number;
+        for (double number : pose.turn) trajectory << ' ' << number;
         covariances << time;
         for (int row = 0; row < 6; ++row)
             for (int column = row; column < 6; ++column) covariances << ' ' << pose.covariance[row][column];
@@ -91,8 +91,8 @@ void write(const std::filesystem::path& folder, const std::vector<Pose>& poses) 
 }
 // ANCHOR_END: write
 
-// The quaternion followed by a turn of the body in its own frame.
-Quaternion turned(const Quaternion& q, const Vector& phi) {
+// The turn, followed by a turn of the body in its own frame.
+Turn turned(const Turn& q, const Vector& phi) {
     const double angle = std::hypot(phi[0], phi[1], phi[2]);
     const double size = angle > 0 ? std::sin(angle / 2) / angle : 0.5, d = std::cos(angle / 2);
     const auto [x, y, z, w] = q;
@@ -112,7 +112,7 @@ std::vector<Pose> estimate(const std::filesystem::path& flight) {
         for (int axis = 0; axis < 3; ++axis) bias[axis] += all[stood].gyro[axis];
     for (double& axis : bias) axis /= static_cast<double>(stood);
     std::vector<Pose> poses;
-    Quaternion turn{0, 0, 0, 1};
+    Turn turn{0, 0, 0, 1};
     std::size_t k = 0;
     for (const auto& [camera, seen] : pictures(flight)) {
         const auto time = camera + late;

@@ -31,16 +31,16 @@ def rows(path):
 
 # ANCHOR: write
 def write(folder, poses):
-    """Poses (nanoseconds, position, quaternion x y z w, 6x6 covariance) in the forms that are graded.
+    """Poses (nanoseconds, position, turn x y z w, 6x6 covariance) in the forms that are graded.
 
     The covariance is that of a turn in the body, in radians, then of the position in the world, in metres."""
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, "trajectory.txt"), "w", encoding="utf-8") as trajectory, \
             open(os.path.join(folder, "covariance.txt"), "w", encoding="utf-8") as covariances:
-        for nanoseconds, position, quaternion, covariance in poses:
+        for nanoseconds, position, turn, covariance in poses:
             time = f"{nanoseconds // 10**9}.{nanoseconds % 10**9:09d}"
             upper = [covariance[row][column] for row in range(6) for column in range(row, 6)]
-            print(time, *position, *quaternion, file=trajectory)
+            print(time, *position, *turn, file=trajectory)
             print(time, *upper, file=covariances)
 # ANCHOR_END: write
 
@@ -67,7 +67,7 @@ def estimate(calibration, readings, pictures):
 
 
 def turned(q, phi):
-    """The quaternion q followed by the turn phi of the body in its own frame."""
+    """The turn q, followed by the turn phi of the body in its own frame."""
     angle = math.hypot(*phi)
     size = math.sin(angle / 2) / angle if angle > 0 else 0.5
     (x, y, z, w), (a, b, c), d = q, [size * each for each in phi], math.cos(angle / 2)
