@@ -312,7 +312,7 @@ fn hostile_submissions_harm_nobody() {
     let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
     let book = read("gradebook.csv");
     let row = |name: &str| book.lines().find(|line| line.starts_with(name)).unwrap_or_default();
-    assert!(row("bob").ends_with(",0,100,0,graded"), "{book}");
+    assert!(row("bob").contains(",0,100,0,graded,"), "{book}");
     assert!(row("eve").ends_with("no answer in it"), "{book}");
     assert!(row("ada").ends_with("nothing handed in"), "{book}");
     assert!(row("stranger").contains("could not be graded"), "{book}");
