@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use exercise_runner::edition::{self, Update};
 use exercise_runner::folder::Folder;
+use exercise_runner::say::say;
 use exercise_runner::{hints, progress, selection, watch};
 use exercise_spec::{EXERCISES, Exercise};
 
@@ -30,9 +31,9 @@ enum Command {
     },
     /// Brings answers to the newest edition of their skeletons and loses no work
     Update,
-    /// Runs tests whenever an answer is saved
+    /// Runs tests at once and whenever an answer is saved, and goes on when it is right
     Watch {
-        /// Name of the exercise; without it, all
+        /// Name of the exercise to begin with; without it, the first that is not solved
         name: Option<String>,
     },
 }
@@ -52,21 +53,21 @@ fn run(command: Option<Command>) -> Result<(), String> {
     match command {
         None => {
             for exercise in progress::to_judge(&folder) {
-                println!("{} has changed; its tests run", exercise.slug);
+                say(format!("{} has changed; its tests run", exercise.slug));
                 selection::run(folder.path(), exercise.slug, &[])?;
             }
-            print!("{}", progress::list(&folder));
+            say(progress::list(&folder).trim_end());
         }
         Some(Command::Hint { name }) => {
-            print!("{}", hints::next(&folder, selection::named(&name)?)?);
+            say(hints::next(&folder, selection::named(&name)?)?.trim_end());
         }
         Some(Command::Reset { name }) => {
             match edition::reset(&folder, selection::named(&name)?.slug)? {
-                None => println!("{name} is the skeleton already"),
-                Some(former) => println!(
+                None => say(format!("{name} is the skeleton already")),
+                Some(former) => say(format!(
                     "{name} is a skeleton again; the former answer is {}",
                     former.display()
-                ),
+                )),
             }
         }
         Some(Command::Update) => update_all(&folder)?,
@@ -87,15 +88,15 @@ fn update_all(folder: &Folder) -> Result<(), String> {
 fn update(folder: &Folder, exercise: &Exercise) -> Result<(), String> {
     let slug = exercise.slug;
     match edition::update(folder, slug)? {
-        Update::Current(edition) => println!("{slug}: edition {edition}, the newest"),
+        Update::Current(edition) => say(format!("{slug}: edition {edition}, the newest")),
         Update::Merged { edition, former } => {
-            println!("{slug}: now edition {edition}; the former file is {}", former.display());
+            say(format!("{slug}: now edition {edition}; the former file is {}", former.display()));
         }
-        Update::Conflict { edition, merged } => println!(
+        Update::Conflict { edition, merged } => say(format!(
             "{slug}: edition {edition} changes lines that you changed too, so your file stays as \
              it is; both together are {}",
             merged.display()
-        ),
+        )),
     }
     Ok(())
 }

@@ -19,13 +19,21 @@ use thiserror::Error;
 
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::judge::Judge;
+use crate::marks::Marks;
+use crate::memory::Memory;
 use crate::points::{Points, unknown};
 use crate::report::Detail;
 use crate::repository;
 use crate::roster::{Matches, Roster};
+use crate::seed::Seed;
 use crate::submission::{self, Submission};
 use crate::text::harmless;
 use kept::Kept;
+
+/// Why a submission is passed over at which an earlier run came to its end.
+const ENDED: &str = "an earlier run of the grader was ended, from outside or for want of memory, while it was at this \
+                     submission. It is passed over this time, so that nobody waits behind it; run the same command \
+                     once more to try it again";
 
 /// What is to be graded, and how.
 #[derive(Debug, Clone)]
@@ -37,7 +45,7 @@ pub struct Order {
     /// Slugs of the exercises to grade; all when there is none.
     pub exercises: Vec<String>,
     /// Seed of the hidden instances.
-    pub seed: Option<u64>,
+    pub seed: Option<Seed>,
     /// What students are told about hidden checks.
     pub detail: Detail,
     /// Where reports go.
@@ -46,8 +54,12 @@ pub struct Order {
     pub roster: Option<PathBuf>,
     /// A file of points and weights.
     pub points: Option<PathBuf>,
+    /// A file of what a person decides.
+    pub marks: Option<PathBuf>,
     /// How many submissions at a time.
     pub jobs: Option<usize>,
+    /// Megabytes that grading may use; what the container allows when there is none.
+    pub memory: Option<u64>,
 }
 
 /// Why there are no grades.
@@ -106,7 +118,7 @@ impl Judging for Judge {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finished {
     /// The seed of the hidden instances.
-    pub seed: u64,
+    pub seed: Seed,
     /// How many submissions have a grade.
     pub graded: usize,
     /// How many have none, because something could not be graded.
@@ -123,7 +135,10 @@ pub struct Finished {
 /// A [`Trouble`] when the order cannot be carried out, the canaries come out wrong, or the grades
 /// cannot be kept.
 pub fn carry_out(order: &Order) -> Result<Finished, Trouble> {
-    let finished = carry_out_with(order, Judge::prepare)?;
+    let memory = Memory::of(order.memory).map_err(Trouble::Usage)?;
+    let finished = carry_out_with(order, |points, seed, exercises| {
+        Judge::prepare(points, seed, exercises, memory)
+    })?;
     // Whoever closes the pipe has read enough.
     let _ = std::io::stdout().write_all(finished.told.as_bytes());
     Ok(finished)
@@ -136,9 +151,51 @@ pub fn carry_out(order: &Order) -> Result<Finished, Trouble> {
 /// As [`carry_out`].
 pub fn carry_out_with<J: Judging>(
     order: &Order,
-    prepare: impl FnOnce(Points, u64, &[&'static Exercise]) -> Result<J, String>,
+    prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
-    let plan = Plan::of(order)?;
+    carry_out_on(order, Subject::of(order)?, prepare)
+}
+
+/// What submissions are about.
+pub struct Subject {
+    /// In the order of the reports.
+    pub exercises: Vec<&'static Exercise>,
+    /// What these are worth.
+    pub points: Points,
+}
+
+impl Subject {
+    /// The exercises of the book that an order names.
+    fn of(order: &Order) -> Result<Self, Trouble> {
+        let points = match &order.points {
+            Some(path) => Points::read(path),
+            None => Points::read(&repository().join("grader").join("points.toml")),
+        };
+        let mut exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
+        let points = points.map_err(Trouble::Usage)?;
+        if order.exercises.is_empty() {
+            // What is worth nothing is no part of the course.
+            exercises.retain(|exercise| points.of(exercise.slug) > 0.0);
+        }
+        if exercises.is_empty() {
+            let sentence = "no exercise is worth anything; give one of them points";
+            return Err(Trouble::Usage(sentence.to_owned()));
+        }
+        Ok(Self { exercises, points })
+    }
+}
+
+/// The same about something else than exercises of the book.
+///
+/// # Errors
+///
+/// As [`carry_out`].
+pub fn carry_out_on<J: Judging>(
+    order: &Order,
+    subject: Subject,
+    prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
+) -> Result<Finished, Trouble> {
+    let plan = Plan::of(order, subject)?;
     let mut kept = Kept::open(&order.out, order.seed, &plan.slugs())?;
     let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
         .map_err(Trouble::CouldNotGrade)?;
@@ -181,17 +238,14 @@ struct Plan {
     roster: Roster,
     matches: Matches,
     detail: Detail,
+    marks: Marks,
     jobs: usize,
     /// How many submissions had their grade already.
     had: AtomicUsize,
 }
 
 impl Plan {
-    fn of(order: &Order) -> Result<Self, Trouble> {
-        let points = match &order.points {
-            Some(path) => Points::read(path),
-            None => Points::read(&repository().join("grader").join("points.toml")),
-        };
+    fn of(order: &Order, Subject { exercises, points }: Subject) -> Result<Self, Trouble> {
         let roster = order.roster.as_deref().map(Roster::read).transpose();
         let jobs = order.jobs.map_or_else(cores, |jobs| {
             if jobs == 0 {
@@ -200,10 +254,9 @@ impl Plan {
                 Ok(jobs)
             }
         });
-        let exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
-        let points = points.map_err(Trouble::Usage)?;
         let roster = roster.map_err(Trouble::Usage)?;
         let submissions = submissions(order).map_err(Trouble::Usage)?;
+        let marks = order.marks.as_deref().map(|path| Marks::read(path, &points)).transpose();
         let matches = roster.as_ref().map(|roster| roster.matched(&submissions));
         Ok(Self {
             submissions,
@@ -212,6 +265,7 @@ impl Plan {
             roster: roster.unwrap_or_default(),
             matches: matches.unwrap_or_default(),
             detail: order.detail,
+            marks: marks.map_err(Trouble::Usage)?.unwrap_or_default(),
             jobs: jobs.map_err(Trouble::Usage)?,
             had: AtomicUsize::new(0),
         })
@@ -226,9 +280,13 @@ impl Plan {
         let next = AtomicUsize::new(0);
         let trouble = Mutex::new(None);
         let bar = bar(self.submissions.len());
+        // What could not be graded before comes last, so that nobody waits behind it.
+        let open =
+            |it: &&Submission| kept.grade(&it.name).is_some_and(|grade| grade.earned().is_none());
+        let (last, mut queue): (Vec<_>, Vec<_>) = self.submissions.iter().partition(open);
+        queue.extend(last);
         let work = || {
-            while let Some(submission) = self.submissions.get(next.fetch_add(1, Ordering::Relaxed))
-            {
+            while let Some(submission) = queue.get(next.fetch_add(1, Ordering::Relaxed)) {
                 if let Err(error) = self.grade_one(judge, kept, canaries, submission) {
                     next.store(self.submissions.len(), Ordering::Relaxed);
                     trouble.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).replace(error);
@@ -258,7 +316,7 @@ impl Plan {
         let student = self.roster.student(&self.matches, &submission.name);
         let student = student.map(str::to_owned);
         let former = kept.grade(&submission.name).filter(|grade| grade.earned().is_some());
-        let key = former.as_ref().and_then(|_| calmly(|| judge.key(submission)).ok()?.ok());
+        let key = calmly(|| judge.key(submission)).ok().and_then(Result::ok);
         if let Some(former) = former.filter(|grade| Some(&grade.key) == key.as_ref()) {
             self.had.fetch_add(1, Ordering::Relaxed);
             if former.student == student {
@@ -267,27 +325,40 @@ impl Plan {
             canaries.wait()?;
             return kept.keep(&Grade { student, ..former });
         }
-        let grade = calmly(|| judge.grade(submission, student.clone()));
-        let grade = grade.unwrap_or_else(|panic| self.ungraded(submission, student, &panic));
-        canaries.wait()?;
-        kept.keep(&Grade { submission: submission.name.clone(), ..readable(grade) })
+        let key = key.unwrap_or_default();
+        let grade = if kept.ended_at(&submission.name, &key) {
+            self.ungraded(submission, student, ENDED)
+        } else {
+            kept.begin_at(&submission.name, &key)?;
+            let grade = calmly(|| judge.grade(submission, student.clone()));
+            let why = |panic| format!("the grader panicked: {panic}");
+            grade.unwrap_or_else(|panic| self.ungraded(submission, student, &why(panic)))
+        };
+        let kept_or_not = canaries.wait().and_then(|()| {
+            kept.keep(&Grade { submission: submission.name.clone(), ..readable(grade) })
+        });
+        kept.done_with(&submission.name);
+        kept_or_not
     }
 
     /// The grade of a submission at which the grader itself failed.
-    fn ungraded(&self, submission: &Submission, student: Option<String>, panic: &str) -> Grade {
-        let why = format!("the grader panicked: {panic}");
+    fn ungraded(&self, submission: &Submission, student: Option<String>, why: &str) -> Grade {
         let exercise = |exercise: &&'static Exercise| ExerciseGrade {
             exercise: exercise.slug.to_owned(),
             title: exercise.title.to_owned(),
-            outcome: Outcome::CouldNotGrade(why.clone()),
+            outcome: Outcome::CouldNotGrade(why.to_owned()),
             points: self.points.of(exercise.slug),
             checks: Vec::new(),
+            marked: None,
+            words: None,
+            comments: Vec::new(),
         };
         Grade {
             submission: submission.name.clone(),
             student,
             key: String::new(),
             notices: Vec::new(),
+            late: None,
             exercises: self.exercises.iter().map(exercise).collect(),
         }
     }

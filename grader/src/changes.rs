@@ -63,12 +63,12 @@ impl Changes {
     }
 
     /// The report.
-    pub fn markdown(&self, former_seed: u64, seed: u64) -> String {
+    pub fn markdown(&self, former: &str, now: &str) -> String {
         let mut text = format!("# What changed\n\n{}\n", self.counts());
-        if former_seed != seed {
+        if former != now {
             let _ = write!(
                 text,
-                "\nThe seed was {former_seed} and is {seed}: the hidden instances are others.\n"
+                "\nThe hidden instances were {former} and are {now}: they are others.\n"
             );
         }
         if !self.changed.is_empty() {

@@ -4,6 +4,7 @@
 //! crate and no setting of a tool takes part. rustc is called directly and not through cargo.
 
 mod confine;
+mod factorized;
 mod kit;
 mod known;
 
@@ -16,6 +17,7 @@ use std::time::Duration;
 
 use exercise_spec::{EXERCISES, Exercise};
 
+use crate::memory::Memory;
 use crate::repository;
 use crate::text::harmless;
 use confine::{Ended, Sandbox};
@@ -23,20 +25,20 @@ use kit::Kit;
 use known::Known;
 use toolchain::Toolchain;
 
-/// Processor time that the compilation of all answers may take; the reference answers take three
-/// seconds.
-const SECONDS_TOGETHER: u64 = 30;
-/// The same for one answer alone; the longest reference answer takes one second.
-const SECONDS_ALONE: u64 = 10;
 /// How long it may take by the clock, on a machine that is busy. Who is stopped by this is not
 /// graded, because it says more about the machine than about the answer.
 const PATIENCE: Duration = Duration::from_secs(600);
-/// Address space of the compiler, in kilobytes.
-const MEMORY_KB: u64 = 3_000_000;
+/// Processor time for answers that are the grader's own.
+const OWN: Duration = Duration::from_secs(60);
 /// The largest module that is accepted; that of the reference answers has 0.4 MB.
 const LARGEST_MODULE: u64 = 8_000_000;
 /// How much of what the compiler says is passed on.
 const LONGEST_MESSAGE: usize = 3_000;
+
+/// Options of a module that runs.
+const SPEED: &str = "-C opt-level=1 -C strip=symbols";
+/// Options of a module that names what it holds, with all its types.
+const NAMES: &str = "-C opt-level=0 -C symbol-mangling-version=v0";
 
 /// The signal by which a system takes memory back. The limits here end a compiler by others.
 const KILLED: i32 = 9;
@@ -85,25 +87,54 @@ impl Compiler {
         self.sandbox.sentence()
     }
 
-    /// Compiles answers to one module.
-    pub fn compile(&self, answers: &Answers) -> Compiled {
+    /// Compiles answers to one module, in as much of the processor's time.
+    pub fn compile(&self, answers: &Answers, time: Duration, memory: &Memory) -> Compiled {
+        for (slug, text) in answers.iter().filter(|(slug, _)| factorized::is_asked(slug)) {
+            let alone = Answers::from([(*slug, text.clone())]);
+            let found = match self.compiled(&alone, NAMES, (time, memory)) {
+                Compiled::Module(module) => factorized::found(&module, slug),
+                other => return other,
+            };
+            if let Some(name) = found {
+                return Compiled::Refused(format!(
+                    "The compiled answer contains nalgebra's `{name}`, which does what this exercise asks for. Write \
+                     it yourself, of the parts that its page names."
+                ));
+            }
+        }
+        self.compiled(answers, SPEED, (time, memory))
+    }
+
+    /// The same with some options more, whatever is in it.
+    fn compiled(
+        &self,
+        answers: &Answers,
+        options: &str,
+        (time, memory): (Duration, &Memory),
+    ) -> Compiled {
+        // Systems count whole seconds here.
+        let seconds = time.as_millis().div_ceil(1_000).max(1) as u64;
+        let megabytes = memory.of_compiler();
         let compiled = self.kit.folder().and_then(|folder| {
             write_tree(folder.path(), answers)
                 .map_err(|error| format!("the answers cannot be written: {error}"))?;
-            let ended = confine::run(self.rustc(folder.path(), seconds(answers)), PATIENCE)?;
-            judged(&ended, folder.path(), answers)
+            let rustc = self.rustc(folder.path(), (seconds, megabytes), options);
+            let part = memory.take(megabytes);
+            let ended = confine::run(rustc, PATIENCE)?;
+            drop(part);
+            judged(&ended, folder.path(), answers, seconds)
         });
         compiled.unwrap_or_else(Compiled::CouldNotCompile)
     }
 
     /// Compiles answers that are the grader's own, unless an earlier run has done it: with the same
     /// texts, grader, compiler and libraries.
-    pub fn compile_once(&self, answers: &Answers) -> Compiled {
+    pub fn compile_once(&self, answers: &Answers, memory: &Memory) -> Compiled {
         let known = Known::of(&repository().join("target/grader/known"), &self.maker, answers);
         if let Some(module) = known.module() {
             return Compiled::Module(module);
         }
-        let compiled = self.compile(answers);
+        let compiled = self.compile(answers, OWN, memory);
         if let Compiled::Module(module) = &compiled {
             known.keep(module);
         }
@@ -111,17 +142,23 @@ impl Compiler {
     }
 
     /// The call of the compiler, which sees the folder, its own files and the kit.
-    fn rustc(&self, folder: &Path, processor_seconds: u64) -> Command {
+    fn rustc(
+        &self,
+        folder: &Path,
+        (processor_seconds, megabytes): (u64, u64),
+        more: &str,
+    ) -> Command {
         let mut rustc = vec![self.toolchain.rustc.clone().into_os_string()];
         let options = "--edition 2024 --crate-type cdylib --crate-name answers --color never \
-            --target wasm32-unknown-unknown -C panic=abort -C opt-level=1 -C codegen-units=2 -C lto=off -C debuginfo=0 \
-            -C strip=symbols -C debug-assertions=on --emit link=answers.wasm,dep-info=answers.d lib.rs";
-        rustc.extend(options.split_whitespace().map(Into::into));
+            --target wasm32-unknown-unknown -C panic=abort -C codegen-units=2 -C lto=off -C debuginfo=0 \
+            -C debug-assertions=on --emit link=answers.wasm,dep-info=answers.d lib.rs";
+        rustc.extend(options.split_whitespace().chain(more.split_whitespace()).map(Into::into));
         rustc.extend(self.kit.options());
         let readable = [self.toolchain.root.as_path(), self.kit.path()];
         let limits = confine::Limits {
             processor_seconds,
-            memory_kb: MEMORY_KB,
+            // What the linker, the sandbox and the system need beside it is left.
+            memory_kb: 800 * megabytes,
             file_kb: 2 * LARGEST_MODULE / 1000,
         };
         let mut command = self.sandbox.command(&rustc, folder, &readable, &limits);
@@ -175,7 +212,12 @@ pub fn number_of(slug: &str) -> Option<usize> {
 }
 
 /// What the compiler's end means.
-fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, String> {
+fn judged(
+    ended: &Ended,
+    folder: &Path,
+    answers: &Answers,
+    seconds: u64,
+) -> Result<Compiled, String> {
     if ended.out_of_patience {
         return Err(format!("the compiler was stopped after {} s", PATIENCE.as_secs()));
     }
@@ -189,7 +231,7 @@ fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, S
         return Err(format!("the compiler could not write: {DISK_FULL}"));
     }
     if !ended.success {
-        return Ok(Compiled::DoesNotCompile(told(ended, seconds(answers))));
+        return Ok(Compiled::DoesNotCompile(told(ended, seconds)));
     }
     let module = folder.join("answers.wasm");
     let size = fs::metadata(&module).map_err(|error| format!("there is no module: {error}"))?.len();
@@ -207,11 +249,6 @@ fn judged(ended: &Ended, folder: &Path, answers: &Answers) -> Result<Compiled, S
 /// Whether a disk has no room for what a compiler writes. An answer can make the compiler say so.
 fn is_full(folder: &Path) -> bool {
     fs::write(folder.join("probe"), vec![0; 2 * LARGEST_MODULE as usize]).is_err()
-}
-
-/// Processor time that the compilation of answers may take.
-fn seconds(answers: &Answers) -> u64 {
-    if answers.len() > 1 { SECONDS_TOGETHER } else { SECONDS_ALONE }
 }
 
 fn told(ended: &Ended, seconds: u64) -> String {

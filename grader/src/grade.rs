@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 /// The version of the form of `grade.json`. It grows when a field changes its meaning.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// A batch of graded submissions: `grade.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
     /// [`VERSION`].
     pub version: u32,
-    /// The seed of the hidden instances. The same seed gives the same grades.
-    pub seed: u64,
+    /// The mark of the seed that hidden instances were drawn from. The same one gives the same grades.
+    pub instances: String,
     /// What stood around the compiler, in a sentence for the instructor.
     pub sandbox: String,
     /// One grade for each submission, in the order of their names.
@@ -29,6 +29,9 @@ pub struct Grade {
     pub key: String,
     /// What the instructor and the student should know and costs nothing: files that were left out.
     pub notices: Vec<String>,
+    /// Set where the roster says how late it came.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub late: Option<Late>,
     /// In the order of the book.
     pub exercises: Vec<ExerciseGrade>,
 }
@@ -42,10 +45,37 @@ pub struct ExerciseGrade {
     pub title: String,
     /// What became of it.
     pub outcome: Outcome,
-    /// What can be earned.
+    /// What its program can earn.
     pub points: f64,
     /// One for each check, public ones first. Empty when the answer never ran.
     pub checks: Vec<CheckGrade>,
+    /// Points that a person gave in place of those that the checks give.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marked: Option<f64>,
+    /// The answer in words, where it has points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub words: Option<WordsGrade>,
+    /// What a person says of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub comments: Vec<String>,
+}
+
+/// Points of a person for an answer in words.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WordsGrade {
+    /// What can be earned.
+    pub of: f64,
+    /// What is earned.
+    pub earned: f64,
+}
+
+/// What is taken off because a submission came too late.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Late {
+    /// How late it came.
+    pub days: f64,
+    /// What is taken off, in percent.
+    pub percent: f64,
 }
 
 /// What became of an answer.
@@ -86,6 +116,9 @@ pub struct CheckGrade {
     pub numbers: String,
     /// Name of the misconception that was recognized.
     pub misconception: Option<String>,
+    /// Expected and obtained as SVG, where that can be drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<String>,
 }
 
 /// Three outcomes, never two.
@@ -101,9 +134,20 @@ pub enum Verdict {
 }
 
 impl ExerciseGrade {
-    /// What it earns: its points by the weights of the checks that passed. Nothing at all, and not
-    /// zero, when it could not be graded.
+    /// What it earns: what its program earns, and its words where they have points. Nothing at all,
+    /// and not zero, when it could not be graded.
     pub fn earned(&self) -> Option<f64> {
+        let program = self.marked.or_else(|| self.of_checks())?;
+        Some(program + self.words.map_or(0.0, |words| words.earned))
+    }
+
+    /// What can be earned.
+    pub fn of(&self) -> f64 {
+        self.points + self.words.map_or(0.0, |words| words.of)
+    }
+
+    /// The points of its program by the weights of the checks that passed.
+    fn of_checks(&self) -> Option<f64> {
         match self.outcome {
             Outcome::CouldNotGrade(_) => return None,
             Outcome::Missing
@@ -139,9 +183,15 @@ impl Grade {
         self.exercises.iter().try_fold(0.0, |sum, exercise| Some(sum + exercise.earned()?))
     }
 
+    /// What is left of it when what is taken off for lateness is gone.
+    pub fn after_lateness(&self) -> Option<f64> {
+        let percent = self.late.map_or(0.0, |late| late.percent);
+        Some(self.earned()? * (1.0 - percent / 100.0))
+    }
+
     /// What can be earned in all.
     pub fn points(&self) -> f64 {
-        self.exercises.iter().fold(0.0, |sum, exercise| sum + exercise.points)
+        self.exercises.iter().fold(0.0, |sum, exercise| sum + exercise.of())
     }
 
     /// Whether no answer was found at all.

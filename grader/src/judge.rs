@@ -5,19 +5,24 @@ use std::fs;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
 use std::thread;
+use std::time::Instant;
 
 use book_tests::hidden_checks;
+use exercise_runner::picture;
 use exercise_spec::Exercise;
 use exercise_spec::check::{Check, Failure};
 use sha2::{Digest, Sha256};
 
+use crate::budget::{Compiling, Purse, Running};
 use crate::compile::{Answers, Compiled, Compiler, edition, number_of};
 use crate::export::{every_skeleton, newest_skeleton};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
-use crate::machine::{Answer, FEWER_STEPS, Machine, Program, STEPS};
+use crate::machine::{Answer, FEWER_STEPS, INSTANCE, LOADING, Machine, Program, STEPS, no_time};
+use crate::memory::Memory;
 use crate::points::Points;
 use crate::repository;
 use crate::screen::screen;
+use crate::seed::Seed;
 use crate::submission::{self, Collected, Submission};
 use crate::text::{harmless, harmless_line};
 
@@ -28,8 +33,9 @@ const LONGEST: [usize; 2] = [1_000, 4_000];
 pub struct Judge {
     compiler: Compiler,
     machine: Machine,
+    memory: Memory,
     points: Points,
-    seed: u64,
+    seed: Seed,
     exercises: Vec<Asked>,
 }
 
@@ -56,11 +62,12 @@ impl Judge {
     /// When there is no compiler or no machine.
     pub fn prepare(
         points: Points,
-        seed: u64,
+        seed: Seed,
         exercises: &[&'static Exercise],
+        memory: Memory,
     ) -> Result<Self, String> {
         let asked = |exercise: &&'static Exercise| {
-            let hidden = hidden_checks(exercise.slug, seed)
+            let hidden = hidden_checks(exercise.slug, seed.number())
                 .ok_or_else(|| format!("{} has no hidden checks", exercise.slug))?;
             let public = (exercise.checks)().into_iter().map(|check| (false, check));
             let number = number_of(exercise.slug)
@@ -74,6 +81,7 @@ impl Judge {
             exercises: exercises.iter().map(asked).collect::<Result<_, _>>()?,
             compiler: Compiler::prepare()?,
             machine: Machine::new()?,
+            memory,
             points,
             seed,
         })
@@ -93,7 +101,7 @@ impl Judge {
         let parts = format!(
             "{:?} {points} {} {slugs:?} {skeletons:?}",
             (&collected.answers, &collected.refused),
-            self.seed
+            self.seed.text()
         );
         let digest = Sha256::new().chain_update(edition()).chain_update(parts).finalize();
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
@@ -114,7 +122,7 @@ impl Judge {
                 self.graded_all(self.exercises.iter().map(not).collect())
             }
         };
-        Grade { submission: submission.name.clone(), student, key, notices, exercises }
+        Grade { submission: submission.name.clone(), student, key, notices, late: None, exercises }
     }
 
     /// Grades texts that need no screen, because they are known.
@@ -152,20 +160,34 @@ impl Judge {
                 Err((slug, outcome)) => drop(ready.insert(slug, Err(outcome))),
             }
         }
-        let program = |answers: &Answers| self.program(self.compiler.compile(answers));
-        let together = if answers.len() > 1 { program(&answers).ok() } else { None };
+        let program = |answers: &Answers, time| {
+            self.program(self.compiler.compile(answers, time, &self.memory))
+        };
+        let mut time = Compiling::new();
+        let together =
+            if answers.len() > 1 { program(&answers, time.together()).ok() } else { None };
+        let mut to_come = answers.len();
         for (slug, text) in answers {
-            let alone = || program(&BTreeMap::from([(slug, text)]));
+            let alone = || {
+                let (begun, most) = (Instant::now(), time.alone(to_come));
+                let program = program(&BTreeMap::from([(slug, text)]), most);
+                // On a machine that is busy the clock says more than the processor.
+                time.took(begun.elapsed().min(most));
+                program
+            };
             ready.insert(slug, together.clone().map_or_else(alone, Ok));
+            to_come -= 1;
         }
         self.asked(&ready)
     }
 
     /// Asks every exercise, all of them at a time.
     fn asked(&self, ready: &Ready) -> Vec<ExerciseGrade> {
+        let time = Running::new();
         let graded = |asked: &Asked| {
             let missing = Err(Outcome::Missing);
-            self.graded(asked, ready.get(asked.exercise.slug).unwrap_or(&missing))
+            let ready = ready.get(asked.exercise.slug).unwrap_or(&missing);
+            self.graded(asked, ready, &time.of_answer())
         };
         thread::scope(|scope| {
             let asked = self.exercises.iter().map(|asked| scope.spawn(|| graded(asked)));
@@ -179,23 +201,33 @@ impl Judge {
 
     fn program(&self, compiled: Compiled) -> Result<Arc<Program>, Outcome> {
         match compiled {
-            Compiled::Module(module) => match self.machine.load(&module) {
-                Ok(program) => Ok(program.into()),
-                Err(why) => Err(Outcome::Refused(why)),
-            },
+            Compiled::Module(module) => {
+                let _part = self.memory.take(LOADING);
+                self.machine.load(&module).map(Arc::new).map_err(Outcome::Refused)
+            }
             Compiled::Refused(why) => Err(Outcome::Refused(why)),
             Compiled::DoesNotCompile(why) => Err(Outcome::DoesNotCompile(why)),
             Compiled::CouldNotCompile(why) => Err(Outcome::CouldNotGrade(why)),
         }
     }
 
-    fn graded(&self, asked: &Asked, ready: &Result<Arc<Program>, Outcome>) -> ExerciseGrade {
+    fn graded(
+        &self,
+        asked: &Asked,
+        ready: &Result<Arc<Program>, Outcome>,
+        purse: &Purse,
+    ) -> ExerciseGrade {
         let (outcome, checks) = match ready {
             Err(outcome) => (outcome.clone(), Vec::new()),
             Ok(program) => {
                 let mut steps = STEPS;
                 let ask = |(hidden, check): &(bool, Check)| {
-                    let answer = program.answer(asked.number, steps);
+                    if purse.is_empty() {
+                        let failure = Failure::from(no_time());
+                        return self.told(asked, *hidden, check, Verdict::Failed, Some(failure));
+                    }
+                    let _part = self.memory.take(INSTANCE);
+                    let answer = program.answer(asked.number, steps, purse);
                     let grade = self.ask(asked, &answer, *hidden, check);
                     steps = if answer.took_too_long() { FEWER_STEPS } else { steps };
                     grade
@@ -210,6 +242,9 @@ impl Judge {
             outcome,
             points: self.points.of(exercise.slug),
             checks,
+            marked: None,
+            words: None,
+            comments: Vec::new(),
         }
     }
 
@@ -225,6 +260,18 @@ impl Judge {
             (None, Ok(Ok(()))) => (Verdict::Passed, None),
             (None, Ok(Err(failure))) => (Verdict::Failed, Some(failure)),
         };
+        self.told(asked, hidden, check, verdict, failure)
+    }
+
+    /// The grade of a check from what came out.
+    fn told(
+        &self,
+        asked: &Asked,
+        hidden: bool,
+        check: &Check,
+        verdict: Verdict,
+        failure: Option<Failure>,
+    ) -> CheckGrade {
         let told = |of: fn(&Failure) -> &str, most| {
             failure.as_ref().map_or(String::new(), |f| harmless(of(f), most))
         };
@@ -240,6 +287,7 @@ impl Judge {
                 .as_ref()
                 .and_then(|f| f.misconception)
                 .map(|known| known.name.to_owned()),
+            picture: failure.as_ref().and_then(|f| picture::svg(f.picture.as_deref()?).ok()),
         }
     }
 
@@ -253,7 +301,7 @@ impl Judge {
     pub fn canaries(&self) -> Result<(), String> {
         let root = repository();
         let reference = self.known(|slug| Ok(format!("solutions/src/{slug}.rs")))?;
-        let program = self.program(self.compiler.compile_once(&reference));
+        let program = self.program(self.compiler.compile_once(&reference, &self.memory));
         let ready = reference.into_keys().map(|slug| (slug, program.clone())).collect();
         for exercise in self.asked(&ready) {
             if exercise.earned() != Some(exercise.points) {

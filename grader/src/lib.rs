@@ -6,21 +6,29 @@
 //! [`judge`] asks it the questions of the checks, whose answers stay here. [`batch`] does that for
 //! hundreds and [`report`] tells what came out.
 
+pub mod archive;
 pub mod batch;
+pub mod budget;
 pub mod changes;
 pub mod compile;
 pub mod export;
+pub mod fly;
 pub mod grade;
 pub mod items;
 pub mod judge;
 pub mod machine;
+pub mod marks;
+pub mod memory;
+pub mod mine;
 pub mod points;
 pub mod report;
 pub mod roster;
 pub mod screen;
+pub mod seed;
 pub mod similarity;
 pub mod submission;
 pub mod text;
+pub mod words;
 pub mod workshop;
 
 use std::path::{Path, PathBuf};

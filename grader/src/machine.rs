@@ -9,11 +9,15 @@ use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use exercise_spec::answer::{Fault, Transport};
-use wasmtime::{Config, Engine, Instance, Memory, Module, ResourceLimiter, Store, Trap, TypedFunc};
+use wasmtime::{
+    Config, Engine, Instance, Memory, Module, ResourceLimiter, Store, Trap, TypedFunc,
+    UpdateDeadline,
+};
 
+use crate::budget::{Purse, processor_time};
 use crate::text::harmless;
 
 /// Steps that an answer may take in one check. The reference answers take a thirtieth of it at
@@ -25,13 +29,19 @@ pub const STEPS: u64 = 4_000_000_000;
 pub const FEWER_STEPS: u64 = 500_000_000;
 /// Memory that an answer may have, in bytes.
 const MEMORY: usize = 256 << 20;
+/// Megabytes that a check takes, with the numbers that come back.
+pub const INSTANCE: u64 = 300;
+/// Megabytes that it takes to make a module ready.
+pub const LOADING: u64 = 300;
 /// Stack that an answer may use, in bytes.
 const STACK: usize = 1 << 20;
 /// The longest output, in bytes.
 const LONGEST: usize = 16 << 20;
-/// Time that a check may take by the clock. The steps are counted, so this says that the machine
-/// is too slow or too busy, and not that the answer is wrong.
-const PATIENCE: u64 = 600;
+/// How often an answer is asked to pay for the processor's time that it took.
+const TICK: Duration = Duration::from_millis(50);
+/// Time that a check may take by the clock. The processor's time is paid for, so this says that the
+/// machine is too busy, and not that the answer is wrong.
+const PATIENCE: Duration = Duration::from_secs(600);
 /// The most functions that may be called by their numbers.
 const TABLE: usize = 100_000;
 
@@ -59,7 +69,7 @@ impl Machine {
         let (clock, goes_on) = (engine.clone(), Arc::clone(&running));
         thread::spawn(move || {
             while goes_on.load(Ordering::Relaxed) {
-                thread::sleep(Duration::from_secs(1));
+                thread::sleep(TICK);
                 clock.increment_epoch();
             }
         });
@@ -99,9 +109,10 @@ pub struct Program {
 
 impl Program {
     /// A fresh instance, for one check: what an answer keeps does not reach the next one.
-    /// `exercise` is the number of the exercise in the module, and `steps` is how many it may take.
-    pub fn answer(&self, exercise: usize, steps: u64) -> Answer {
-        let (state, end) = match Running::start(&self.module, steps) {
+    /// `exercise` is the number of the exercise in the module, `steps` is how many it may take, and
+    /// `purse` pays for the processor's time.
+    pub fn answer(&self, exercise: usize, steps: u64, purse: &Purse) -> Answer {
+        let (state, end) = match Running::start(&self.module, steps, purse.clone()) {
             Ok(running) => (Ok(running), None),
             Err(stop) => (Err(stop.clone().fault()), Some(stop)),
         };
@@ -158,6 +169,8 @@ enum Stop {
     Fault(Fault),
     /// It is, because it took more steps than these.
     Steps(u64),
+    /// It is, because it took all the time that there was.
+    Spent,
     /// The answer is not to blame.
     Unjust(String),
 }
@@ -170,6 +183,7 @@ impl Stop {
                 "it took more than {} million steps. Is there a loop that does not end?",
                 steps / 1_000_000
             )),
+            Self::Spent => no_time(),
             Self::Unjust(why) => Fault::Stopped(why),
         }
     }
@@ -179,14 +193,48 @@ fn stopped(sentence: impl Into<String>) -> Fault {
     Fault::Stopped(sentence.into())
 }
 
+/// What is said of an answer that has no time left.
+pub fn no_time() -> Fault {
+    stopped(
+        "it took more time, in all its checks, than an answer may. Is there a loop that does not end, that asks for \
+         memory again and again, or that reads a large table in leaps?",
+    )
+}
+
 fn too_much_memory() -> Fault {
     stopped(format!("it needs more memory than the {} MB it may have", MEMORY >> 20))
 }
 
 /// What an instance may have, and whether it wanted more.
-#[derive(Default)]
 struct Limits {
     exceeded: bool,
+    purse: Purse,
+    /// Processor time of the thread up to which it is paid.
+    paid: Duration,
+    begun: Instant,
+}
+
+impl Limits {
+    fn new(purse: Purse) -> Self {
+        Self { exceeded: false, purse, paid: processor_time(), begun: Instant::now() }
+    }
+
+    /// Pays for the time since the last payment, and lets the answer go on if there was as much.
+    fn pay(&mut self) -> wasmtime::Result<UpdateDeadline> {
+        let now = processor_time();
+        let enough = self.purse.pay(now.saturating_sub(self.paid));
+        self.paid = now;
+        if enough && self.begun.elapsed() < PATIENCE {
+            return Ok(UpdateDeadline::Continue(1));
+        }
+        Err(Trap::Interrupt.into())
+    }
+}
+
+impl Drop for Limits {
+    fn drop(&mut self) {
+        let _ = self.pay();
+    }
 }
 
 impl Limits {
@@ -228,10 +276,11 @@ struct Running {
 }
 
 impl Running {
-    fn start(module: &Module, steps: u64) -> Result<Self, Stop> {
-        let mut store = Store::new(module.engine(), Limits::default());
+    fn start(module: &Module, steps: u64, purse: Purse) -> Result<Self, Stop> {
+        let mut store = Store::new(module.engine(), Limits::new(purse));
         store.limiter(|limits| limits);
-        store.set_epoch_deadline(PATIENCE);
+        store.set_epoch_deadline(1);
+        store.epoch_deadline_callback(|mut store| store.data_mut().pay());
         let unjust = |error: wasmtime::Error| Stop::Unjust(harmless(&error.to_string(), 300));
         store.set_fuel(steps).map_err(unjust)?;
         let instance = match Instance::new(&mut store, module, &[]) {
@@ -266,7 +315,7 @@ impl Running {
         let (at, length) = ((output >> 32) as usize, (output & 0xffff_ffff) as usize);
         if length > LONGEST {
             let sentence =
-                format!("the output has {length} bytes, and {LONGEST} are the most that is read");
+                format!("the output is too long: {LONGEST} bytes are the most that is read");
             return Err(Stop::Fault(stopped(sentence)));
         }
         let output = self.memory.data(&self.store).get(at..at + length);
@@ -279,9 +328,11 @@ impl Running {
     fn stop(&self, error: &wasmtime::Error) -> Stop {
         let fault = match error.downcast_ref::<Trap>() {
             Some(Trap::OutOfFuel) => return Stop::Steps(self.steps),
+            Some(Trap::Interrupt) if self.store.data().purse.is_empty() => return Stop::Spent,
             Some(Trap::Interrupt) => {
                 return Stop::Unjust(format!(
-                    "the check took longer than {PATIENCE} s; this machine is too busy or too slow"
+                    "the check took longer than {} s; this machine is too busy",
+                    PATIENCE.as_secs()
                 ));
             }
             // The stack ends where the memory begins, and safe code leaves the memory nowhere else.

@@ -5,8 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use grader::batch::{self, Order};
+use grader::fly::run::FlyOrder;
 use grader::report::Detail;
-use grader::{export, workshop};
+use grader::seed::Seed;
+use grader::{export, fly, mine, workshop};
 
 /// Grades the exercises of the book.
 #[derive(Parser)]
@@ -28,6 +30,14 @@ enum Command {
     },
     /// Grades submissions
     Run(Run),
+    /// Grades the answers in exercises/src, in the machine in which submissions run
+    Mine {
+        /// Names of exercises; without one, all
+        names: Vec<String>,
+    },
+    /// Flights for whole estimators: hands them out and grades what was made of them
+    #[command(subcommand)]
+    Fly(Fly),
     /// Makes the files of a new exercise
     New {
         /// Its name: small letters and underscores
@@ -57,9 +67,10 @@ struct Run {
     /// Grade this exercise alone; may be given more than once
     #[arg(long = "exercise", value_name = "NAME")]
     exercises: Vec<String>,
-    /// Seed of the hidden instances; drawn when not given, or that of the batch in --out
-    #[arg(long, allow_negative_numbers = true, value_parser = seed)]
-    seed: Option<u64>,
+    /// Secret of 32 hexadecimal digits, from which hidden instances are drawn; a new one when not given, or that of
+    /// the batch in --out
+    #[arg(long, allow_hyphen_values = true, value_parser = Seed::parse)]
+    seed: Option<Seed>,
     /// What students are told about hidden checks
     #[arg(long, value_enum, default_value_t = DetailName::Hint)]
     detail: DetailName,
@@ -72,9 +83,51 @@ struct Run {
     /// Points and weights, as in grader/points.toml
     #[arg(long)]
     points: Option<PathBuf>,
+    /// A CSV file of what a person decides: points for answers in words, other points, comments
+    #[arg(long)]
+    marks: Option<PathBuf>,
     /// How many submissions at a time; without it, one for each core
     #[arg(long)]
     jobs: Option<usize>,
+    /// Memory that grading may use, in megabytes; without it, what the container allows
+    #[arg(long, value_name = "MB")]
+    memory: Option<u64>,
+}
+
+#[derive(Subcommand)]
+enum Fly {
+    /// Writes flights for everybody on a roster
+    Export {
+        /// A folder that is not there yet; the key of the flights goes beside it
+        dir: PathBuf,
+        /// A CSV file with the columns folder and name
+        #[arg(long)]
+        roster: PathBuf,
+    },
+    /// Grades what was handed in
+    Run {
+        /// Submissions, or folders of submissions
+        #[arg(required = true)]
+        submissions: Vec<PathBuf>,
+        /// The key that the export wrote beside its folder
+        #[arg(long)]
+        key: PathBuf,
+        /// Take each path for one submission, whatever it holds
+        #[arg(long)]
+        single: bool,
+        /// What students are told about hidden checks
+        #[arg(long, value_enum, default_value_t = DetailName::Hint)]
+        detail: DetailName,
+        /// Where reports go, and from where a batch that was stopped goes on
+        #[arg(long, default_value = "flight-grades")]
+        out: PathBuf,
+        /// A CSV file with the columns folder and name
+        #[arg(long)]
+        roster: Option<PathBuf>,
+        /// How many submissions at a time; without it, one for each core
+        #[arg(long)]
+        jobs: Option<usize>,
+    },
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -98,6 +151,15 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
         Command::Run(run) => return grade(run),
+        Command::Mine { names } => mine::grade(names),
+        Command::Fly(Fly::Export { dir, roster }) => {
+            fly::export::export(&dir, &roster).map(|()| true)
+        }
+        Command::Fly(Fly::Run { submissions, key, single, detail, out, roster, jobs }) => {
+            let detail = detail.into();
+            let order = FlyOrder { submissions, single, key, roster, detail, out, jobs };
+            return told(fly::run::run(&order));
+        }
         Command::New { name, title, chapter } => {
             workshop::new(&name, &title, &chapter).map(|()| true)
         }
@@ -113,28 +175,36 @@ fn main() -> ExitCode {
     }
 }
 
-fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
-}
-
 fn grade(run: Run) -> ExitCode {
-    let detail = match run.detail {
-        DetailName::Full => Detail::Full,
-        DetailName::Hint => Detail::Hint,
-        DetailName::None => Detail::None,
-    };
     let order = Order {
         submissions: run.submissions,
         single: run.single,
         exercises: run.exercises,
         seed: run.seed,
-        detail,
+        detail: run.detail.into(),
         out: run.out,
         roster: run.roster,
         points: run.points,
+        marks: run.marks,
         jobs: run.jobs,
+        memory: run.memory,
     };
-    match batch::carry_out(&order) {
+    told(batch::carry_out(&order))
+}
+
+impl From<DetailName> for Detail {
+    fn from(name: DetailName) -> Self {
+        match name {
+            DetailName::Full => Self::Full,
+            DetailName::Hint => Self::Hint,
+            DetailName::None => Self::None,
+        }
+    }
+}
+
+/// How a batch ended.
+fn told(finished: Result<batch::Finished, batch::Trouble>) -> ExitCode {
+    match finished {
         Ok(finished) if finished.ungraded == 0 => ExitCode::from(DONE),
         Ok(_) => ExitCode::from(COULD_NOT),
         Err(batch::Trouble::Usage(sentence)) => {

@@ -18,6 +18,19 @@ pub struct Points {
     hidden: f64,
     points: BTreeMap<String, f64>,
     checks: BTreeMap<String, BTreeMap<String, f64>>,
+    /// They decide nothing that a machine grades, and a change of them grades nobody again.
+    #[serde(skip)]
+    words: BTreeMap<String, f64>,
+    #[serde(skip)]
+    late: Lateness,
+}
+
+/// What is taken off of a submission that came too late.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Lateness {
+    percent_a_day: f64,
+    most: f64,
+    free_days: f64,
 }
 
 /// The file, with where its names and numbers stand.
@@ -28,6 +41,17 @@ struct Lines {
     points: Table,
     #[serde(default)]
     checks: BTreeMap<Spanned<String>, Table>,
+    #[serde(default)]
+    words: Table,
+    late: Option<Late>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Late {
+    percent_a_day: Spanned<f64>,
+    most: Option<Spanned<f64>>,
+    free_days: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -68,14 +92,40 @@ impl Points {
             hidden: page.weight("hidden", &lines.weights.hidden)?,
             points: page.points(&lines.points)?,
             checks: page.checks(&lines.checks)?,
+            words: page.points(&lines.words)?,
+            late: page.lateness(lines.late.as_ref())?,
         };
         EXERCISES.iter().try_for_each(|exercise| points.suffices(exercise))?;
         Ok(points)
     }
 
+    /// Those of one exercise that has no file of points.
+    pub fn of_one(slug: &str, points: f64) -> Self {
+        let points = BTreeMap::from([(slug.to_owned(), points)]);
+        Self {
+            public: 1.0,
+            hidden: 1.0,
+            points,
+            checks: BTreeMap::new(),
+            words: BTreeMap::new(),
+            late: Lateness::default(),
+        }
+    }
+
     /// What an exercise is worth.
     pub fn of(&self, slug: &str) -> f64 {
         self.points.get(slug).copied().unwrap_or(0.0)
+    }
+
+    /// What an answer in words is worth.
+    pub fn of_words(&self, slug: &str) -> f64 {
+        self.words.get(slug).copied().unwrap_or(0.0)
+    }
+
+    /// What is taken off after so many days, in percent.
+    pub fn taken_off(&self, days: f64) -> f64 {
+        let Lateness { percent_a_day, most, free_days } = self.late;
+        (percent_a_day * (days - free_days).max(0.0).ceil()).min(most)
     }
 
     /// What a check weighs beside the others of its exercise.
@@ -156,6 +206,16 @@ impl Page<'_> {
         }
         let line = self.line(number);
         Err(format!("line {line}: `{name}` is {value}; write a number from 0 to {MOST}"))
+    }
+
+    fn lateness(&self, late: Option<&Late>) -> Result<Lateness, String> {
+        let Some(late) = late else { return Ok(Lateness::default()) };
+        let or = |name, number: &Option<Spanned<f64>>, other| {
+            number.as_ref().map_or(Ok(other), |number| self.weight(name, number))
+        };
+        let percent_a_day = self.weight("percent_a_day", &late.percent_a_day)?;
+        let most = or("most", &late.most, 100.0)?.min(100.0);
+        Ok(Lateness { percent_a_day, most, free_days: or("free_days", &late.free_days, 0.0)? })
     }
 
     fn points(&self, table: &Table) -> Result<BTreeMap<String, f64>, String> {

@@ -40,6 +40,9 @@ pub struct Differences {
     pub doubtful: Vec<String>,
 }
 
+/// The column of the days that a submission came too late.
+const DAYS_LATE: &str = "days_late";
+
 /// As long as a name may be.
 const NAME: usize = 200;
 
@@ -98,7 +101,20 @@ impl Roster {
             }
         }
         let further = others.iter().map(|at| harmless_line(&headers[*at], NAME)).collect();
-        Ok(Self { further, rows })
+        let roster = Self { further, rows };
+        roster.rows.keys().try_for_each(|folder| roster.days_late(folder).map(drop))?;
+        Ok(roster)
+    }
+
+    /// One of folders alone, in which nobody has a name.
+    pub fn of_folders(folders: &[String]) -> Self {
+        let rows = folders.iter().map(|folder| (folder.clone(), Row::default()));
+        Self { further: Vec::new(), rows: rows.collect() }
+    }
+
+    /// The folders of its rows.
+    pub fn folders(&self) -> impl Iterator<Item = &str> {
+        self.rows.keys().map(String::as_str)
     }
 
     /// Names of the columns beside folder and name.
@@ -109,6 +125,25 @@ impl Roster {
     /// What stands in those columns for a folder.
     pub fn further_of(&self, folder: &str) -> &[String] {
         self.rows.get(folder).map_or(&[], |row| &row.further)
+    }
+
+    /// How many days late a folder was handed in, if the roster has a column for it.
+    ///
+    /// # Errors
+    ///
+    /// What stands there, when it is no number of days.
+    pub fn days_late(&self, folder: &str) -> Result<Option<f64>, String> {
+        let column = self.further.iter().position(|name| name.eq_ignore_ascii_case(DAYS_LATE));
+        let Some(text) = column.and_then(|at| self.further_of(folder).get(at)) else {
+            return Ok(None);
+        };
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let days = text.replace(',', ".").parse().ok();
+        days.filter(|days: &f64| (0.0..=1e4).contains(days)).map(Some).ok_or_else(|| {
+            format!("the roster has `{text}` in the column `{DAYS_LATE}` of `{folder}`; write a number of days")
+        })
     }
 
     /// Finds the row of each submission. One that several submissions claim belongs to none.
@@ -187,7 +222,7 @@ fn other_capitals(row: &str, submission: &Submission) -> String {
 }
 
 /// The text of a file that a spreadsheet may have written in another encoding.
-fn text(bytes: &[u8]) -> Result<&str, String> {
+pub(crate) fn text(bytes: &[u8]) -> Result<&str, String> {
     const SAVE: &str = "save it as UTF-8 (\"CSV UTF-8\" in a spreadsheet)";
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
@@ -197,7 +232,7 @@ fn text(bytes: &[u8]) -> Result<&str, String> {
 }
 
 /// What stands between the cells of a heading.
-fn separator(text: &str) -> u8 {
+pub(crate) fn separator(text: &str) -> u8 {
     let heading = text.lines().next().unwrap_or_default();
     *b"\t;".iter().find(|separator| heading.as_bytes().contains(separator)).unwrap_or(&b',')
 }

@@ -28,7 +28,7 @@ const TOLD: usize = 5;
 pub fn screen(slug: &str, text: &str) -> Result<(), String> {
     let tokens = Tokens::of(text)?;
     let mut findings: Vec<(usize, String)> = words::findings(&tokens);
-    findings.extend(paths::findings(&tokens));
+    findings.extend(paths::findings(&tokens, slug));
     let items = exercise(slug).map_or(&[][..], |exercise| exercise.forbidden);
     findings.extend(forbidden::findings(&tokens, items));
     findings.sort();

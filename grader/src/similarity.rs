@@ -4,7 +4,8 @@
 //! D. S. Wilkerson and A. Aiken, “Winnowing: local algorithms for document fingerprinting”,
 //! SIGMOD 2003): of every few neighbouring runs of tokens one is kept, so that what two answers
 //! share over [`GRAM`] + [`WINDOW`] − 1 tokens is found wherever it stands. Names that an answer
-//! gives are numbered by where they first occur in a run, so that new names change nothing.
+//! gives are numbered by where they first occur in a run, so that new names change nothing, and
+//! what only groups or ends is no token, so that more of it changes nothing either.
 
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -25,8 +26,9 @@ pub const GRAM: usize = 12;
 pub const WINDOW: usize = 6;
 /// With fewer fingerprints of its own an answer is too short to be compared.
 const FEWEST: usize = 8;
-/// As many fingerprints as an answer may have; of more, the smallest are kept.
-const MOST: usize = 2_048;
+/// As many fingerprints as an answer may have besides those of the reference; of more, the smallest
+/// are kept. Twenty times what the longest reference answer has.
+const MOST: usize = 8_192;
 /// Share from which two answers are told.
 const SHARE: f64 = 0.5;
 /// As many pairs as are told in a table.
@@ -46,8 +48,20 @@ struct Answers {
     title: &'static str,
     skeleton: HashSet<u64>,
     reference: Option<Vec<u64>>,
-    /// Submissions by number, and their fingerprints in order.
-    answers: Vec<(usize, Vec<u64>)>,
+    /// Digests of the skeletons from the first token to the last.
+    untouched: HashSet<u64>,
+    answers: Vec<Answer>,
+}
+
+/// One answer.
+#[derive(Debug)]
+struct Answer {
+    /// The number of its submission.
+    of: usize,
+    /// Fingerprints in order; none when there are too few to be compared.
+    prints: Vec<u64>,
+    /// A digest of all tokens.
+    whole: u64,
 }
 
 /// Two answers that are alike.
@@ -73,9 +87,8 @@ impl Similarity {
     /// Adds the answers of a submission, given by slug.
     pub fn add<'a>(&mut self, name: &str, answer: impl Fn(&str) -> Option<&'a str>) {
         for exercise in &mut self.exercises {
-            if let Some(prints) = answer(exercise.slug).and_then(|text| exercise.fingerprints(text))
-            {
-                exercise.answers.push((self.names.len(), prints));
+            if let Some(text) = answer(exercise.slug) {
+                exercise.add(self.names.len(), text);
             }
         }
         self.names.push(name.to_owned());
@@ -116,10 +129,12 @@ impl Similarity {
         let mut text = format!(
             "# Answers that are alike\n\nThis is for a person to look at, and no verdict: short \
              answers to the same question look alike, and those who worked together wrote alike. \
-             Compared are runs of {GRAM} tokens, whatever names the answers give, without comments \
-             and without what the skeleton has; how much of the smaller answer is found in the \
-             other is told from {:.0} % on. Within the batch, what more than half of it has is left \
-             out.\n",
+             Compared are runs of {GRAM} tokens, whatever names the answers give, without comments, \
+             without parentheses, braces and semicolons, and without what the skeleton has; how much \
+             of the smaller answer is found in the other is told from {:.0} % on, and an answer that is longer than the reference counts \
+             as one of its length. Within the batch, \
+             what more than half of it has is left out, unless answers are the same from the first \
+             token to the last.\n",
             100.0 * SHARE
         );
         text += &self.over_exercises();
@@ -129,6 +144,16 @@ impl Similarity {
                 let _ = write!(
                     text,
                     "Of {count} answers, half share at least {half:.0} % with the reference.\n\n"
+                );
+            }
+            for group in exercise.same() {
+                let names: Vec<String> =
+                    group.iter().take(PAIRS).map(|of| escaped(&self.names[*of], 80)).collect();
+                let _ = write!(
+                    text,
+                    "The same from the first token to the last, but for names: {} answers, of {}.\n\n",
+                    group.len(),
+                    names.join(", ")
                 );
             }
             let lists = [self.with_reference(exercise.slug), self.within(exercise.slug)];
@@ -197,30 +222,63 @@ fn sorted(mut pairs: Vec<Pair>) -> Vec<Pair> {
 impl Answers {
     fn new(exercise: &'static Exercise, repository: &Path) -> Self {
         let file = format!("{}.rs", exercise.slug);
-        let mut skeleton = HashSet::new();
+        let (mut skeleton, mut untouched) = (HashSet::new(), HashSet::new());
         // Of every edition: an answer may have begun with an older one.
         for edition in fs::read_dir(repository.join("exercises/skeletons")).into_iter().flatten() {
             let path = edition.map(|edition| edition.path().join(&file));
             let text = path.and_then(fs::read_to_string).unwrap_or_default();
-            skeleton.extend(runs(&tokens(&text).unwrap_or_default()));
+            let tokens = tokens(&text).unwrap_or_default();
+            untouched.insert(run(&tokens));
+            skeleton.extend(runs(&tokens));
         }
         let mut this = Self {
             slug: exercise.slug,
             title: exercise.title,
             skeleton,
+            untouched,
             reference: None,
             answers: Vec::new(),
         };
         let reference = fs::read_to_string(repository.join("solutions/src").join(&file));
-        this.reference = reference.ok().and_then(|text| this.fingerprints(&text));
+        this.reference = reference.ok().and_then(|text| Some(this.fingerprints(&tokens(&text)?)));
         this
     }
 
-    /// What an answer has besides the skeleton, if it is enough to be compared.
-    fn fingerprints(&self, text: &str) -> Option<Vec<u64>> {
-        let mut prints = winnowed(&runs(&tokens(text)?));
+    fn add(&mut self, of: usize, text: &str) {
+        if let Some(tokens) = tokens(text).filter(|tokens| !tokens.is_empty()) {
+            let answer = Answer { of, prints: self.fingerprints(&tokens), whole: run(&tokens) };
+            self.answers.push(answer);
+        }
+    }
+
+    /// What an answer has besides the skeleton, if it is enough to be compared. What the reference
+    /// has too stays, however much there is around it.
+    fn fingerprints(&self, tokens: &[Token]) -> Vec<u64> {
+        let mut prints = winnowed(&runs(tokens));
         prints.retain(|print| !self.skeleton.contains(print));
-        (prints.len() >= FEWEST).then(|| prints.into_iter().take(MOST).collect())
+        let reference = self.reference.as_deref().unwrap_or_default();
+        let (mut kept, others): (Vec<u64>, Vec<u64>) =
+            prints.into_iter().partition(|print| reference.binary_search(print).is_ok());
+        kept.extend(others.into_iter().take(MOST));
+        kept.sort_unstable();
+        if kept.len() < FEWEST { Vec::new() } else { kept }
+    }
+
+    /// Groups of submissions whose answers are the same but for names, the greatest first.
+    fn same(&self) -> Vec<Vec<usize>> {
+        let mut groups: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        for answer in self.answers.iter().filter(|it| !self.untouched.contains(&it.whole)) {
+            groups.entry(answer.whole).or_default().push(answer.of);
+        }
+        let mut groups: Vec<Vec<usize>> =
+            groups.into_values().filter(|group| group.len() > 1).collect();
+        groups.sort_by_key(|group| (std::cmp::Reverse(group.len()), group[0]));
+        groups
+    }
+
+    /// Answers that are long enough to be compared.
+    fn compared(&self) -> impl Iterator<Item = &Answer> {
+        self.answers.iter().filter(|answer| !answer.prints.is_empty())
     }
 
     /// Submission, share and number shared of every answer and the reference.
@@ -228,12 +286,12 @@ impl Answers {
         let Some(reference) = &self.reference else {
             return Vec::new();
         };
-        let compared = |(index, prints): &(usize, Vec<u64>)| {
+        let compared = |Answer { of, prints, .. }: &Answer| {
             let shared = prints.iter().filter(|print| reference.binary_search(print).is_ok());
             let shared = shared.count();
-            (*index, shared as f64 / prints.len().min(reference.len()) as f64, shared)
+            (*of, shared as f64 / prints.len().min(reference.len()).max(1) as f64, shared)
         };
-        self.answers.iter().map(compared).collect()
+        self.compared().map(compared).collect()
     }
 
     /// The percentage that half of the answers share at least with the reference, of how many.
@@ -248,11 +306,11 @@ impl Answers {
     /// Submissions, share and number shared of every two answers that share enough.
     fn to_one_another(&self) -> Vec<(usize, usize, f64, usize)> {
         let mut having: HashMap<u64, Vec<usize>> = HashMap::new();
-        for (at, (_, prints)) in self.answers.iter().enumerate() {
-            prints.iter().for_each(|print| having.entry(*print).or_default().push(at));
+        for (at, answer) in self.answers.iter().enumerate() {
+            answer.prints.iter().for_each(|print| having.entry(*print).or_default().push(at));
         }
         // What most have is how one writes it. In a small batch that cannot be told.
-        let usual = (self.answers.len() / 2).max(4);
+        let usual = (self.compared().count() / 2).max(4);
         having.retain(|_, answers| answers.len() <= usual);
         let mut sizes = vec![0; self.answers.len()];
         let mut shared: HashMap<(usize, usize), usize> = HashMap::new();
@@ -264,12 +322,26 @@ impl Answers {
                 }
             }
         }
+        // Who has much more than the reference has no right to share more with others.
+        let most = self.reference.as_ref().map_or(usize::MAX, |prints| prints.len().max(FEWEST));
         let pair = |((one, other), shared): ((usize, usize), usize)| {
-            let share = shared as f64 / sizes[one].min(sizes[other]) as f64;
+            let share = shared as f64 / sizes[one].min(sizes[other]).min(most) as f64;
+            let share = share.min(1.0);
             let alike = shared >= FEWEST && share >= SHARE;
-            alike.then(|| (self.answers[one].0, self.answers[other].0, share, shared))
+            alike.then(|| ((self.answers[one].of, self.answers[other].of), (share, shared)))
         };
-        shared.into_iter().filter_map(pair).collect()
+        let mut pairs: BTreeMap<(usize, usize), (f64, usize)> =
+            shared.into_iter().filter_map(pair).collect();
+        let prints: HashMap<usize, usize> =
+            self.answers.iter().map(|answer| (answer.of, answer.prints.len())).collect();
+        for group in self.same() {
+            for (number, one) in group.iter().enumerate() {
+                let all = |other: &usize| ((*one, *other), (1.0, prints[one]));
+                pairs.extend(group[number + 1..].iter().map(all));
+            }
+        }
+        let flat = |((one, other), (share, shared))| (one, other, share, shared);
+        pairs.into_iter().map(flat).collect()
     }
 }
 
@@ -284,7 +356,8 @@ enum Token {
     Literal,
 }
 
-/// The tokens of a text in a row, without comments and attributes. Nothing where it has none.
+/// The tokens of a text in a row, without comments, attributes, and marks that group or end. Nothing
+/// where it has none.
 fn tokens(text: &str) -> Option<Vec<Token>> {
     let stream: TokenStream = without_shebang(text).unwrap_or(text).parse().ok()?;
     let mut row = Vec::new();
@@ -316,6 +389,7 @@ fn tokens(text: &str) -> Option<Vec<Token>> {
     // The places of tokens are kept by the thread for ever otherwise.
     proc_macro2::extra::invalidate_current_thread_spans();
     fix(&mut row);
+    row.retain(|token| !matches!(token, Token::Fixed(mark) if GROUPING.contains(&mark.as_str())));
     Some(row)
 }
 
@@ -358,6 +432,9 @@ fn fix(row: &mut [Token]) {
     }
 }
 
+/// What may stand there once more and changes nothing.
+const GROUPING: &[&str] = &["", "(", ")", "{", "}", ";"];
+
 const KEYWORDS: &[&str] = &[
     "as", "bool", "break", "const", "continue", "else", "enum", "f64", "false", "fn", "for", "if",
     "impl", "in", "let", "loop", "match", "mod", "mut", "pub", "ref", "return", "self", "static",
@@ -369,20 +446,17 @@ fn runs(tokens: &[Token]) -> Vec<u64> {
     tokens.windows(GRAM).map(run).collect()
 }
 
+/// A digest of tokens in which names count by where they first occur.
 fn run(tokens: &[Token]) -> u64 {
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: HashMap<&str, usize> = HashMap::new();
     let mut hasher = DefaultHasher::new();
     for token in tokens {
         match token {
             Token::Fixed(text) => (0, text).hash(&mut hasher),
             Token::Literal => 1.hash(&mut hasher),
             Token::Name(name) => {
-                let known = names.iter().position(|known| known == name);
-                let number = known.unwrap_or_else(|| {
-                    names.push(name);
-                    names.len() - 1
-                });
-                (2, number).hash(&mut hasher);
+                let next = names.len();
+                (2, *names.entry(name).or_insert(next)).hash(&mut hasher);
             }
         }
     }

@@ -12,7 +12,9 @@ use std::path::{Path, PathBuf};
 
 use exercise_spec::EXERCISES;
 
+use crate::archive::{self, is_zip};
 use crate::text::harmless_line;
+use crate::words::{self, Words};
 
 /// The largest answer that is read, in bytes. The reference answers have a tenth of it at most.
 pub const LARGEST: u64 = 256_000;
@@ -38,6 +40,8 @@ pub struct Submission {
 pub struct Collected {
     /// Texts of the answers.
     pub answers: BTreeMap<&'static str, String>,
+    /// Answers in words.
+    pub words: Words,
     /// Why files are no answers.
     pub refused: BTreeMap<&'static str, String>,
     /// What was left out and costs nothing.
@@ -74,7 +78,7 @@ fn root_of(path: &Path) -> Result<PathBuf, String> {
     let root = path.canonicalize().map_err(|error| {
         format!("{}: {error}; name a submission, or a folder of submissions", path.display())
     })?;
-    if root.is_dir() {
+    if root.is_dir() || is_zip(&root) {
         return Ok(root);
     }
     Err(match is_archive(&root) {
@@ -84,9 +88,17 @@ fn root_of(path: &Path) -> Result<PathBuf, String> {
 }
 
 fn submissions_in(root: PathBuf) -> Result<Vec<PathBuf>, String> {
+    if !root.is_dir() {
+        return Ok(vec![root]);
+    }
     let entries = entries_of(&root).map_err(|error| error.to_string())?;
     if let Some(answers) = answers_in(&root) {
-        let other = entries.iter().find(|folder| has_others(folder));
+        let mut others = entries.iter().filter(|folder| has_others(folder));
+        let other = others.next();
+        // One who is called `src` among others.
+        if answers.ends_with("src") && answers.parent() == Some(&root) && others.next().is_some() {
+            return Ok(entries);
+        }
         return match other.filter(|_| !root.join("Cargo.toml").is_file()) {
             None => Ok(vec![root]),
             Some(other) => Err(beside(&root, &answers, other)),
@@ -172,7 +184,8 @@ const PACKED: [&str; 18] = [
     "lzma", "7z", "rar", "jar", "cab",
 ];
 
-fn is_archive(path: &Path) -> bool {
+/// Whether a file is called as an archive.
+pub fn is_archive(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     unpacked(path) != *name && !path.is_dir()
 }
@@ -334,15 +347,44 @@ fn is_reserved(name: &str) -> bool {
 ///
 /// # Errors
 ///
-/// When the submission cannot be read or was not unpacked: then nobody knows what is in it.
+/// When the submission cannot be read or is an archive that is no ZIP file: then nobody knows what is in it.
 pub fn collect(submission: &Submission) -> Result<Collected, String> {
-    let mut collected = Collected::default();
     let root = &submission.path;
-    let unreadable = |error: std::io::Error| format!("the submission cannot be read: {error}");
     let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
-    if is_archive(root) && kind.is_file() {
-        return Err(must_be_unpacked(root));
+    match packed(root).as_slice() {
+        [zip] if is_zip(zip) => from_zip(zip),
+        [archive] => Err(must_be_unpacked(archive)),
+        [one, other, ..] => Err(format!(
+            "there are several archives, `{}` and `{}`: leave the one that counts, and grade again",
+            last(one),
+            last(other)
+        )),
+        [] if is_archive(root) && kind.is_file() => Err(must_be_unpacked(root)),
+        [] => from_folder(root),
     }
+}
+
+fn unreadable(error: std::io::Error) -> String {
+    format!("the submission cannot be read: {error}")
+}
+
+/// Takes the answers of a ZIP file.
+fn from_zip(zip: &Path) -> Result<Collected, String> {
+    let unpacked = archive::unpacked(zip)?;
+    let mut collected = from_folder(unpacked.folder.path())?;
+    if let Some(inner) = unpacked.inner.filter(|_| collected.answers.is_empty()) {
+        return Err(format!(
+            "`{}` holds another archive, `{inner}`, and no answer beside it: unpack it and grade again",
+            last(zip)
+        ));
+    }
+    collected.notices.splice(..0, unpacked.notices);
+    Ok(collected)
+}
+
+fn from_folder(root: &Path) -> Result<Collected, String> {
+    let mut collected = Collected::default();
+    let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
     if !kind.is_dir() {
         let notice =
             "the submission is a link, and links are not followed: hand in the folder itself";
@@ -359,8 +401,6 @@ pub fn collect(submission: &Submission) -> Result<Collected, String> {
                 Some(Err(why)) => drop(collected.refused.insert(exercise.slug, why)),
             }
         }
-    } else if let Some(archive) = packed(root) {
-        return Err(must_be_unpacked(&archive));
     } else {
         collected.notices.push(format!(
             "there is no answer in the submission: answers lie in `exercises/src` and are called \
@@ -368,9 +408,21 @@ pub fn collect(submission: &Submission) -> Result<Collected, String> {
             file_of(EXERCISES[0].slug)
         ));
     }
+    collected.words = in_words(root, folder.as_deref());
     collected.notices.extend(links(root));
     collected.notices.extend(unused(root, folder.as_deref().unwrap_or(root)));
     Ok(collected)
+}
+
+/// Answers in words, in the folder of the others or in that around it.
+fn in_words(root: &Path, folder: Option<&Path>) -> Words {
+    let folder = folder.unwrap_or(root);
+    let around = folder.parent().filter(|_| folder != root);
+    let exercises = root.join("exercises");
+    let places = [Some(folder), around, Some(exercises.as_path()).filter(|it| is_real_folder(it))];
+    let texts = places.into_iter().flatten().map(|folder| answer(&folder.join(words::FILE)));
+    let mut texts = texts.filter_map(|text| text.ok()??.ok());
+    texts.next().map_or_else(Words::new, |text| words::answers(&text))
 }
 
 /// The text of an answer, why it is none, or nothing when there is no such file.
@@ -442,17 +494,24 @@ fn must_be_unpacked(archive: &Path) -> String {
     )
 }
 
-/// An archive in a submission, where answers may lie.
-fn packed(root: &Path) -> Option<PathBuf> {
-    let archive_in = |folder: PathBuf| {
-        let folder = is_real_folder(&folder).then_some(folder)?;
-        let paths = fs::read_dir(folder).ok()?.flatten().take(LISTED).map(|entry| entry.path());
+/// The archive that a submission is, or those that lie in it where answers may lie, when there is no answer.
+fn packed(root: &Path) -> Vec<PathBuf> {
+    if is_zip(root) && fs::symlink_metadata(root).is_ok_and(|it| it.is_file()) {
+        return vec![root.to_owned()];
+    }
+    if !is_real_folder(root) || answers_below(root).is_some() {
+        return Vec::new();
+    }
+    let archives_in = |folder: PathBuf| {
+        let paths = fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED);
         let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
-        paths.filter(seen).filter(|path| is_archive(path)).min()
+        paths.map(|entry| entry.path()).filter(seen).filter(|path| is_archive(path))
     };
-    nested(root)
-        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>())
-        .find_map(archive_in)
+    let folders = nested(root)
+        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>());
+    let real = folders.filter(|folder| is_real_folder(folder));
+    let archives: BTreeSet<PathBuf> = real.flat_map(archives_in).collect();
+    archives.into_iter().collect()
 }
 
 /// A notice of folders that are links where answers should lie.
@@ -466,7 +525,7 @@ fn links(root: &Path) -> Option<String> {
 
 /// A notice of files that their author may believe to be used.
 fn unused(root: &Path, folder: &Path) -> Option<String> {
-    const SETTINGS: [&str; 8] = [
+    const SETTINGS: [&str; 7] = [
         "Cargo.toml",
         "build.rs",
         ".cargo/config.toml",
@@ -474,7 +533,6 @@ fn unused(root: &Path, folder: &Path) -> Option<String> {
         "rust-toolchain.toml",
         "rust-toolchain",
         "target",
-        "exercises/Cargo.toml",
     ];
     let mut names: Vec<String> =
         SETTINGS.into_iter().filter(|name| is_there(&root.join(name))).map(str::to_owned).collect();

@@ -9,7 +9,8 @@ use std::sync::atomic::Ordering;
 
 use grader::batch::{Finished, Order, Trouble, carry_out_with};
 use grader::grade::{Batch, Grade};
-use made_up::{StandIn, hand_in, order, submissions};
+use grader::seed::Seed;
+use made_up::{SEED, StandIn, hand_in, order, submissions};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -56,6 +57,9 @@ fn names(batch: &Batch) -> Vec<&str> {
     batch.grades.iter().map(|grade| grade.submission.as_str()).collect()
 }
 
+/// Another seed than that of orders.
+const OTHER: Seed = Seed::new(u128::MAX);
+
 const THREE: &[(&str, &str)] = &[("cem", "right"), ("ada", "one"), ("brook", "two")];
 
 #[test]
@@ -63,10 +67,13 @@ fn every_submission_gets_a_grade_and_its_reports_in_the_order_of_names() {
     let temporary = folder();
     let out = temporary.path().join("grades");
     let finished = carry_out(&order(&submissions(temporary.path(), THREE), &out)).expect("a batch");
-    assert_eq!((finished.graded, finished.ungraded, finished.seed), (3, 0, 7));
+    assert_eq!((finished.graded, finished.ungraded, finished.seed), (3, 0, SEED));
     let batch = batch(&out);
     assert_eq!(names(&batch), ["ada", "brook", "cem"]);
-    assert_eq!((batch.seed, batch.sandbox.as_str()), (7, "Nothing was compiled."));
+    assert_eq!(
+        (batch.instances.clone(), batch.sandbox.as_str()),
+        (SEED.mark(), "Nothing was compiled.")
+    );
     assert_eq!(batch.grades[2].earned(), Some(20.0));
     for name in ["summary.md", "gradebook.csv", "items.md", "similarity.md", "junit.xml"] {
         assert!(!read(&out, name).is_empty(), "{name}");
@@ -88,12 +95,13 @@ fn the_same_seed_gives_the_same_grades_and_another_one_others() {
     let answers: Vec<(&str, &str)> =
         answers.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
     let path = submissions(temporary.path(), &answers);
-    let texts = [7, 7, 8].map(|seed| {
+    let texts = [7, 7, 8].map(|number| {
+        let seed = Seed::new(number);
         let out = tempfile::tempdir_in(temporary.path()).expect("a folder");
         let order = Order { seed: Some(seed), ..order(&path, out.path()) };
         carry_out(&order).expect("a batch");
         let text = read(out.path(), "grade.json");
-        text.replace(&format!("\"seed\": {seed}"), "\"seed\": any")
+        text.replace(&seed.mark(), "any")
     });
     assert_eq!(texts[0], texts[1]);
     assert_ne!(texts[0], texts[2]);
@@ -105,7 +113,11 @@ fn a_seed_that_nobody_gave_is_named_and_used_again() {
     let out = temporary.path().join("grades");
     let order = Order { seed: None, ..order(&submissions(temporary.path(), THREE), &out) };
     let first = carry_out(&order).expect("a batch");
-    assert!(first.told.contains(&format!("Seed {}", first.seed)), "{}", first.told);
+    assert!(
+        first.told.contains(&format!("Hidden instances {}", first.seed.mark())),
+        "{}",
+        first.told
+    );
     let (again, graded) = counted(&order);
     assert_eq!((again.seed, graded), (first.seed, 0));
 }
@@ -121,13 +133,21 @@ fn a_batch_that_is_killed() {
         return;
     };
     let folder = Path::new(&folder);
-    let _ = carry_out_with(
-        &order(&folder.join("submissions"), &folder.join("grades")),
-        |points, seed, exercises| {
-            let judge = StandIn::new(points, seed, exercises);
-            Ok(StandIn { log: Some(folder.join("log")), last: 10, ..judge })
-        },
-    );
+    let order = order(&folder.join("submissions"), &folder.join("grades"));
+    let finished = carry_out_with(&Order { jobs: Some(1), ..order }, |points, seed, exercises| {
+        let judge = StandIn::new(points, seed, exercises);
+        Ok(StandIn { log: Some(folder.join("log")), last: 10, ..judge })
+    });
+    finished.expect("a batch that came to its end");
+}
+
+/// Whether such a process comes to its end.
+fn runs_in_another_process(folder: &Path) -> bool {
+    let process = Command::new(std::env::current_exe().expect("this program"))
+        .args(["--exact", "a_batch_that_is_killed", "--ignored"])
+        .env(FOLDER, folder)
+        .output();
+    process.expect("a process").status.success()
 }
 
 #[test]
@@ -139,13 +159,7 @@ fn a_killed_batch_goes_on_without_losing_or_repeating_a_grade() {
     }
     let out = temporary.path().join("grades");
     let kill = || {
-        let status = Command::new(std::env::current_exe().expect("this program"))
-            .args(["--exact", "a_batch_that_is_killed", "--ignored"])
-            .env(FOLDER, temporary.path())
-            .output()
-            .expect("a process")
-            .status;
-        assert!(!status.success(), "the process was not killed");
+        assert!(!runs_in_another_process(temporary.path()), "the process was not killed");
         assert!(!out.join("grade.json").exists(), "nothing is published before the end");
         fs::read_dir(out.join("submissions")).expect("grades").count()
     };
@@ -153,14 +167,46 @@ fn a_killed_batch_goes_on_without_losing_or_repeating_a_grade() {
     assert!(kept[0] >= 8 && kept[1] > kept[0], "{kept:?}");
     let order = Order { seed: None, ..order(&temporary.path().join("submissions"), &out) };
     let (finished, graded) = counted(&order);
-    assert_eq!((finished.graded, finished.seed), (MANY, 7), "the seed is that of the beginning");
+    assert_eq!(finished.seed, SEED, "the seed is that of the beginning");
     assert_eq!(names(&batch(&out)).len(), MANY);
-    // A grade that was under way when the process ended is made again, and no other one.
+    // What was under way when the process was ended last is open; what was when it was ended first
+    // has been tried again.
+    assert_eq!((finished.graded, finished.ungraded), (MANY - 1, 1));
     let log = fs::read_to_string(temporary.path().join("log")).expect("a log");
-    assert!(log.lines().count() + graded <= MANY + 4, "{} + {graded}", log.lines().count());
+    assert_eq!(log.lines().count() + graded, MANY - 1);
+    assert_eq!(counted(&order).1, 1, "what is open is tried again by the next run");
     let whole = temporary.path().join("whole");
-    carry_out(&Order { seed: Some(7), out: whole.clone(), ..order }).expect("a batch");
+    carry_out(&Order { seed: Some(SEED), out: whole.clone(), ..order }).expect("a batch");
     assert_eq!(read(&whole, "grade.json"), read(&out, "grade.json"));
+}
+
+#[test]
+fn a_submission_at_which_the_grader_died_is_open_and_blocks_nobody() {
+    let temporary = folder();
+    let answers = [("ada", "right"), ("brook", "abort"), ("cem", "right"), ("dana", "right")];
+    let path = submissions(temporary.path(), &answers);
+    let out = temporary.path().join("grades");
+    let begun = |name: &str| {
+        let log = fs::read_to_string(temporary.path().join("log")).expect("a log");
+        log.lines().filter(|line| *line == name).count()
+    };
+    let run = || runs_in_another_process(temporary.path());
+    assert!(!run(), "it dies");
+    assert_eq!((begun("brook"), begun("cem")), (1, 0));
+    assert!(run(), "it goes on");
+    assert_eq!((begun("ada"), begun("brook"), begun("cem"), begun("dana")), (1, 1, 1, 1));
+    let grades = batch(&out).grades;
+    let earned: Vec<Option<f64>> = grades.iter().map(Grade::earned).collect();
+    assert_eq!(earned, [Some(20.0), None, Some(20.0), Some(20.0)]);
+    assert!(read(&out, "summary.md").contains("It is passed over this time"));
+    assert!(!out.join(".begun").exists(), "nothing is under way");
+
+    hand_in(&path, "eve", "right");
+    assert!(!run(), "what is open is tried again");
+    assert_eq!((begun("brook"), begun("eve")), (2, 1), "those who wait come first");
+    hand_in(&path, "brook", "right");
+    assert!(run(), "other answers are graded at once");
+    assert_eq!(batch(&out).grades[1].earned(), Some(20.0));
 }
 
 #[test]
@@ -286,9 +332,10 @@ fn a_regrade_with_another_seed_says_so() {
     let path = submissions(temporary.path(), THREE);
     let out = temporary.path().join("grades");
     carry_out(&order(&path, &out)).expect("a batch");
-    let (_, graded) = counted(&Order { seed: Some(u64::MAX), ..order(&path, &out) });
-    assert_eq!((graded, batch(&out).seed), (3, u64::MAX));
-    assert!(read(&out, "changes.md").contains(&format!("The seed was 7 and is {}", u64::MAX)));
+    let (_, graded) = counted(&Order { seed: Some(OTHER), ..order(&path, &out) });
+    assert_eq!((graded, batch(&out).instances), (3, OTHER.mark()));
+    let said = format!("The hidden instances were {} and are {}", SEED.mark(), OTHER.mark());
+    assert!(read(&out, "changes.md").contains(&said));
 }
 
 #[test]
@@ -298,8 +345,8 @@ fn a_batch_that_is_not_finished_takes_no_other_seed() {
     let out = temporary.path().join("grades");
     carry_out(&order(&path, &out)).expect("a batch");
     unfinished(&out);
-    let sentence = usage(&Order { seed: Some(8), ..order(&path, &out) });
-    assert!(sentence.contains("with seed 7; leave --seed out"), "{sentence}");
+    let sentence = usage(&Order { seed: Some(OTHER), ..order(&path, &out) });
+    assert!(sentence.contains("with another seed; leave --seed out"), "{sentence}");
 }
 
 #[test]
@@ -413,7 +460,7 @@ fn a_roster_gives_names_and_tells_who_is_missing_on_either_side() {
     let book = read(&order.out, "gradebook.csv");
     assert!(book.contains("ada,\"Lovelace, Ada\","), "{book}");
     assert!(book.contains("brook,'=Brook,"), "{book}");
-    assert!(book.contains("dana,Dana,,,,,nothing handed in"), "{book}");
+    assert!(book.contains("dana,Dana,,,,,,,,,dana,nothing handed in"), "{book}");
 }
 
 #[test]
@@ -566,7 +613,7 @@ fn a_roster_may_have_another_separator_and_more_columns() {
         assert!(book.starts_with(heading), "{book}");
         assert!(book.contains("\nada,Ada,1,x,'=a@b,"), "{book}");
         assert!(book.contains("\nbrook,,,,,"), "{book}");
-        assert!(book.contains("\ndana,Dana,2,y,d@b,,,,,nothing handed in\n"), "{book}");
+        assert!(book.contains("\ndana,Dana,2,y,d@b,,,,,,,,,dana,nothing handed in\n"), "{book}");
     }
 }
 
@@ -598,12 +645,12 @@ fn an_archive_is_matched_without_its_ending_and_cannot_be_graded() {
 
 #[test]
 fn a_seed_that_is_none_is_told_what_a_seed_is() {
-    for seed in ["-1", "seven", "18446744073709551616"] {
+    for seed in ["-1", "seven", "7", "18446744073709551616", "0123456789abcdef0123456789abcde "] {
         let run =
             Command::new(env!("CARGO_BIN_EXE_grade")).args(["run", ".", "--seed", seed]).output();
         let run = run.expect("the program");
         let said = String::from_utf8_lossy(&run.stderr);
         assert_eq!(run.status.code(), Some(2));
-        assert!(said.contains("a seed is a whole number from 0 to 18446744073709551615"), "{said}");
+        assert!(said.contains("a seed has 32 digits from 0 to 9 and a to f"), "{said}");
     }
 }

@@ -7,16 +7,22 @@ use exercise_spec::{EXERCISES, exercise};
 use grader::compile::{Compiled, Compiler};
 use grader::grade::{Outcome, Verdict};
 use grader::judge::Judge;
+use grader::memory::Memory;
 use grader::points::Points;
 use grader::repository;
+use grader::seed::Seed;
 use quote::{ToTokens, quote};
 use solutions::answers;
 
-const SEED: u64 = 11;
+const SEED: Seed = Seed::new(11);
 
 fn judge() -> Judge {
     let points = Points::read(&repository().join("grader/points.toml")).expect("points");
-    Judge::prepare(points, SEED, EXERCISES).expect("a compiler and a machine")
+    Judge::prepare(points, SEED, EXERCISES, memory()).expect("a compiler and a machine")
+}
+
+fn memory() -> Memory {
+    Memory::of(None).expect("enough memory")
 }
 
 #[test]
@@ -119,7 +125,8 @@ fn the_same_seed_gives_the_same_grade_and_another_one_asks_otherwise() {
     let first = judge().grade_texts(&texts);
     assert_eq!(first, judge().grade_texts(&texts));
     let points = Points::read(&repository().join("grader/points.toml")).expect("points");
-    let other = Judge::prepare(points, SEED + 1, EXERCISES).expect("a judge").grade_texts(&texts);
+    let other = Judge::prepare(points, Seed::new(12), EXERCISES, memory()).expect("a judge");
+    let other = other.grade_texts(&texts);
     let hidden = |grades: &[grader::grade::ExerciseGrade]| {
         let checks = grades.iter().flat_map(|grade| grade.checks.clone());
         let failed = checks.filter(|check| check.hidden && check.verdict == Verdict::Failed);
@@ -133,7 +140,7 @@ fn a_module_is_kept_for_the_texts_it_was_made_of_and_no_others() {
     let module = |path: &str| {
         let text = fs::read_to_string(repository().join(path)).expect("a file");
         let compiler = Compiler::prepare().expect("a compiler");
-        match compiler.compile_once(&BTreeMap::from([("left_perturbation", text)])) {
+        match compiler.compile_once(&BTreeMap::from([("left_perturbation", text)]), &memory()) {
             Compiled::Module(module) => module,
             _ => panic!("{path} does not compile"),
         }

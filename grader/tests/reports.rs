@@ -35,19 +35,19 @@ fn harmless(report: &str) -> bool {
 fn terminal(grades: &[Grade]) -> String {
     let mut table = Terminal::new(EXERCISES);
     grades.iter().for_each(|grade| table.add(grade));
-    table.finish(7, "Nothing was compiled.", &Differences::default())
+    table.finish("7", "Nothing was compiled.", &Differences::default())
 }
 
 fn summary(grades: &[Grade]) -> String {
     let mut summary = Summary::new(EXERCISES);
     grades.iter().for_each(|grade| summary.add(grade));
-    summary.finish(7, "Nothing was compiled.", &Differences::default())
+    summary.finish("7", "Nothing was compiled.", &Differences::default())
 }
 
 fn gradebook(grades: &[Grade]) -> Vec<Vec<String>> {
     let mut bytes = Vec::new();
-    let mut book = Gradebook::new(&mut bytes, EXERCISES, &[]).expect("a gradebook");
-    grades.iter().for_each(|grade| book.add(grade, &[]).expect("a line"));
+    let mut book = Gradebook::new(&mut bytes, EXERCISES, &["fill_in"], &[]).expect("a gradebook");
+    grades.iter().for_each(|grade| book.add(grade, "folder;=1+1", &[]).expect("a line"));
     book.add_absent("=gone", "@gone", &[]).expect("a line");
     book.finish().expect("an end");
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&*bytes);
@@ -233,22 +233,48 @@ fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {
 }
 
 #[test]
+fn feedback_shows_the_pictures_of_public_checks_and_hidden_ones_in_full_only() {
+    let mut grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![])]);
+    for (name, hidden) in [("open", false), ("deep", true)] {
+        grade.exercises[0].checks.push(check(name, hidden, Verdict::Failed));
+    }
+    grade.exercises[0].checks.push(check("right", false, Verdict::Passed));
+    for check in &mut grade.exercises[0].checks {
+        check.picture = Some("<svg/>".to_owned());
+    }
+    let slug = grade.exercises[0].exercise.clone();
+    for detail in [Detail::Full, Detail::Hint, Detail::None] {
+        let report = markdown::feedback(&grade, detail);
+        let shows = |name: &str| report.contains(&format!("]({slug}-{name}.svg)"));
+        assert!(shows("open") && !shows("right"), "{report}");
+        assert_eq!(shows("deep"), detail == Detail::Full, "{report}");
+    }
+}
+
+#[test]
 fn a_hint_about_a_hidden_check_repeats_nothing_of_the_answer() {
     let mut panicked = check("deep", true, Verdict::Failed);
     panicked.sentence = "the answer panicked: fx 843.0307".to_owned();
     panicked.quiet = Some("the answer panicked".to_owned());
     let mut returned = check("deeper", true, Verdict::Failed);
     returned.sentence =
-        "It is 0.8430307e3 and not 12: 8430×3 numbers came back. See camera 0.".to_owned();
-    let grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![panicked, returned])]);
+        "It is 0.8430307e3 and not 12: 43×3 numbers came back. See x0 of camera 0.".to_owned();
+    returned.misconception = None;
+    let mut stopped = check("deepest", true, Verdict::Failed);
+    stopped.misconception = None;
+    stopped.sentence = "the call was stopped: it took more than 4000 million steps.".to_owned();
+    let checks = vec![panicked, returned, stopped];
+    let grade = grade("ada", vec![exercise(0, Outcome::Ran, checks)]);
     for (detail, told) in [(Detail::Full, true), (Detail::Hint, false)] {
         let junit = junit::xml(&grade, detail).expect("XML");
         let reports = [markdown::feedback(&grade, detail), gradescope::json(&grade, detail), junit];
         for report in reports {
             assert_eq!(report.contains("843"), told, "{detail:?} {report}");
             assert!(report.contains("The answer panicked"), "{report}");
-            assert!(report.contains("and not 12: "), "{report}");
-            assert!(report.contains("numbers came back. See camera 0."), "{report}");
+            assert_eq!(report.contains("43×3"), told, "{detail:?} {report}");
+            let hint = "It is … and not …: …×… numbers came back. See x0 of camera ….";
+            assert_eq!(report.contains(hint), !told, "{detail:?} {report}");
+            assert!(report.contains("it took more than 4000 million steps."), "{report}");
         }
     }
 }
@@ -311,7 +337,7 @@ fn markdown_takes_every_text_as_text() {
             markdown::feedback(&hostile, Detail::Full),
             summary(&[hostile.clone(), every_kind(&text)]),
             items(std::slice::from_ref(&hostile)),
-            changes.markdown(7, 8),
+            changes.markdown("7", "8"),
         ];
         for report in reports {
             assert!(harmless(&report), "{report:?}");
@@ -369,6 +395,7 @@ fn no_cell_of_the_gradebook_is_a_formula() {
         assert_eq!(rows.len(), 4);
         for cell in rows.iter().flatten() {
             assert!(!cell.trim_start().starts_with(['=', '+', '-', '@', '|', '%']), "{cell:?}");
+            assert!(!cell.contains(";=") && !cell.contains("; ="), "{cell:?}");
             assert!(harmless(cell) && !cell.contains('\n'), "{cell:?}");
             assert!(cell.len() < 400, "{}", cell.len());
         }
@@ -414,7 +441,7 @@ fn changes_name_the_checks_that_came_out_otherwise() {
     let mut changes = Changes::default();
     changes.add(Some(&before), &after);
     changes.add(Some(&before), &before);
-    let text = changes.markdown(7, 7);
+    let text = changes.markdown("7", "7");
     assert!(text.contains("1 grade as before, 1 otherwise"), "{text}");
     assert!(
         text.contains("| ada | 13.333 | 16.667 | `along_or_across`: 3.333 → 6.667; a passes<br>"),

@@ -1,6 +1,7 @@
 //! Which answers are alike, and which are not.
 
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
 use exercise_spec::{EXERCISES, exercise};
@@ -172,8 +173,11 @@ fn what_the_skeleton_has_does_not_count() {
 fn what_most_of_a_class_writes_does_not_count() {
     let text = reference("left_perturbation");
     let names: Vec<String> = (0..20).map(|number| format!("student {number}")).collect();
+    // Each has something of its own besides.
+    let texts: Vec<String> =
+        (0..20).map(|number| padded(&text, 100 * number..100 * number + 20)).collect();
     let answers: Vec<(&str, &str)> =
-        names.iter().map(|name| (name.as_str(), text.as_str())).collect();
+        names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
     let similarity = compared("left_perturbation", &answers);
     assert!(similarity.within("left_perturbation").is_empty());
     assert_eq!(similarity.with_reference("left_perturbation").len(), 20);
@@ -210,4 +214,84 @@ fn the_report_says_that_it_is_no_verdict_and_escapes_names() {
     let report = compared("fill_in", &[("a|b", &text), ("<b>", &text)]).markdown();
     assert!(report.contains("no verdict"));
     assert!(report.contains("a\\|b") && report.contains("\\<b\\>"), "{report}");
+}
+
+/// An answer with items behind it that nobody calls, each of them another.
+fn padded(text: &str, items: Range<usize>) -> String {
+    let kinds = ["+", "-", "*", "/", "%", "^", "&", "|"];
+    let kind = |number: usize, digit: u32| kinds[number / kinds.len().pow(digit) % kinds.len()];
+    let item = |number: usize| {
+        let signs = [0, 1, 2, 3, 4].map(|digit| kind(number, digit));
+        format!("const X:u8=1{};", signs.map(|sign| format!("{sign}1")).concat())
+    };
+    items.map(item).fold(text.to_owned(), |text, item| text + &item)
+}
+
+/// A text with many more parentheses around what is assigned.
+fn in_parentheses(text: &str) -> String {
+    let line = |line: &str| match line.split_once(" = ") {
+        Some((before, after)) if line.trim_start().starts_with("let ") && after.ends_with(';') => {
+            format!("{before} = (((({}))));\n", after.trim_end_matches(';'))
+        }
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn what_is_put_around_a_copy_does_not_hide_it() {
+    for exercise in EXERCISES {
+        let text = reference(exercise.slug);
+        let hidden = [
+            padded(&text, 0..13_500),
+            text.replace(";\n", ";;;\n").replace("{\n", "{\n;"),
+            in_parentheses(&text),
+            text.replace('{', "{{{").replace('}', "}}}"),
+        ];
+        for hidden in hidden {
+            let alike = compared(exercise.slug, &[("copy", &hidden)]).with_reference(exercise.slug);
+            let share = alike.first().map_or(0.0, |pair| pair.share);
+            assert!(share > 0.9, "{}: {share} of\n{hidden:.600}", exercise.slug);
+        }
+    }
+}
+
+#[test]
+fn two_padded_answers_that_share_nothing_else_are_told_by_what_they_share() {
+    let (ada, brook) = (padded(OTHER, 0..2_000), padded("", 9_000..13_000) + OTHER);
+    let similarity = compared("left_perturbation", &[("ada", &ada), ("brook", &brook)]);
+    assert_eq!(pairs(&similarity.within("left_perturbation")), [("ada", "brook")]);
+}
+
+#[test]
+fn five_of_nine_that_are_the_same_are_told_and_the_others_are_not() {
+    let names: Vec<String> = (0..9).map(|number| format!("s{number}")).collect();
+    let own = reference("left_perturbation");
+    let texts: Vec<String> = (0..9)
+        .map(|number| match number {
+            0..5 => OTHER
+                .replace("let z ", &format!("let z{number} "))
+                .replace("* z", &format!("* z{number}")),
+            5 => own.clone(),
+            _ => skeleton("left_perturbation"),
+        })
+        .collect();
+    let answers: Vec<(&str, &str)> =
+        names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
+    let similarity = compared("left_perturbation", &answers);
+    let within = similarity.within("left_perturbation");
+    assert_eq!(within.len(), 10, "{within:?}");
+    assert!(within.iter().all(|pair| pair.share == 1.0 && pair.other.as_str() < "s5"));
+    let report = similarity.markdown();
+    assert!(report.contains("but for names: 5 answers, of s0, s1, s2, s3, s4."), "{report}");
+}
+
+#[test]
+fn an_answer_that_is_too_short_to_be_compared_is_told_when_it_is_the_same() {
+    let text = "pub fn f(x: f64) -> f64 { x.mul_add(2.0, 1.0) }";
+    let other = "pub fn f(y: f64) -> f64 { y.mul_add(2.0, 1.0) }\n// Mine.";
+    let third = "pub fn f(x: f64) -> f64 { 1.0 + 2.0 * x }";
+    let answers = [("ada", text), ("brook", other), ("cem", third)];
+    let similarity = compared("left_perturbation", &answers);
+    assert_eq!(pairs(&similarity.within("left_perturbation")), [("ada", "brook")]);
 }

@@ -139,6 +139,36 @@ fn a_folder_that_holds_nothing_is_no_submission_and_one_in_a_batch_is() {
 }
 
 #[test]
+fn somebody_who_is_called_src_is_one_of_a_batch() {
+    let others = [("batch/ada/fill_in.rs", ""), ("batch/brook/src/fill_in.rs", "")];
+    let files = [others[0], others[1], ("batch/src/fill_in.rs", "")];
+    assert_eq!(names_in(&files), ["ada", "brook", "src"]);
+}
+
+#[test]
+fn a_manifest_that_was_handed_out_is_no_reason_for_a_notice() {
+    let folder =
+        folder(&[("ada/exercises/src/fill_in.rs", FILL_IN), ("ada/exercises/Cargo.toml", "")]);
+    assert_eq!(collected(&folder.path().join("ada")).notices, Vec::<String>::new());
+}
+
+#[test]
+fn words_are_what_stands_below_a_question_and_is_not_the_question() {
+    let questions =
+        fs::read_to_string(grader::repository().join("exercises/answers.md")).expect("questions");
+    let own =
+        questions.replace("## fill_in\n", "## fill_in\n\nFour of them,\nbecause of the link.\n");
+    for place in ["exercises/answers.md", "answers.md", "exercises/src/answers.md"] {
+        let folder =
+            folder(&[("ada/exercises/src/fill_in.rs", FILL_IN), (&format!("ada/{place}"), &own)]);
+        let words = collected(&folder.path().join("ada")).words;
+        let wanted = (place != "answers.md").then_some("Four of them,\nbecause of the link.");
+        assert_eq!(words.get("fill_in").map(String::as_str), wanted, "{place}");
+        assert!(words.len() <= 1, "{words:?}");
+    }
+}
+
+#[test]
 fn numbers_in_names_count_as_numbers() {
     let mut names = ["s10", "s2", "s02", "s1", "t", "s", "s2b", "S3", "s2a10", "s2a9"];
     names.sort_by(|one, other| naturally(one, other));
@@ -246,7 +276,7 @@ fn a_path_that_is_none_or_a_file_is_an_error_that_says_what_to_name() {
 
 #[test]
 fn an_archive_in_the_place_of_a_submission_cannot_be_collected() {
-    for name in ["bob.zip", "bob.tar.gz", "bob.7z", "bob.TGZ", "bob.tar"] {
+    for name in ["bob.rar", "bob.tar.gz", "bob.7z", "bob.TGZ", "bob.tar"] {
         let folder = folder(&[("batch/alice/fill_in.rs", ""), (&format!("batch/{name}"), "PK")]);
         let found = find(&[folder.path().join("batch")]).expect("found");
         assert_eq!(found[1].name, name);

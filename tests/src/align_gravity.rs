@@ -8,8 +8,8 @@ use exercise_spec::check::Check;
 use exercise_spec::draw::Draw;
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let ranges = [
         Range { views: 7, seconds: [1.2, 2.0], sigma: [0.001, 0.003], powers: [2.0, 4.0] },
         Range { views: 14, seconds: [2.5, 4.0], sigma: [0.003, 0.008], powers: [-4.0, -2.0] },

@@ -8,8 +8,8 @@ use exercise_spec::check::Check;
 use exercise_spec::draw::Draw;
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let mut some = |depth: [f64; 2], spread: f64| -> Vec<Case> {
         (0..30).map(|index| Case::drawn(&mut draw, 1 + index % 4, depth, spread)).collect()
     };

@@ -5,8 +5,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::fill_in::{Slide, Window, cheapest, couplings, losses, unlinked};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let slides: Vec<Slide> = (0..12)
         .map(|index| {
             let (keyframes, landmarks) = (draw.index(6..14), draw.index(4..12));

@@ -8,8 +8,8 @@ use exercise_spec::first_estimates::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let near = Range { poses: 4, landmarks: 3, within: 3.0, error: [0.03, 0.1], turn: [0.02, 0.1] };
     let far = Range { poses: 5, landmarks: 4, within: 40.0, error: [1.0, 4.0], turn: [0.2, 0.6] };
     let ranges = [near, far];

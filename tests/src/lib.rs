@@ -24,7 +24,7 @@ use exercise_spec::check::Check;
 
 /// The hidden checks of an exercise, on instances drawn from a seed. Nothing where there is no
 /// such exercise.
-pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
+pub fn hidden_checks(slug: &str, seed: u128) -> Option<Vec<Check>> {
     let seed = mixed(slug, seed);
     match slug {
         "left_perturbation" => Some(left_perturbation::checks(seed)),
@@ -46,16 +46,15 @@ pub fn hidden_checks(slug: &str, seed: u64) -> Option<Vec<Check>> {
     }
 }
 
-/// A seed of an exercise. Public instances have small seeds; the highest bit keeps these apart from
-/// them.
-fn mixed(slug: &str, seed: u64) -> u64 {
-    const HIGHEST: u64 = 1 << 63;
-    // FNV-1a, then a step of SplitMix64.
+/// A seed of an exercise: the whole secret, and which exercise it is for. Public instances have seeds
+/// of another form.
+fn mixed(slug: &str, seed: u128) -> [u8; 32] {
+    // FNV-1a. It keeps exercises apart; what nobody knows is the seed.
     let hash = slug.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
-    let sum = seed.wrapping_add(hash).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let once = (sum ^ (sum >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let twice = (once ^ (once >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (twice ^ (twice >> 31)) | HIGHEST
+    let mut mixed = [0; 32];
+    mixed[..16].copy_from_slice(&seed.to_le_bytes());
+    mixed[16..24].copy_from_slice(&hash.to_le_bytes());
+    mixed
 }

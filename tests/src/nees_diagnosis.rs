@@ -5,8 +5,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::nees_diagnosis::{Case, Flown, Tested, bounded, diagnosed, parts};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let cases: Vec<Case> = (0..30).map(|_| Case::drawn(&mut draw, [0.3, 3.0])).collect();
     let tested: Vec<Tested> =
         (0..30).map(|index| Tested::drawn(&mut draw, index % 3 == 0)).collect();

@@ -8,8 +8,8 @@ use exercise_spec::noise_growth::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let steps: Vec<Step> =
         (0..30).map(|_| Step::drawn(&mut draw, [0.2, 2.5], [0.05, 0.6])).collect();
     let known: Vec<Before> = steps.iter().map(|_| Before::drawn(&mut draw)).collect();

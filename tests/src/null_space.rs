@@ -8,8 +8,8 @@ use exercise_spec::null_space::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let ranges = [
         Range { pictures: 5, depth: 20.0, baseline: 0.2, others: 15 },
         Range { pictures: 2, depth: 3.0, baseline: 0.5, others: 0 },

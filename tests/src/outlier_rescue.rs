@@ -6,8 +6,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::outlier_rescue::{Case, Range, pose, rescue, rmse, step, weights};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let ranges = [
         Range {
             matches: 40,

@@ -5,8 +5,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::residual_jacobian::{Case, dictionary, jacobian, moved, way};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let mut cases: Vec<Case> =
         (0..30).map(|_| Case::drawn(&mut draw, [0.2, 2.5], [0.1, 4.0])).collect();
     let large: Vec<Case> =

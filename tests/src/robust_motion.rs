@@ -8,8 +8,8 @@ use exercise_spec::robust_motion::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let ranges = [
         Range { matches: 40, wrong: 0.4, sigma: [0.3, 1.2], tried: 36, turn: 0.2 },
         Range { matches: 90, wrong: 0.5, sigma: [0.6, 2.5], tried: 15, turn: 0.4 },

@@ -5,8 +5,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::scale_and_gravity::{Flights, Pair, Window, larger, split, verdicts};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let windows: Vec<(Window, f64)> = (0..15)
         .map(|count| {
             let factor = draw.uniform(1.1..5.0);

@@ -6,8 +6,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::scale_null_space::{Case, annihilated, direction, growth, held, measured};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let mut some = |count: usize, away: f64| -> Vec<Case> {
         let case = |index: usize| {
             let factor = draw.uniform(1.1..10.0).powi([-1, 1, 2][index % 3]);

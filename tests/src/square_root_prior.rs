@@ -5,8 +5,8 @@ use exercise_spec::draw::Draw;
 use exercise_spec::square_root_prior::{Window, absorbed, measured, moved, precise, slid, windows};
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let measured = measured(&mut draw, 30, [1, 12]);
     let windows = windows(&mut draw, 30);
     let stretched: Vec<Window> = [(6, 2), (9, 5), (12, 3), (15, 6)]

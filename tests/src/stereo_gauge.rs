@@ -7,8 +7,8 @@ use exercise_spec::stereo_gauge::{
 };
 
 /// The checks on instances of a seed.
-pub fn checks(seed: u64) -> Vec<Check> {
-    let mut draw = Draw::new(seed);
+pub fn checks(seed: [u8; 32]) -> Vec<Check> {
+    let mut draw = Draw::of_seed(seed);
     let mut some = |count: usize, baseline: [f64; 2]| -> Vec<Case> {
         let counts = |index: usize| [3 + index % 3, 7 + 2 * (index % 3)];
         (0..count).map(|index| Case::drawn(&mut draw, counts(index), baseline)).collect()

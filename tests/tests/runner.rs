@@ -4,11 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use exercise_runner::edition::{self, Update};
-use exercise_runner::folder::Folder;
+use exercise_runner::folder::{Folder, write};
 use exercise_runner::progress::{self, State, Verdicts};
+use exercise_runner::watch::Watch;
 use exercise_runner::{hints, picture, selection};
-use exercise_spec::EXERCISES;
 use exercise_spec::check::Failure;
+use exercise_spec::{EXERCISES, Exercise};
 use tempfile::TempDir;
 
 const SLUG: &str = "left_perturbation";
@@ -49,6 +50,17 @@ fn a_reset_puts_the_newest_skeleton_back_and_keeps_every_former_answer() {
         former.iter().map(|path| text(path)).collect::<Vec<_>>(),
         ["first try", "second try"]
     );
+}
+
+#[test]
+fn pictures_go_with_a_reset_and_those_of_other_exercises_stay() {
+    let (_temporary, folder) = folder();
+    let [mine, other] = [SLUG, "left"].map(|slug| folder.picture(slug, "a_check"));
+    for path in [&mine, &other] {
+        write(path, "<svg/>").expect("written");
+    }
+    edition::reset(&folder, SLUG).expect("reset");
+    assert!(!mine.exists() && other.exists());
 }
 
 #[test]
@@ -122,6 +134,50 @@ fn progress_knows_what_was_tested_as_it_is() {
     assert!(progress::list(&folder).contains(exercise.slug));
 }
 
+/// Tests of an answer that pass where it says so.
+fn judged(folder: &Folder, exercise: &'static Exercise) {
+    let answer = text(&folder.answer(exercise.slug));
+    let mut verdicts = Verdicts::new(exercise.slug, &answer);
+    for check in (exercise.checks)() {
+        let outcome = if answer.contains("right") { Ok(()) } else { Err(Failure::new("wrong")) };
+        verdicts.add(check.name, &outcome);
+    }
+    verdicts.keep(folder).expect("kept");
+}
+
+#[test]
+fn a_watch_checks_at_once_and_goes_on_to_the_next_exercise_when_one_is_solved() {
+    let (_temporary, folder) = folder();
+    let [first, second, third] = [EXERCISES[0], EXERCISES[1], EXERCISES[2]];
+    let answer = |exercise: &Exercise, answer: &str| {
+        fs::write(folder.answer(exercise.slug), answer).expect("written");
+    };
+    answer(first, "wrong");
+    answer(second, "wrong too");
+    let ran = std::cell::RefCell::new(Vec::new());
+    let taken = || ran.borrow_mut().drain(..).collect::<Vec<&str>>();
+    let mut watch = Watch::new(&folder, |exercise| {
+        judged(&folder, exercise);
+        ran.borrow_mut().push(exercise.slug);
+        Ok(())
+    });
+    watch.begin(first).expect("run");
+    assert_eq!(taken(), [first.slug], "at once, and no farther");
+    watch.look().expect("run");
+    assert_eq!(taken(), [""; 0], "nothing was saved");
+    answer(first, "right");
+    watch.look().expect("run");
+    assert_eq!(taken(), [first.slug, second.slug], "and the next one");
+    let skeleton = folder.skeletons(1).join(format!("{}.rs", third.slug));
+    fs::write(skeleton, FIRST).expect("written");
+    answer(third, FIRST);
+    answer(second, "right");
+    watch.look().expect("run");
+    assert_eq!(taken(), [second.slug], "the next one is not begun");
+    let next = |after: Option<&str>| progress::next(&folder, after).map(|next| next.slug);
+    assert_eq!([next(None), next(Some(third.slug))], [third, EXERCISES[3]].map(|it| Some(it.slug)));
+}
+
 #[test]
 fn a_name_that_is_none_is_told_with_those_there_are() {
     let error = selection::named("left_pertubation").map(|_| ()).expect_err("a misspelt name");
@@ -149,6 +205,9 @@ fn a_picture_has_both_kinds_of_points_and_one_without_finite_points_is_refused()
     };
     let svg = picture::svg(&drawn).expect("drawn");
     assert!(svg.contains("expected") && svg.contains("obtained") && svg.contains("&lt;of&gt;"));
+    for axis in ["u, px", "v, px", "0.5", "1.0"] {
+        assert!(svg.contains(axis), "there is no {axis} at the axes: {svg}");
+    }
     drawn.expected.at = vec![[f64::NAN; 2]];
     drawn.obtained.at = vec![[f64::INFINITY; 2]];
     assert!(picture::svg(&drawn).is_err());

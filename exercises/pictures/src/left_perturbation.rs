@@ -60,6 +60,7 @@ impl Seen {
     /// The derivative by a twist on the right, as a pose is moved here.
     fn derivative(&self, pose: &Isometry3<f64>) -> Option<Matrix2x6<f64>> {
         let (camera, point) = (&self.camera, &self.point_in_world);
+        let asked = (*camera).into();
         let answer = Answer(&*self.answer);
         let asked = match self.source {
             Source::Book => {
@@ -68,12 +69,12 @@ impl Seen {
                     .project_with_jacobians(pose, point)
                     .map(|seen| seen.by_pose);
             }
-            Source::Left => answer.left_pose_jacobian(camera, pose, point),
+            Source::Left => answer.left_pose_jacobian(&asked, pose, point),
             Source::RightFromLeft => answer
-                .left_pose_jacobian(camera, pose, point)
+                .left_pose_jacobian(&asked, pose, point)
                 .and_then(|left| answer.right_from_left(pose, &left)),
             Source::Differences(side) => {
-                answer.central_differences(camera, pose, point, &side, &1e-4)
+                answer.central_differences(&asked, pose, point, &side, &1e-4)
             }
         };
         let asked = self.trouble.or_keep(asked)?;

@@ -68,13 +68,14 @@ pub fn skeleton_of(folder: &Folder, slug: &str, answer: &str) -> Option<String> 
 }
 
 /// Puts the newest skeleton in place of an answer and tells where the former answer lies, if
-/// there was anything but that skeleton.
+/// there was anything but that skeleton. Pictures of the former answer go.
 ///
 /// # Errors
 ///
 /// When a file cannot be read or written; then nothing is lost.
 pub fn reset(folder: &Folder, slug: &str) -> Result<Option<PathBuf>, String> {
     let fresh = skeleton(folder, slug, newest(folder, slug)?)?;
+    folder.without_pictures(slug);
     if read(&folder.answer(slug)).as_ref() == Ok(&fresh) {
         return Ok(None);
     }

@@ -49,6 +49,22 @@ impl Folder {
         self.0.join(".progress").join(name)
     }
 
+    /// The picture of a check that failed.
+    pub fn picture(&self, slug: &str, check: &str) -> PathBuf {
+        self.kept(&format!("{slug}-{check}.svg"))
+    }
+
+    /// Takes away all pictures of an answer. One that cannot be taken away is written over later.
+    pub fn without_pictures(&self, slug: &str) {
+        for entry in fs::read_dir(self.kept("")).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let check = name.strip_prefix(slug).and_then(|rest| rest.strip_prefix('-'));
+            if check.is_some_and(|check| check.ends_with(".svg")) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// Writes a kept file.
     ///
     /// # Errors
@@ -77,5 +93,8 @@ pub fn read(path: &Path) -> Result<String, String> {
 ///
 /// When it cannot be written.
 pub fn write(path: &Path, text: &str) -> Result<(), String> {
-    fs::write(path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))
+    path.parent()
+        .map_or(Ok(()), fs::create_dir_all)
+        .and_then(|()| fs::write(path, text))
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }

@@ -1,6 +1,7 @@
 //! The tests of one answer.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
 
@@ -10,7 +11,7 @@ use exercise_spec::check::Failure;
 use exercise_spec::declaration::Dispatch;
 use libtest_mimic::{Arguments, Failed, Trial};
 
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::progress::Verdicts;
 use crate::{picture, selection};
 
@@ -36,12 +37,10 @@ pub fn judge(
             if let Ok(mut verdicts) = verdicts.lock() {
                 verdicts.add(check.name, &outcome);
             }
-            let name = format!("{}-{}.svg", exercise.slug, check.name);
-            if outcome.is_ok() {
-                // Of an earlier answer there may be a picture.
-                let _ = std::fs::remove_file(Folder::here().kept(&name));
-            }
-            outcome.map_err(|failure| Failed::from(told(&name, &failure)))
+            let path = Folder::here().picture(exercise.slug, check.name);
+            // Of an earlier answer there may be a picture.
+            let _ = std::fs::remove_file(&path);
+            outcome.map_err(|failure| Failed::from(told(&path, &failure)))
         })
     });
     let conclusion = libtest_mimic::run(&arguments, trials.collect());
@@ -58,17 +57,15 @@ pub fn judge(
 }
 
 /// A failure as the terminal shows it, with the path of its picture.
-fn told(picture_name: &str, failure: &Failure) -> String {
+fn told(path: &Path, failure: &Failure) -> String {
     let mut text = selection::wrapped(&failure.sentence, 96);
     if !failure.numbers.is_empty() {
         let _ = write!(text, "\n\n{}", failure.numbers.trim_end());
     }
     if let Some(drawn) = &failure.picture {
-        let kept = picture::svg(drawn).and_then(|svg| {
-            Folder::here().keep(picture_name, &svg).map_err(|error| error.to_string())
-        });
+        let kept = picture::svg(drawn).and_then(|svg| folder::write(path, &svg));
         let _ = match kept {
-            Ok(path) => write!(text, "\n\nexpected and obtained, drawn: {}", path.display()),
+            Ok(()) => write!(text, "\n\nexpected and obtained, drawn: {}", path.display()),
             Err(error) => write!(text, "\n\nno picture could be drawn: {error}"),
         };
     }

@@ -9,6 +9,7 @@ pub mod hints;
 pub mod judge;
 pub mod picture;
 pub mod progress;
+pub mod say;
 pub mod selection;
 pub mod watch;
 

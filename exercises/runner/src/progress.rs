@@ -99,6 +99,19 @@ pub fn state(folder: &Folder, exercise: &Exercise) -> State {
     }
 }
 
+/// Whether an answer passes every check.
+pub fn is_solved(folder: &Folder, exercise: &Exercise) -> bool {
+    matches!(state(folder, exercise), State::Judged { passed, of } if passed == of)
+}
+
+/// The first exercise that is not solved, of those behind one of them and then from the beginning
+/// of the book.
+pub fn next(folder: &Folder, after: Option<&str>) -> Option<&'static Exercise> {
+    let place = EXERCISES.iter().position(|exercise| Some(exercise.slug) == after);
+    let (before, behind) = EXERCISES.split_at(place.map_or(0, |place| place + 1));
+    behind.iter().chain(before).find(|exercise| !is_solved(folder, exercise)).copied()
+}
+
 /// Exercises whose tests must run before their state is known.
 pub fn to_judge(folder: &Folder) -> Vec<&'static Exercise> {
     let unknown = |exercise: &&&Exercise| state(folder, exercise) == State::Unknown;
@@ -108,26 +121,23 @@ pub fn to_judge(folder: &Folder) -> Vec<&'static Exercise> {
 /// The list of all exercises and how far they are.
 pub fn list(folder: &Folder) -> String {
     let mut text = String::new();
-    let (mut solved, mut next) = (0, None);
+    let mut solved = 0;
     let widest = EXERCISES.iter().map(|exercise| exercise.title.len()).max().unwrap_or(0);
     for exercise in EXERCISES {
-        let state = state(folder, exercise);
-        if matches!(state, State::Judged { passed, of } if passed == of) {
-            solved += 1;
-        } else {
-            next = next.or(Some(exercise.slug));
-        }
-        let (mark, words) = match state {
+        let (mark, words) = match state(folder, exercise) {
             State::Untouched => (' ', "not begun".to_owned()),
             State::Unknown => ('?', "does not compile".to_owned()),
-            State::Judged { passed, of } if passed == of => ('x', "solved".to_owned()),
+            State::Judged { passed, of } if passed == of => {
+                solved += 1;
+                ('x', "solved".to_owned())
+            }
             State::Judged { passed, of } => ('-', format!("{passed} of {of} checks pass")),
             State::Missing(error) => ('!', error),
         };
         let _ = writeln!(text, "[{mark}] {:20} {:widest$}  {words}", exercise.slug, exercise.title);
     }
     let _ = writeln!(text, "\n{solved} of {} solved", EXERCISES.len());
-    if let Some(slug) = next {
+    if let Some(Exercise { slug, .. }) = next(folder, None) {
         let _ =
             writeln!(text, "Next: exercises/src/{slug}.rs, then cargo test -p exercises {slug}");
     }

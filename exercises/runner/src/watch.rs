@@ -1,4 +1,5 @@
-//! Runs the tests of an answer whenever its file is saved.
+//! Runs the tests of an answer at once and whenever its file is saved, and goes on to the next
+//! exercise when it is right.
 
 use std::path::Path;
 use std::sync::mpsc::{self, Receiver};
@@ -6,41 +7,100 @@ use std::time::Duration;
 
 use notify::{Config, Event, PollWatcher, RecommendedWatcher, RecursiveMode, Watcher};
 
-use exercise_spec::EXERCISES;
+use exercise_spec::{EXERCISES, Exercise};
 
 use crate::folder::{Folder, read};
+use crate::progress::{self, State};
+use crate::say::say;
 use crate::selection;
 
 type Events = Receiver<notify::Result<Event>>;
 
-/// Waits for saved answers and runs their tests, of one exercise or of all, until interrupted.
+/// Runs the tests of an exercise, or of the first that is not solved, and then those of each answer
+/// that is saved, until interrupted.
 ///
 /// # Errors
 ///
 /// When the folder cannot be watched or cargo cannot be started.
-pub fn watch(folder: &Folder, only: Option<&str>) -> Result<(), String> {
-    let (_watcher, events) = watcher(folder)?;
-    let watched: Vec<&str> = match only {
-        Some(slug) => vec![selection::named(slug)?.slug],
-        None => EXERCISES.iter().map(|exercise| exercise.slug).collect(),
+pub fn watch(folder: &Folder, first: Option<&str>) -> Result<(), String> {
+    let first = match first {
+        Some(slug) => Some(selection::named(slug)?),
+        None => progress::next(folder, None),
     };
-    let text = |slug: &&str| read(&folder.answer(slug)).unwrap_or_default();
-    let mut texts: Vec<String> = watched.iter().map(text).collect();
-    println!("watching {} for {}", folder.answers().display(), watched.join(", "));
+    let (_watcher, events) = watcher(folder)?;
+    say(format!("watching {}", folder.answers().display()));
+    let mut watch =
+        Watch::new(folder, |exercise| selection::run(folder.path(), exercise.slug, &[]).map(drop));
+    if let Some(first) = first {
+        watch.begin(first)?;
+    }
     loop {
-        for (slug, former) in watched.iter().zip(&mut texts) {
-            let now = text(slug);
-            if now != *former {
-                *former = now;
-                println!("\n{slug} was saved");
-                selection::run(folder.path(), slug, &[])?;
-            }
-        }
         // One save makes several events; they are one.
         let ended = |_| "the files are watched no longer".to_owned();
         events.recv().map_err(ended)?.map_err(|error| error.to_string())?;
         while events.recv_timeout(Duration::from_millis(50)).is_ok() {}
+        watch.look()?;
     }
+}
+
+/// What the answers were when somebody looked last, and what runs the tests of one.
+pub struct Watch<'a, Run> {
+    folder: &'a Folder,
+    run: Run,
+    texts: Vec<String>,
+}
+
+impl<'a, Run: FnMut(&'static Exercise) -> Result<(), String>> Watch<'a, Run> {
+    /// Looks at the answers as they are.
+    pub fn new(folder: &'a Folder, run: Run) -> Self {
+        let texts = EXERCISES.iter().map(|exercise| text(folder, exercise)).collect();
+        Self { folder, run, texts }
+    }
+
+    /// Runs the tests of an exercise, unless nothing is written yet, and goes on from one that is
+    /// solved.
+    ///
+    /// # Errors
+    ///
+    /// When its tests cannot be run.
+    pub fn begin(&mut self, exercise: &'static Exercise) -> Result<(), String> {
+        let slug = exercise.slug;
+        if progress::state(self.folder, exercise) == State::Untouched {
+            say(format!("\n{slug} is not begun: {}", self.folder.answer(slug).display()));
+            return Ok(());
+        }
+        (self.run)(exercise)?;
+        if !progress::is_solved(self.folder, exercise) {
+            return Ok(());
+        }
+        let Some(next) = progress::next(self.folder, Some(slug)) else {
+            say("\nall exercises are solved");
+            return Ok(());
+        };
+        say(format!("\n{slug} is solved; the next one is {}", next.slug));
+        self.begin(next)
+    }
+
+    /// Runs the tests of all answers that were saved since.
+    ///
+    /// # Errors
+    ///
+    /// When they cannot be run.
+    pub fn look(&mut self) -> Result<(), String> {
+        for (place, exercise) in EXERCISES.iter().enumerate() {
+            let now = text(self.folder, exercise);
+            if now != self.texts[place] {
+                self.texts[place] = now;
+                say(format!("\n{} was saved", exercise.slug));
+                self.begin(exercise)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn text(folder: &Folder, exercise: &Exercise) -> String {
+    read(&folder.answer(exercise.slug)).unwrap_or_default()
 }
 
 /// A watcher of the answers that is known to notice changes: where the file system tells of none,
@@ -57,9 +117,7 @@ fn watcher(folder: &Folder) -> Result<(Box<dyn Watcher>, Events), String> {
     if let Some(watcher) = native {
         return Ok((Box::new(watcher), events));
     }
-    println!(
-        "this file system does not tell of changes, so the files are looked at twice a second"
-    );
+    say("this file system does not tell of changes, so the files are looked at twice a second");
     let (sender, events) = mpsc::channel();
     let config = Config::default()
         .with_poll_interval(Duration::from_millis(500))

@@ -1,14 +1,66 @@
 //! The other convention: derivatives of a pixel by a twist on the left of the pose.
 
-use nalgebra::{Isometry3, Matrix2x6, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
-
-pub use crate::camera::Camera;
+use vislam::reprojection::Pinhole;
 
 #[cfg(feature = "checks")]
 mod checks;
 #[cfg(feature = "checks")]
 pub use checks::*;
+
+/// A pinhole camera, in pixels. `camera.pinhole()` projects as the library's does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Focal length across.
+    pub fx: f64,
+    /// Focal length down.
+    pub fy: f64,
+    /// Column of the principal point.
+    pub cx: f64,
+    /// Row of the principal point.
+    pub cy: f64,
+}
+
+impl Camera {
+    /// The library's camera with these numbers, without its derivatives by a pose.
+    pub fn pinhole(&self) -> Lens {
+        let Self { fx, fy, cx, cy } = *self;
+        Lens(Pinhole { fx, fy, cx, cy })
+    }
+}
+
+impl From<crate::camera::Camera> for Camera {
+    fn from(camera: crate::camera::Camera) -> Self {
+        let crate::camera::Camera { fx, fy, cx, cy } = camera;
+        Self { fx, fy, cx, cy }
+    }
+}
+
+/// What of the library's camera does not answer the exercise.
+#[derive(Debug, Clone, Copy)]
+pub struct Lens(Pinhole);
+
+impl Lens {
+    /// The pixel of a point in the camera's frame. `None` when it is not in front of the camera.
+    pub fn project_cam(&self, point_in_camera: &Vector3<f64>) -> Option<Vector2<f64>> {
+        self.0.project_cam(point_in_camera)
+    }
+
+    /// The pixel of a point in the world. `None` when it is not in front of the camera.
+    pub fn project(
+        &self,
+        camera_from_world: &Isometry3<f64>,
+        point_in_world: &Vector3<f64>,
+    ) -> Option<Vector2<f64>> {
+        self.0.project(camera_from_world, point_in_world)
+    }
+
+    /// The 2×3 derivative of the pixel by the point in the camera's frame.
+    pub fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
+        self.0.projection_jacobian(point_in_camera)
+    }
+}
 
 // ANCHOR: side
 /// On which side of a pose a twist stands.

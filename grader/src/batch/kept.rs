@@ -4,7 +4,6 @@
 //! one or none.
 
 use std::fs::{self, File, TryLockError};
-use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -13,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Trouble;
 use crate::grade::{Grade, VERSION};
+use crate::seed::Seed;
 use crate::submission::naturally;
 use crate::text::harmless_line;
 
@@ -20,6 +20,7 @@ use crate::text::harmless_line;
 #[derive(Debug)]
 pub struct Kept {
     out: PathBuf,
+    seed: Seed,
     state: State,
     /// Whether there was no batch, one that was not finished, or one that was.
     found: Found,
@@ -31,7 +32,7 @@ pub struct Kept {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct State {
     version: u32,
-    /// As text, because TOML has no numbers that large.
+    /// As text. It stands here and in no report.
     seed: String,
     /// Slugs, in the order of the book. Batches of former graders do not say.
     #[serde(default)]
@@ -49,6 +50,8 @@ enum Found {
     Finished,
 }
 
+/// The folder that names the submissions at which a run is, or was when it was ended.
+const BEGUN: &str = ".begun";
 const STATE: &str = "batch.toml";
 const LOCK: &str = ".lock";
 
@@ -65,7 +68,7 @@ impl Kept {
     ///
     /// A [`Trouble`] when something else is in the folder, another process writes there, its batch
     /// is of other exercises, or the seed is not that of a batch which is not finished.
-    pub fn open(out: &Path, seed: Option<u64>, exercises: &[&str]) -> Result<Self, Trouble> {
+    pub fn open(out: &Path, seed: Option<Seed>, exercises: &[&str]) -> Result<Self, Trouble> {
         fs::create_dir_all(out).map_err(|error| unusable(out, &error))?;
         let lock = locked(out)?;
         let former = former(out)?;
@@ -73,7 +76,10 @@ impl Kept {
             state.has_exercises(out, exercises)?;
         }
         let (found, state) = match former {
-            None => (Found::Nothing, State::new(seed.unwrap_or_else(random), None, exercises)),
+            None => {
+                let seed = seed.map_or_else(Seed::draw, Ok).map_err(Trouble::CouldNotGrade)?;
+                (Found::Nothing, State::new(seed, None, exercises))
+            }
             Some(state) if state.finished => {
                 let seed = seed.unwrap_or(state.number(out)?);
                 (Found::Finished, State::new(seed, Some(state.seed), exercises))
@@ -82,15 +88,16 @@ impl Kept {
                 let begun = state.number(out)?;
                 if seed.is_some_and(|seed| seed != begun) {
                     return Err(Trouble::Usage(format!(
-                        "{} holds a batch that is not finished, with seed {begun}; leave --seed \
-                         out to go on with it, or choose another folder with --out",
+                        "{} holds a batch that is not finished, with another seed; leave --seed out to \
+                         go on with it, or choose another folder with --out",
                         out.display()
                     )));
                 }
                 (Found::Unfinished, state)
             }
         };
-        Ok(Self { out: out.to_owned(), state, found, _lock: lock })
+        let seed = state.number(out)?;
+        Ok(Self { out: out.to_owned(), seed, state, found, _lock: lock })
     }
 
     /// The folder.
@@ -99,13 +106,13 @@ impl Kept {
     }
 
     /// The seed of the hidden instances.
-    pub fn seed(&self) -> u64 {
-        self.state.seed.parse().unwrap_or_default()
+    pub fn seed(&self) -> Seed {
+        self.seed
     }
 
     /// The seed of the batch that is graded again, if one is.
-    pub fn former_seed(&self) -> Option<u64> {
-        self.state.former_seed.as_deref()?.parse().ok()
+    pub fn former_seed(&self) -> Option<Seed> {
+        Seed::parse(self.state.former_seed.as_deref()?).ok()
     }
 
     /// Marks the batch as begun. The grades of a finished one are put aside first, to be compared
@@ -184,6 +191,31 @@ impl Kept {
         self.report_on(&grade.submission, GRADE, &json)
     }
 
+    /// Whether a run was ended while it graded these very answers of a submission.
+    pub fn ended_at(&self, submission: &str, key: &str) -> bool {
+        fs::read_to_string(self.begun(submission)).is_ok_and(|begun| begun == key)
+    }
+
+    /// Writes down that a submission is graded now.
+    ///
+    /// # Errors
+    ///
+    /// When the folder cannot be written to.
+    pub fn begin_at(&self, submission: &str, key: &str) -> Result<(), Trouble> {
+        let folder = self.out.join(BEGUN);
+        fs::create_dir_all(&folder).map_err(|error| cannot("make", &folder, &error))?;
+        write(&self.begun(submission), key.as_bytes())
+    }
+
+    /// Writes down that it is graded no longer.
+    pub fn done_with(&self, submission: &str) {
+        let _ = fs::remove_file(self.begun(submission));
+    }
+
+    fn begun(&self, submission: &str) -> PathBuf {
+        self.out.join(BEGUN).join(submission)
+    }
+
     /// Writes a report on one submission.
     ///
     /// # Errors
@@ -233,10 +265,17 @@ impl Kept {
     }
 }
 
+impl Drop for Kept {
+    fn drop(&mut self) {
+        // It stays where a submission is still named in it.
+        let _ = fs::remove_dir(self.out.join(BEGUN));
+    }
+}
+
 impl State {
-    fn new(seed: u64, former_seed: Option<String>, exercises: &[&str]) -> Self {
+    fn new(seed: Seed, former_seed: Option<String>, exercises: &[&str]) -> Self {
         let exercises = exercises.iter().map(|slug| (*slug).to_owned()).collect();
-        Self { version: VERSION, seed: seed.to_string(), exercises, finished: false, former_seed }
+        Self { version: VERSION, seed: seed.text(), exercises, finished: false, former_seed }
     }
 
     /// Makes sure that a batch of other exercises loses none of its grades.
@@ -251,14 +290,9 @@ impl State {
         )))
     }
 
-    fn number(&self, out: &Path) -> Result<u64, Trouble> {
-        self.seed.parse().map_err(|_| unreadable(out, "its seed is no number"))
+    fn number(&self, out: &Path) -> Result<Seed, Trouble> {
+        Seed::parse(&self.seed).map_err(|_| unreadable(out, "its seed is none"))
     }
-}
-
-/// A seed that one can type.
-fn random() -> u64 {
-    RandomState::new().hash_one("seed") % 1_000_000_000
 }
 
 /// The folder's lock, which ends with the process, however that ends. A program that this process
@@ -296,7 +330,7 @@ fn former(out: &Path) -> Result<Option<State>, Trouble> {
         return Ok(Some(state));
     }
     let entries = fs::read_dir(out).map_err(|error| cannot("read", out, &error))?;
-    if entries.flatten().any(|entry| entry.file_name() != LOCK) {
+    if entries.flatten().any(|entry| entry.file_name() != LOCK && entry.file_name() != BEGUN) {
         return Err(Trouble::Usage(format!(
             "{} is not empty and holds no batch; name another folder with --out, one that is not \
              there yet",

@@ -1,5 +1,6 @@
 //! Writes every report of a batch, grade by grade.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::atomic::Ordering;
 
@@ -9,20 +10,25 @@ use serde::{Serialize, Serializer};
 use super::kept::Kept;
 use super::{Finished, Plan, Trouble};
 use crate::changes::Changes;
-use crate::grade::{Grade, VERSION};
+use crate::grade::{Grade, Late, VERSION};
 use crate::items::Items;
 use crate::report::gradebook::Gradebook;
 use crate::report::markdown::{self, Summary};
 use crate::report::terminal::{Terminal, wrapped};
-use crate::report::{gradescope, junit};
+use crate::report::{gradescope, junit, picture_file};
 use crate::repository;
 use crate::similarity::Similarity;
 use crate::submission;
+use crate::words::{Collection, Words};
 
 /// Writes every report, and hands back what the terminal shows.
 pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trouble> {
     let seed = kept.seed();
+    let mark = seed.mark();
     let differences = &plan.matches.differences;
+    let (similarity, words) = read_again(plan);
+    let sheet = Sheet { plan, kept, words };
+    let mut collection = Collection::default();
     let mut terminal = Terminal::new(&plan.exercises);
     let mut summary = Summary::new(&plan.exercises);
     let mut items = Items::new(&plan.exercises);
@@ -30,34 +36,38 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     let mut ungraded = 0;
     let mut alone = String::new();
     for name in plan.names() {
-        let grade = stored(kept, name)?;
+        let grade = sheet.grade(name)?;
         one(plan, kept, &grade)?;
+        sheet.collect(name, &grade, &mut collection);
         terminal.add(&grade);
         summary.add(&grade);
         items.add(&grade);
-        changes.add(kept.former(name).as_ref(), &grade);
+        changes.add(sheet.former(name)?.as_ref(), &grade);
         ungraded += usize::from(grade.earned().is_none());
         if plan.submissions.len() == 1 {
             alone = format!("\n{}", markdown::feedback(&grade, plan.detail));
         }
     }
-    let whole = Whole { plan, kept, sandbox };
+    let whole = Whole { sheet: &sheet, sandbox };
     kept.report_by("grade.json", |file| {
         serde_json::to_writer_pretty(file, &whole).map_err(std::io::Error::from)
     })?;
-    kept.report_by("gradebook.csv", |file| gradebook(plan, kept, file))?;
-    kept.report_by("junit.xml", |file| junit_of_all(plan, kept, file))?;
+    kept.report_by("gradebook.csv", |file| gradebook(&sheet, file))?;
+    kept.report_by("junit.xml", |file| junit_of_all(&sheet, file))?;
     kept.report("items.md", items.markdown().as_bytes())?;
-    kept.report("similarity.md", similarity(plan).markdown().as_bytes())?;
-    let summary = summary.finish(seed, sandbox, differences) + &alone;
+    kept.report("similarity.md", similarity.markdown().as_bytes())?;
+    kept.report("words.md", collection.markdown().as_bytes())?;
+    kept.report_by("unmarked.csv", |file| collection.rows(file))?;
+    let summary = summary.finish(&mark, sandbox, differences) + &alone;
     kept.report("summary.md", summary.as_bytes())?;
-    let mut told = terminal.finish(seed, sandbox, differences);
+    let mut told = terminal.finish(&mark, sandbox, differences);
     told += &had(plan, kept);
     told += &regrade(plan, kept, changes)?;
+    told += &by_person(plan, &collection);
     told += &wrapped(
         &format!(
             "Reports in {}: summary.md, gradebook.csv, junit.xml, items.md, similarity.md, \
-             grade.json, and for each submission feedback.md, results.json and junit.xml.",
+             words.md, unmarked.csv, grade.json, and for each submission feedback.md, results.json and junit.xml.",
             kept.folder().display()
         ),
         "",
@@ -80,24 +90,43 @@ fn one(plan: &Plan, kept: &Kept, grade: &Grade) -> Result<(), Trouble> {
     let junit = junit::xml(grade, plan.detail).map_err(Trouble::CouldNotGrade)?;
     kept.report_on(name, "feedback.md", markdown::feedback(grade, plan.detail).as_bytes())?;
     kept.report_on(name, "results.json", gradescope::json(grade, plan.detail).as_bytes())?;
-    kept.report_on(name, "junit.xml", junit.as_bytes())
+    kept.report_on(name, "junit.xml", junit.as_bytes())?;
+    pictures(plan, kept, grade)
 }
 
-fn junit_of_all(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Result<()> {
+/// The pictures of checks that failed, and none of a former answer.
+fn pictures(plan: &Plan, kept: &Kept, grade: &Grade) -> Result<(), Trouble> {
+    let name = &grade.submission;
+    for exercise in &grade.exercises {
+        for check in &exercise.checks {
+            let file = picture_file(exercise, check);
+            match plan.detail.picture(check) {
+                Some(picture) => kept.report_on(name, &file, picture.as_bytes())?,
+                None => kept.without(&format!("submissions/{name}/{file}")),
+            }
+        }
+    }
+    Ok(())
+}
+
+fn junit_of_all(sheet: &Sheet, file: &mut dyn Write) -> std::io::Result<()> {
     let mut suites = junit::Suites::new(file)?;
-    for name in plan.names() {
-        suites.add(&stored(kept, name).map_err(std::io::Error::other)?, plan.detail)?;
+    for name in sheet.plan.names() {
+        suites.add(&sheet.grade(name).map_err(std::io::Error::other)?, sheet.plan.detail)?;
     }
     suites.finish()
 }
 
-fn gradebook(plan: &Plan, kept: &Kept, file: &mut dyn Write) -> std::io::Result<()> {
+fn gradebook(sheet: &Sheet, file: &mut dyn Write) -> std::io::Result<()> {
+    let plan = sheet.plan;
     let roster = &plan.roster;
-    let mut book = Gradebook::new(file, &plan.exercises, roster.further())?;
+    let mut words = plan.slugs();
+    words.retain(|slug| plan.points.of_words(slug) > 0.0);
+    let mut book = Gradebook::new(file, &plan.exercises, &words, roster.further())?;
     for name in plan.names() {
-        let grade = stored(kept, name).map_err(std::io::Error::other)?;
+        let grade = sheet.grade(name).map_err(std::io::Error::other)?;
         let folder = plan.matches.folder(name).unwrap_or_default();
-        book.add(&grade, roster.further_of(folder))?;
+        book.add(&grade, &plan.handed_in(name), roster.further_of(folder))?;
     }
     for (folder, student) in &plan.matches.differences.absent {
         book.add_absent(folder, student, roster.further_of(folder))?;
@@ -116,19 +145,87 @@ fn regrade(plan: &Plan, kept: &Kept, mut changes: Changes) -> Result<String, Tro
             changes.add_gone(&former);
         }
     }
-    kept.report("changes.md", changes.markdown(former_seed, kept.seed()).as_bytes())?;
+    kept.report(
+        "changes.md",
+        changes.markdown(&former_seed.mark(), &kept.seed().mark()).as_bytes(),
+    )?;
     Ok(changes.terminal())
 }
 
-fn similarity(plan: &Plan) -> Similarity {
+/// What reports need of the submissions besides their grades.
+fn read_again(plan: &Plan) -> (Similarity, BTreeMap<String, Words>) {
     let mut similarity = Similarity::new(&plan.exercises, &repository());
+    let mut words = BTreeMap::new();
     for found in &plan.submissions {
         // What could not be read has no grade either, and is told there.
-        let answers = submission::collect(found).map(|collected| collected.answers);
-        let answers = answers.unwrap_or_default();
+        let collected = submission::collect(found).unwrap_or_default();
+        let answers = collected.answers;
         similarity.add(&found.name, |slug| answers.get(slug).map(String::as_str));
+        words.insert(found.name.clone(), collected.words);
     }
-    similarity
+    (similarity, words)
+}
+
+/// What a person has still to do.
+fn by_person(plan: &Plan, collection: &Collection) -> String {
+    let mut text = String::new();
+    if collection.open() > 0 {
+        let count = markdown::counted(collection.open(), "answer");
+        text += &wrapped(
+            &format!(
+                "{count} in words without points, which do not count yet: read words.md, and put the rows of \
+                 unmarked.csv with points into a file for --marks."
+            ),
+            "",
+        );
+    }
+    let known =
+        |folder: &str| plan.names().any(|name| name == folder || plan.handed_in(name) == folder);
+    let strangers = plan.marks.strangers(known);
+    if !strangers.is_empty() {
+        let names = strangers.join(", ");
+        text += &wrapped(&format!("No submission has the folder of these marks: {names}."), "");
+    }
+    text
+}
+
+/// The grades of a batch, with what persons decided laid over what the grader did.
+struct Sheet<'a> {
+    plan: &'a Plan,
+    kept: &'a Kept,
+    words: BTreeMap<String, Words>,
+}
+
+impl Sheet<'_> {
+    fn grade(&self, name: &str) -> Result<Grade, Trouble> {
+        self.laid_over(name, stored(self.kept, name)?)
+    }
+
+    /// The grade of the batch before, with the decisions of today.
+    fn former(&self, name: &str) -> Result<Option<Grade>, Trouble> {
+        self.kept.former(name).map(|grade| self.laid_over(name, grade)).transpose()
+    }
+
+    fn laid_over(&self, name: &str, mut grade: Grade) -> Result<Grade, Trouble> {
+        let plan = self.plan;
+        let folder = plan.handed_in(name);
+        let words = self.words.get(name).cloned().unwrap_or_default();
+        plan.marks.lay_over(&mut grade, &[&folder, name], &words, &plan.points);
+        let row = plan.matches.folder(name).unwrap_or_default();
+        let days = plan.roster.days_late(row).map_err(Trouble::Usage)?;
+        grade.late = days.map(|days| Late { days, percent: plan.points.taken_off(days) });
+        Ok(grade)
+    }
+
+    fn collect(&self, name: &str, grade: &Grade, collection: &mut Collection) {
+        let is_open = |slug: &str| {
+            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == slug);
+            self.plan.points.of_words(slug) > 0.0 && exercise.is_some_and(|it| it.words.is_none())
+        };
+        if let Some(words) = self.words.get(name) {
+            collection.add(&self.plan.handed_in(name), words, is_open);
+        }
+    }
 }
 
 fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
@@ -141,6 +238,13 @@ fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
 }
 
 impl Plan {
+    /// What the folder of a submission is called.
+    fn handed_in(&self, name: &str) -> String {
+        let found = self.submissions.iter().find(|submission| submission.name == name);
+        let folder = found.and_then(|submission| submission.path.file_name());
+        folder.unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     fn names(&self) -> impl Iterator<Item = &String> {
         self.submissions.iter().map(|submission| &submission.name)
     }
@@ -148,8 +252,7 @@ impl Plan {
 
 /// A [`Batch`](crate::grade::Batch) whose grades are on disk.
 struct Whole<'a> {
-    plan: &'a Plan,
-    kept: &'a Kept,
+    sheet: &'a Sheet<'a>,
     sandbox: &'a str,
 }
 
@@ -157,7 +260,7 @@ impl Serialize for Whole<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut batch = serializer.serialize_struct("Batch", 4)?;
         batch.serialize_field("version", &VERSION)?;
-        batch.serialize_field("seed", &self.kept.seed())?;
+        batch.serialize_field("instances", &self.sheet.kept.seed().mark())?;
         batch.serialize_field("sandbox", self.sandbox)?;
         batch.serialize_field("grades", &Grades(self))?;
         batch.end()
@@ -168,10 +271,11 @@ struct Grades<'a>(&'a Whole<'a>);
 
 impl Serialize for Grades<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Whole { plan, kept, .. } = self.0;
+        let sheet = self.0.sheet;
+        let plan = sheet.plan;
         let mut grades = serializer.serialize_seq(Some(plan.submissions.len()))?;
         for name in plan.names() {
-            grades.serialize_element(&stored(kept, name).map_err(S::Error::custom)?)?;
+            grades.serialize_element(&sheet.grade(name).map_err(S::Error::custom)?)?;
         }
         grades.end()
     }

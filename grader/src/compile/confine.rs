@@ -16,6 +16,9 @@ use process_wrap::std::ProcessGroup;
 /// How much of its words is kept.
 const KEPT: u64 = 64_000;
 
+/// Address space that a compiler sets aside and does not use, in kilobytes.
+const SET_ASIDE_KB: u64 = 2_000_000;
+
 /// What can stand around a command.
 pub enum Sandbox {
     /// Namespaces of Linux, by bubblewrap.
@@ -118,11 +121,14 @@ impl Limits {
         }
         let Self { processor_seconds, memory_kb, file_kb } = self;
         // At the lower limit of time the signal says so; at the upper one it would be that of
-        // somebody who wants the memory back. The shell counts files in blocks of half a kilobyte.
+        // somebody who wants the memory back. Memory is what a program has written to; what it sets
+        // aside besides, for threads and files, is much more. The shell counts files in blocks of
+        // half a kilobyte.
         let script = format!(
-            "ulimit -c 0; ulimit -S -t {processor_seconds}; ulimit -H -t {}; ulimit -v {memory_kb}; \
-             ulimit -f {}; exec \"$@\"",
+            "ulimit -c 0; ulimit -S -t {processor_seconds}; ulimit -H -t {}; ulimit -d {memory_kb}; \
+             ulimit -v {}; ulimit -f {}; exec \"$@\"",
             2 * processor_seconds,
+            memory_kb + SET_ASIDE_KB,
             2 * file_kb
         );
         ["/bin/sh".into(), "-c".into(), script.into(), "sh".into()].into()

@@ -15,8 +15,10 @@ use super::stamp;
 use crate::repository;
 use toolchain::{TARGET, Toolchain};
 
-/// The crates that an answer may name.
-const NAMED: [&str; 3] = ["exercise_spec", "nalgebra", "vislam"];
+/// The crates that an answer may name, and the names. Of the book's library it has what would be no
+/// answer.
+const NAMED: [(&str, &str); 3] =
+    [("exercise_spec", "exercise_spec"), ("nalgebra", "nalgebra"), ("exercise_library", "vislam")];
 
 /// The compiled libraries, and a place for the work of one run.
 pub struct Kit {
@@ -77,8 +79,9 @@ impl Kit {
                     .map_err(io)?;
                 stamps.insert(format!("{} {}", name.display(), stamp(file)));
                 let of = artifact.target.as_ref().map(|target| target.name.replace('-', "_"));
-                if let Some(known) = NAMED.iter().find(|known| of.as_deref() == Some(**known)) {
-                    named.push((*known, kept.into_os_string()));
+                let known = NAMED.iter().find(|(library, _)| of.as_deref() == Some(*library));
+                if let Some((_, name)) = known {
+                    named.push((*name, kept.into_os_string()));
                 }
             }
         }
@@ -167,7 +170,8 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
     let mut cargo = toolchain.cargo();
     cargo.args(["build", "--quiet", "--locked", "--target", TARGET]);
     // Without the checks, which know what they expect.
-    cargo.args(["--package", "exercise-spec", "--no-default-features"]);
+    cargo.args(["--package", "exercise-spec", "--package", "exercise-library"]);
+    cargo.arg("--no-default-features");
     cargo.args([
         "--message-format",
         "json-render-diagnostics",
@@ -176,6 +180,9 @@ fn compiled(toolchain: &Toolchain) -> Result<Vec<Artifact>, String> {
         // Then answers can use what the library has compiled of nalgebra.
         "--config",
         "profile.dev.package.vislam.opt-level=1",
+        // Names of what is compiled once for a library and an answer say all their types.
+        "--config",
+        "target.wasm32-unknown-unknown.rustflags=['-C', 'symbol-mangling-version=v0']",
         "--target-dir",
     ]);
     cargo.arg(root.join("target/grader")).current_dir(&root);

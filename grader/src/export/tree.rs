@@ -22,7 +22,7 @@ pub fn tree(root: &Path, vendored: bool) -> Result<Tree, String> {
     }
     library(root, &mut tree)?;
     let exercises = exercises(root, &mut tree)?;
-    let members = ["code", "exercises", "exercises/runner", "exercises/spec"];
+    let members = ["code", "exercises", "exercises/library", "exercises/runner", "exercises/spec"];
     let workspace = manifest::workspace(&text(root, "Cargo.toml")?, &members, &tree)?;
     let rust = workspace.rust_version;
     tree.insert("Cargo.toml".to_owned(), workspace.text.into_bytes());
@@ -61,7 +61,7 @@ fn exercises(root: &Path, tree: &mut Tree) -> Result<Vec<String>, String> {
     for path in ["Cargo.toml", "answers.md", "src/main.rs", "tests/exercises.rs"] {
         copy(root, &format!("exercises/{path}"), tree)?;
     }
-    for package in ["runner", "spec"] {
+    for package in ["library", "runner", "spec"] {
         copy(root, &format!("exercises/{package}/Cargo.toml"), tree)?;
         folder(root, &format!("exercises/{package}/src"), tree)?;
     }

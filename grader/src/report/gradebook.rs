@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{NAME, points};
+use super::{NAME, points, state};
 use crate::grade::{Grade, Outcome};
 use crate::text::harmless_line;
 use exercise_spec::Exercise;
@@ -11,13 +11,18 @@ use exercise_spec::Exercise;
 pub struct Gradebook<W: Write> {
     writer: csv::Writer<W>,
     exercises: Vec<&'static str>,
+    /// Names of the columns that tell what became of each exercise.
+    states: Vec<String>,
+    /// Exercises whose answers in words have points.
+    words: Vec<&'static str>,
     /// How many columns of the roster are carried over.
     further: usize,
 }
 
 const BEFORE: [&str; 2] = ["submission", "student"];
 const POINTS: [&str; 2] = ["points", "of"];
-const AFTER: &str = "status";
+/// How late it came, what is left then, the folder as it was handed in, and what became of it.
+const AFTER: [&str; 4] = ["days late", "points after lateness", "folder", "status"];
 
 impl<W: Write> Gradebook<W> {
     /// Begins one with the further columns of the roster and a column for each exercise.
@@ -25,10 +30,19 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn new(to: W, exercises: &[&'static Exercise], further: &[String]) -> csv::Result<Self> {
+    pub fn new(
+        to: W,
+        exercises: &[&'static Exercise],
+        words: &[&'static str],
+        further: &[String],
+    ) -> csv::Result<Self> {
         let mut writer = csv::Writer::from_writer(to);
         let exercises: Vec<&str> = exercises.iter().map(|exercise| exercise.slug).collect();
-        let ours: Vec<&str> = [&BEFORE[..], &POINTS[..], &exercises[..], &[AFTER]].concat();
+        let states: Vec<String> = exercises.iter().map(|slug| format!("{slug} status")).collect();
+        let words_of: Vec<String> = words.iter().map(|slug| format!("{slug} words")).collect();
+        let made = states.iter().chain(&words_of).map(String::as_str);
+        let columns = POINTS.into_iter().chain(exercises.iter().copied()).chain(made).chain(AFTER);
+        let ours: Vec<&str> = BEFORE.into_iter().chain(columns).collect();
         // No two columns have one name.
         let further = further.iter().map(|column| match ours.contains(&column.as_str()) {
             true => format!("roster {column}"),
@@ -40,7 +54,7 @@ impl<W: Write> Gradebook<W> {
         let further = heading.len() - before.len();
         heading.extend(after.iter().map(|name| (*name).to_owned()));
         writer.write_record(heading)?;
-        Ok(Self { writer, exercises, further })
+        Ok(Self { writer, exercises, states, words: words.to_vec(), further })
     }
 
     /// The line of a grade. What could not be graded is an empty cell and never a zero, and so is
@@ -49,7 +63,7 @@ impl<W: Write> Gradebook<W> {
     /// # Errors
     ///
     /// When it cannot be written.
-    pub fn add(&mut self, grade: &Grade, further: &[String]) -> csv::Result<()> {
+    pub fn add(&mut self, grade: &Grade, folder: &str, further: &[String]) -> csv::Result<()> {
         let number = |number: Option<f64>| number.map_or_else(String::new, points);
         let student = grade.student.as_deref().unwrap_or_default();
         let mut row = self.begun(&grade.submission, student, further);
@@ -58,7 +72,16 @@ impl<W: Write> Gradebook<W> {
             let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
             row.push(number(exercise.and_then(|exercise| exercise.earned())));
         }
-        row.push(status(grade));
+        for slug in &self.exercises {
+            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
+            row.push(exercise.map_or_else(String::new, |exercise| state(exercise).to_owned()));
+        }
+        for slug in &self.words {
+            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == *slug);
+            row.push(number(exercise.and_then(|exercise| Some(exercise.words?.earned))));
+        }
+        row.extend([number(grade.late.map(|late| late.days)), number(grade.after_lateness())]);
+        row.extend([cell(folder), status(grade)]);
         self.writer.write_record(row)
     }
 
@@ -75,8 +98,9 @@ impl<W: Write> Gradebook<W> {
         further: &[String],
     ) -> csv::Result<()> {
         let mut row = self.begun(folder, student, further);
-        row.resize(row.len() + POINTS.len() + self.exercises.len(), String::new());
-        row.push("nothing handed in".to_owned());
+        let empty = POINTS.len() + self.exercises.len() + self.states.len() + self.words.len() + 2;
+        row.resize(row.len() + empty, String::new());
+        row.extend([cell(folder), "nothing handed in".to_owned()]);
         self.writer.write_record(row)
     }
 
@@ -114,14 +138,18 @@ fn status(grade: &Grade) -> String {
     status.to_owned()
 }
 
-/// Text that no spreadsheet takes for a formula.
-fn cell(text: &str) -> String {
-    let text = harmless_line(text, NAME);
-    let first = text.trim_start().chars().next();
-    match first {
-        Some('=' | '+' | '-' | '@' | '|' | '%' | '＝' | '＋' | '－' | '＠') => {
-            format!("'{text}")
+/// Text that no spreadsheet takes for a formula, wherever it lets a cell begin: some end one at a
+/// semicolon or a tab.
+pub(crate) fn cell(text: &str) -> String {
+    let mut shown = String::new();
+    let mut begins = true;
+    for letter in harmless_line(text, NAME).chars() {
+        let sign = matches!(letter, '=' | '+' | '-' | '@' | '|' | '%' | '＝' | '＋' | '－' | '＠');
+        if begins && sign {
+            shown.push('\'');
         }
-        _ => text,
+        begins = matches!(letter, ';' | ',' | '|' | '"') || begins && letter.is_whitespace();
+        shown.push(letter);
     }
+    shown
 }

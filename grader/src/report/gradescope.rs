@@ -71,7 +71,7 @@ fn output(grade: &Grade) -> String {
         for exercise in &grade.exercises {
             let title = harmless_line(&exercise.title, NAME);
             lines.extend(exercise.earned().map(|earned| {
-                format!("{title}: {} of {} points", points(earned), points(exercise.points))
+                format!("{title}: {} of {} points", points(earned), points(exercise.of()))
             }));
         }
     }
@@ -85,7 +85,7 @@ fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test
         let earned = exercise.earned();
         return vec![Test {
             score: earned,
-            max_score: earned.map(|_| exercise.points),
+            max_score: earned.map(|_| exercise.of()),
             status: earned.map(|_| "failed"),
             name: title,
             number: number.to_string(),
@@ -99,6 +99,9 @@ fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test
     let test = |(index, check): (usize, &CheckGrade)| {
         let hidden = if check.hidden { " (hidden)" } else { "" };
         let (score, status) = match check.verdict {
+            // Its points are those of a person.
+            Verdict::Passed if exercise.marked.is_some() => (None, Some("passed")),
+            Verdict::Failed if exercise.marked.is_some() => (None, Some("failed")),
             Verdict::Passed => (Some(share(check)), Some("passed")),
             Verdict::Failed => (Some(0.0), Some("failed")),
             Verdict::CouldNotGrade => (None, None),
@@ -112,5 +115,28 @@ fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test
             output: detail.of_check(check).text(),
         }
     };
-    exercise.checks.iter().enumerate().map(test).collect()
+    let mut tests: Vec<Test> = exercise.checks.iter().enumerate().map(test).collect();
+    tests.extend(by_person(exercise, &title, number));
+    tests
+}
+
+/// What a person gave, and what a person says.
+fn by_person(exercise: &ExerciseGrade, title: &str, number: usize) -> Vec<Test> {
+    let comments = harmless(&exercise.comments.join("\n"), SENTENCE);
+    let test = |what: &str, points: Option<(f64, f64)>, place: usize, output: String| Test {
+        score: points.map(|(earned, _)| earned),
+        max_score: points.map(|(_, of)| of),
+        status: None,
+        name: format!("{title}: {what}"),
+        number: format!("{number}.{}", exercise.checks.len() + place),
+        output,
+    };
+    let marked = exercise.marked.map(|earned| (earned, exercise.points));
+    let words = exercise.words.map(|words| (words.earned, words.of));
+    let mut tests = Vec::new();
+    if marked.is_some() || !comments.is_empty() {
+        tests.push(test("your instructor", marked, 1, comments));
+    }
+    tests.extend(words.map(|words| test("in words", Some(words), 2, String::new())));
+    tests
 }

@@ -131,7 +131,7 @@ fn ungraded(name: &str, exercise: &ExerciseGrade) -> TestCase {
     let sentence = format!(
         "could not be graded, which is the grader's fault and no zero: {} ({} points are open)",
         why_not(exercise),
-        points(exercise.points)
+        points(exercise.of())
     );
     let told = Told { sentence, page: String::new() };
     TestCase::new(name, status(NonSuccessKind::Error, "could not grade", &told))

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use exercise_spec::Exercise;
 
 use super::{
-    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, points, who, why_not,
-    words,
+    COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, picture_file, points,
+    reasons, who, words,
 };
+use crate::fly::answer::DECLARATION;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::roster::Differences;
 use crate::text::{harmless, harmless_line};
@@ -53,7 +54,7 @@ fn sentence(text: &str) -> String {
 }
 
 /// Text in a block of code that it cannot leave, indented as a part of a list.
-fn block(text: &str, indent: &str) -> String {
+pub(crate) fn block(text: &str, indent: &str) -> String {
     let text = harmless(text.trim_end(), PAGE);
     let mut longest = 0;
     let mut run = 0;
@@ -73,6 +74,15 @@ fn block(text: &str, indent: &str) -> String {
 pub fn feedback(grade: &Grade, detail: Detail) -> String {
     let mut text = format!("# Feedback for {}\n\n", escaped(&who(grade), NAME));
     text += &total(grade);
+    if let (Some(late), Some(left)) = (grade.late, grade.after_lateness()) {
+        let _ = write!(
+            text,
+            "\nIt came {} days late, for which {} % are taken off: {} points are left.\n",
+            points(late.days),
+            points(late.percent),
+            points(left)
+        );
+    }
     text += "\n| Exercise | Points | Public checks | Hidden checks |\n| --- | --: | --: | --: |\n";
     for exercise in &grade.exercises {
         let _ = writeln!(text, "| {} |", line_of(exercise).join(" | "));
@@ -94,7 +104,7 @@ fn total(grade: &Grade) -> String {
             let earned: f64 = grade.exercises.iter().filter_map(ExerciseGrade::earned).sum();
             let names: Vec<String> =
                 grade.ungraded().map(|exercise| escaped(&exercise.title, NAME)).collect();
-            let open: f64 = grade.ungraded().map(|exercise| exercise.points).sum();
+            let open: f64 = grade.ungraded().map(ExerciseGrade::of).sum();
             format!(
                 "**Not graded in full.** {} of {} points are earned so far; {} of {all} are open: \
                  {}.\n{COULD_NOT_GRADE}\n",
@@ -108,7 +118,7 @@ fn total(grade: &Grade) -> String {
 }
 
 fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
-    let of = points(exercise.points);
+    let of = points(exercise.of());
     let earned = exercise.earned().map_or_else(|| "open".to_owned(), points);
     let count = |hidden: bool| match passed(exercise, hidden) {
         (_, 0) => String::new(),
@@ -127,6 +137,9 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
 
 /// The name of an answer's file as code.
 fn file(exercise: &ExerciseGrade) -> String {
+    if exercise.exercise == crate::fly::run::EXERCISE.slug {
+        return format!("`{DECLARATION}`, with the folders beside it");
+    }
     format!("`{}.rs`", harmless_line(&exercise.exercise, NAME).replace(['`', '|'], ""))
 }
 
@@ -144,23 +157,49 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     while !checks.is_empty() {
         let told = detail.of_check(checks[0]);
         // What would be said over and over is said once.
-        let (same, rest) = checks.into_iter().partition(|check| detail.of_check(check) == told);
-        text += &on_checks(same, &told);
+        let (same, rest): (Vec<_>, Vec<_>) =
+            checks.into_iter().partition(|check| detail.of_check(check) == told);
+        text += &on_checks(&same, &told);
+        let drawn = same.into_iter().filter(|check| detail.picture(check).is_some());
+        for file in drawn.map(|check| picture_file(exercise, check)) {
+            let _ = writeln!(text, "\n  ![Expected and obtained, drawn]({file})");
+        }
         checks = rest;
     }
-    if text.is_empty() || matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+    if matches!(exercise.outcome, Outcome::Missing | Outcome::NotBegun) {
+        text.clear();
+    }
+    text += &by_person(exercise);
+    if text.is_empty() {
         return String::new();
     }
     let title = escaped(&exercise.title, NAME);
     format!("\n## {title}\n\nThe file is {}.\n{text}", file(exercise))
 }
 
-fn on_checks(checks: Vec<&CheckGrade>, told: &Told) -> String {
+/// What a person gave, and what a person says.
+fn by_person(exercise: &ExerciseGrade) -> String {
+    let mut text = String::new();
+    if let Some(marked) = exercise.marked {
+        let (earned, of) = (points(marked), points(exercise.points));
+        let _ = write!(text, "\nYour instructor gave the program {earned} of {of} points.\n");
+    }
+    if let Some(words) = exercise.words {
+        let (earned, of) = (points(words.earned), points(words.of));
+        let _ = write!(text, "\nThe answer in words earns {earned} of {of} points.\n");
+    }
+    for comment in &exercise.comments {
+        let _ = write!(text, "\n{}\n", sentence(comment));
+    }
+    text
+}
+
+fn on_checks(checks: &[&CheckGrade], told: &Told) -> String {
     let name = |check: &CheckGrade| {
         let hidden = if check.hidden { " (hidden)" } else { "" };
         format!("**{}**{hidden}", escaped(&words(&check.name), NAME))
     };
-    let names: Vec<String> = checks.into_iter().map(name).collect();
+    let names: Vec<String> = checks.iter().copied().map(name).collect();
     let mut text = format!("\n- {}", names.join(", "));
     match told.sentence.is_empty() {
         true => text += "\n",
@@ -178,7 +217,8 @@ pub struct Summary {
     exercises: Vec<&'static str>,
     lines: String,
     count: usize,
-    ungraded: String,
+    /// Reasons, and for whose submissions and exercises they hold.
+    ungraded: Vec<(String, Vec<String>)>,
     ungraded_count: usize,
     /// Submissions in which no answer was found.
     empty: Vec<String>,
@@ -194,7 +234,7 @@ impl Summary {
             exercises,
             lines: String::new(),
             count: 0,
-            ungraded: String::new(),
+            ungraded: Vec::new(),
             ungraded_count: 0,
             empty: Vec::new(),
             earned: 0.0,
@@ -232,19 +272,18 @@ impl Summary {
         if self.ungraded_count > LINES / 10 {
             return;
         }
-        for exercise in grade.ungraded() {
-            let _ = writeln!(
-                self.ungraded,
-                "- {}, `{}`: {}",
-                escaped(&who(grade), NAME),
-                exercise.exercise,
-                escaped(&why_not(exercise), SENTENCE)
-            );
+        for (why, exercises) in reasons(grade) {
+            let names: String = exercises.iter().map(|slug| format!(", `{slug}`")).collect();
+            let who = escaped(&who(grade), NAME) + &names;
+            match self.ungraded.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, whose)) => whose.push(who),
+                None => self.ungraded.push((why, vec![who])),
+            }
         }
     }
 
     /// The summary, with what stood around the compiler and where the roster does not agree.
-    pub fn finish(self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+    pub fn finish(self, mark: &str, sandbox: &str, differences: &Differences) -> String {
         let graded = self.count - self.ungraded_count;
         let mut text = format!("# Grades\n\n{}", counted(self.count, "submission"));
         if self.ungraded_count > 0 {
@@ -255,7 +294,7 @@ impl Summary {
             let mean = points(self.earned / graded as f64);
             let _ = write!(text, "The mean is {mean} of {} points. ", points(self.points));
         }
-        let _ = writeln!(text, "The seed is {seed}. {}", escaped(sandbox, SENTENCE));
+        let _ = writeln!(text, "The hidden instances are {mark}. {}", escaped(sandbox, SENTENCE));
         let _ = write!(text, "\n| Submission | Points |");
         for (index, _) in self.exercises.iter().enumerate() {
             let _ = write!(text, " {} |", index + 1);
@@ -270,7 +309,10 @@ impl Summary {
             named.map(|(index, slug)| format!("{} `{slug}`", index + 1)).collect();
         text += &format!("\n{}.\n\n{MARKS}\n", named.join(", "));
         if !self.ungraded.is_empty() {
-            text += &format!("\n## Could not be graded\n\n{}", self.ungraded);
+            text += "\n## Could not be graded\n\n";
+        }
+        for (why, whose) in &self.ungraded {
+            let _ = writeln!(text, "- {}: {}", whose.join("; "), escaped(why, SENTENCE));
         }
         let Differences { unknown, absent, doubtful } = differences;
         let shown = |name: &String| escaped(name, NAME);

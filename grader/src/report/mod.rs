@@ -27,6 +27,8 @@ pub enum Detail {
 pub const COULD_NOT_GRADE: &str = "This could not be graded. The fault is the grader's and costs \
                                    nothing: it is no zero. Your instructor will look at it.";
 
+/// How the machine begins to say why it stopped an answer.
+const STOPPED: &str = "the call was stopped: ";
 /// As long as a sentence may be.
 const SENTENCE: usize = 1_200;
 /// As long as numbers or what a compiler says may be.
@@ -54,11 +56,26 @@ impl Detail {
             (Verdict::Failed, Self::Full) => all(),
             // What an answer says of a hidden check may be the instance itself.
             (Verdict::Failed, Self::Hint) => {
-                Told::new(&rounded(check.quiet.as_ref().unwrap_or(&check.sentence)), "")
+                let sentence = check.quiet.as_ref().unwrap_or(&check.sentence);
+                // What the machine says and the words for a known mistake are the same for all.
+                let known = check.misconception.is_some() || sentence.starts_with(STOPPED);
+                Told::new(&if known { sentence.clone() } else { without_numbers(sentence) }, "")
             }
             (Verdict::Failed, Self::None) => Told::new("", ""),
         }
     }
+
+    /// The picture of a check that a student is shown.
+    pub fn picture(self, check: &CheckGrade) -> Option<&str> {
+        let shown = !check.hidden || self == Self::Full;
+        check.picture.as_deref().filter(|_| shown && check.verdict == Verdict::Failed)
+    }
+}
+
+/// The file of a check's picture, beside the feedback.
+pub fn picture_file(exercise: &ExerciseGrade, check: &CheckGrade) -> String {
+    let name = format!("{}-{}", exercise.exercise, check.name);
+    name.replace(|letter: char| !letter.is_ascii_alphanumeric() && letter != '-', "_") + ".svg"
 }
 
 impl Told {
@@ -97,20 +114,31 @@ impl Told {
     }
 }
 
-/// A sentence in which a number has two digits at most, since an answer may have returned it.
-fn rounded(sentence: &str) -> String {
+/// A sentence without its numbers: an answer may have returned them, or chosen how many it returned.
+/// Digits in a name stay.
+fn without_numbers(sentence: &str) -> String {
     let mut shown = String::new();
-    let mut rest = sentence;
-    while let Some(at) = rest.find(|letter: char| letter.is_ascii_digit()) {
-        let (before, number) = rest.split_at(at);
-        let end = number.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(number.len());
-        let digits = number[..end].trim_end_matches('.');
-        let many = digits.bytes().filter(u8::is_ascii_digit).count() > 2;
-        shown += before;
-        shown += if many { "…" } else { digits };
-        rest = &number[digits.len()..];
+    let mut before = ' ';
+    let mut letters = sentence.chars().peekable();
+    while let Some(letter) = letters.next() {
+        if !letter.is_ascii_digit() || before.is_alphanumeric() || before == '_' {
+            shown.push(letter);
+            before = letter;
+            continue;
+        }
+        let goes_on = |next: &char| next.is_ascii_alphanumeric() || *next == '.';
+        let mut last = letter;
+        while let Some(next) = letters.next_if(goes_on) {
+            last = next;
+        }
+        shown.push('…');
+        // A number does not end in the point that ends a sentence.
+        if last == '.' {
+            shown.push('.');
+        }
+        before = ' ';
     }
-    shown + rest
+    shown
 }
 
 fn capital(sentence: &str) -> String {
@@ -155,10 +183,41 @@ pub fn mark(exercise: &ExerciseGrade) -> String {
     }
 }
 
+/// What became of an exercise, in a word or two.
+pub fn state(exercise: &ExerciseGrade) -> &'static str {
+    match (&exercise.outcome, exercise.earned()) {
+        (_, None) => "could not be graded",
+        (Outcome::Missing, _) => "no file",
+        (Outcome::NotBegun, _) => "not begun",
+        (Outcome::Refused(_), _) => "refused",
+        (Outcome::DoesNotCompile(_), _) => "does not compile",
+        (Outcome::Ran | Outcome::CouldNotGrade(_), _) => "graded",
+    }
+}
+
 /// What the marks mean.
 pub const MARKS: &str = "A dash is no file, n is the skeleton as it was, c does not compile, r was \
                          refused: these earn 0. A question mark could not be graded, which is no \
                          0: a person must look.";
+
+/// Why a submission could not be graded: each reason once, with the exercises that it holds for,
+/// or with none when it holds for all.
+pub fn reasons(grade: &Grade) -> Vec<(String, Vec<&str>)> {
+    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+    for exercise in grade.ungraded() {
+        let why = why_not(exercise);
+        match reasons.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, exercises)) => exercises.push(&exercise.exercise),
+            None => reasons.push((why, vec![&exercise.exercise])),
+        }
+    }
+    for (_, exercises) in &mut reasons {
+        if exercises.len() == grade.exercises.len() {
+            exercises.clear();
+        }
+    }
+    reasons
+}
 
 /// Why an exercise could not be graded, for whoever runs the grader.
 pub fn why_not(exercise: &ExerciseGrade) -> String {

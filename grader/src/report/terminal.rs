@@ -9,7 +9,7 @@ use comfy_table::{
 use exercise_spec::Exercise;
 
 use super::markdown::counted;
-use super::{MARKS, SENTENCE, mark, passed, points, who, why_not, words};
+use super::{MARKS, SENTENCE, mark, passed, points, reasons, who, words};
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::roster::Differences;
 use crate::text::harmless_line;
@@ -85,12 +85,12 @@ impl Terminal {
             self.empty.push(name(grade));
         }
         if self.ungraded.len() <= LINES {
-            self.ungraded.extend(reasons(grade));
+            self.ungraded.extend(lines_of(grade));
         }
     }
 
     /// The table and what is to be said below it.
-    pub fn finish(mut self, seed: u64, sandbox: &str, differences: &Differences) -> String {
+    pub fn finish(mut self, mark: &str, sandbox: &str, differences: &Differences) -> String {
         let mut text = match self.alone.take() {
             Some(grade) => one(&grade),
             None => self.many(),
@@ -104,7 +104,7 @@ impl Terminal {
             text += &listed(&self.empty);
         }
         text += &on_roster(differences);
-        let _ = write!(text, "\n{}", wrapped(&format!("Seed {seed}. {sandbox}"), ""));
+        let _ = write!(text, "\n{}", wrapped(&format!("Hidden instances {mark}. {sandbox}"), ""));
         text
     }
 
@@ -157,7 +157,7 @@ fn one(grade: &Grade) -> String {
         let earned = exercise.earned().map_or_else(|| "?".to_owned(), points);
         table.add_row(vec![
             harmless_line(&exercise.exercise, usize::from(NAME)),
-            format!("{earned} of {}", points(exercise.points)),
+            format!("{earned} of {}", points(exercise.of())),
             count(false),
             count(true),
             remark(exercise),
@@ -179,20 +179,13 @@ fn one(grade: &Grade) -> String {
     text
 }
 
-/// Why a submission could not be graded: a line for each exercise, or one when all have one reason.
-fn reasons(grade: &Grade) -> Vec<String> {
-    let whole = |why: &String| {
-        grade.ungraded().count() == grade.exercises.len()
-            && grade.ungraded().all(|exercise| why_not(exercise) == *why)
+/// Why a submission could not be graded: a line for each reason.
+fn lines_of(grade: &Grade) -> Vec<String> {
+    let line = |(why, exercises): (String, Vec<&str>)| {
+        let names: String = exercises.iter().map(|slug| format!(", {slug}")).collect();
+        harmless_line(&format!("{}{names}: {why}", who(grade)), SENTENCE)
     };
-    if let Some(why) = grade.ungraded().next().map(why_not).filter(whole) {
-        return vec![harmless_line(&format!("{}: {why}", who(grade)), SENTENCE)];
-    }
-    let line = |exercise: &ExerciseGrade| {
-        let line = format!("{}, {}: {}", who(grade), exercise.exercise, why_not(exercise));
-        harmless_line(&line, SENTENCE)
-    };
-    grade.ungraded().map(line).collect()
+    reasons(grade).into_iter().map(line).collect()
 }
 
 fn remark(exercise: &ExerciseGrade) -> String {

@@ -1,9 +1,15 @@
 //! Items of the libraries that are the answer.
+//!
+//! Of the book's library answers are linked with a part that does not have them. What is said here
+//! is said before a compiler says less.
 
-use super::names::Root;
 use super::tokens::Tokens;
 
-/// Where an answer calls them, with the lines. What it calls so itself is no such item.
+/// Words before the name of an item.
+const ITEMS: &[&str] =
+    &["as", "const", "enum", "fn", "mod", "static", "struct", "trait", "type", "union"];
+
+/// Where an answer calls them, or something of its own by their names, with the lines.
 pub fn findings(tokens: &Tokens, items: &[&str]) -> Vec<(usize, String)> {
     let reaches = |at: &usize| items.contains(&tokens.word(*at)) && !tokens.place(*at).test;
     let finding = |at: usize| Some((tokens.line(at), finding(tokens, at)?));
@@ -12,6 +18,12 @@ pub fn findings(tokens: &Tokens, items: &[&str]) -> Vec<(usize, String)> {
 
 fn finding(tokens: &Tokens, at: usize) -> Option<String> {
     let name = tokens.word(at);
+    if is_given(tokens, at) {
+        return Some(format!(
+            "`{name}` is what the library calls something that does what this exercise asks for, \
+                and nothing of yours may have its name. Give it another one."
+        ));
+    }
     if is_the_librarys(tokens, at, name) {
         return Some(format!(
             "`{name}` of the library does what this exercise asks for. Write it yourself, of the \
@@ -19,7 +31,7 @@ fn finding(tokens: &Tokens, at: usize) -> Option<String> {
         ));
     }
     let hidden = tokens.place(at).in_macro() && !tokens.follows(at, '$');
-    (hidden && !tokens.names().has(name)).then(|| {
+    hidden.then(|| {
         format!(
             "`{name}` stands in a macro of yours, and the library has a `{name}` that does what \
                 this exercise asks for. If this is something else, give it another name."
@@ -27,23 +39,21 @@ fn finding(tokens: &Tokens, at: usize) -> Option<String> {
     })
 }
 
+/// Whether an item of the file gets its name here.
+fn is_given(tokens: &Tokens, at: usize) -> bool {
+    let before = |back: usize| at.checked_sub(back).map_or("", |at| tokens.keyword(at));
+    ITEMS.contains(&before(1)) || before(2) == "macro_rules"
+}
+
 fn is_the_librarys(tokens: &Tokens, at: usize, name: &str) -> bool {
-    let names = tokens.names();
-    let is_own = || names.root(tokens, at) != Root::Foreign && names.has(name);
-    if tokens.place(at).import.is_some() {
-        let is_given_here = at > 0 && tokens.keyword(at - 1) == "as";
-        return !is_given_here && !is_own();
-    }
-    if tokens.follows_path(at) {
-        return !names.has_type(tokens.word(at.saturating_sub(3))) && !is_own();
+    if tokens.place(at).import.is_some() || tokens.follows_path(at) {
+        return true;
     }
     let (called, leads) = (tokens.is(at + 1, '('), tokens.separates(at + 1));
     if tokens.follows(at, '.') {
-        return (called || leads) && !names.has_function(name);
+        return called || leads;
     }
-    if names.has(name) {
-        return false;
-    }
+    let names = tokens.names();
     let is_type = name.starts_with(char::is_uppercase);
     names.all_of_vislam && called || names.all_of_foreign && (leads || is_type)
 }

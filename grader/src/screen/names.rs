@@ -56,18 +56,8 @@ impl Names {
     }
 
     /// Whether the file has an item of this name.
-    pub fn has(&self, name: &str) -> bool {
+    fn has(&self, name: &str) -> bool {
         self.functions.contains(name) || self.types.contains(name) || self.modules.contains(name)
-    }
-
-    /// Whether the file has a function or method of this name.
-    pub fn has_function(&self, name: &str) -> bool {
-        self.functions.contains(name)
-    }
-
-    /// Whether a type or trait of the file has this name, or it is the one around.
-    pub fn has_type(&self, name: &str) -> bool {
-        name == "Self" || self.types.contains(name)
     }
 
     /// Where a path begins that leads to this word.

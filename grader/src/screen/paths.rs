@@ -1,6 +1,6 @@
 //! Paths that lead out of an answer.
 
-use exercise_spec::EXERCISES;
+use exercise_spec::{EXERCISES, exercise};
 
 use super::tokens::Tokens;
 
@@ -22,12 +22,15 @@ const EMPTY: &[(&str, &str)] = &[
     ),
 ];
 
-/// What it names and may not, with the lines.
-pub fn findings(tokens: &Tokens) -> Vec<(usize, String)> {
+/// Modules of what declares the exercises that several of them share.
+const SHARED: &[&str] = &["camera", "navigation"];
+
+/// What an answer to an exercise names and may not, with the lines.
+pub fn findings(tokens: &Tokens, slug: &str) -> Vec<(usize, String)> {
     let at_line = |at: usize| {
         let sentences = match tokens.word(at) {
             "std" | "core" => library(tokens, at),
-            "exercise_spec" => declaration(tokens, at),
+            "exercise_spec" => declaration(tokens, at, slug),
             "crate" => whole(tokens, at),
             "super" => above(tokens, at),
             _ => Vec::new(),
@@ -46,10 +49,18 @@ fn library(tokens: &Tokens, at: usize) -> Vec<String> {
 }
 
 /// The types of arguments and outputs may be taken of what declares the exercise. What is behind
-/// its checks knows what they expect.
-fn declaration(tokens: &Tokens, at: usize) -> Vec<String> {
+/// its checks knows what they expect, and types of other exercises may do what this one asks for.
+fn declaration(tokens: &Tokens, at: usize, slug: &str) -> Vec<String> {
+    let own = exercise(slug);
+    let is_own = |name: &str| own.is_some_and(|it| it.types.contains(&name));
     let is_type = |name: &str| EXERCISES.iter().any(|it| it.types.contains(&name));
-    let allowed = |path: &Vec<String>| path.get(1).is_some_and(|name| is_type(name));
+    // The camera that exercises share is the library's, with all that it does.
+    let shares = own.is_some_and(|it| !it.forbidden.contains(&"jacobians"));
+    let allowed = |path: &Vec<String>| match path.as_slice() {
+        [module, name, ..] if module == slug => is_own(name),
+        [module, name, ..] => shares && SHARED.contains(&module.as_str()) && is_type(name),
+        _ => false,
+    };
     let paths = paths(tokens, at, 3);
     if !tokens.place(at).in_macro() && !paths.is_empty() && paths.iter().all(allowed) {
         return Vec::new();

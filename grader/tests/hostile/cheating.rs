@@ -8,7 +8,7 @@ use exercise_spec::left_perturbation::{EXERCISE, Functions};
 use exercise_spec::scale_and_gravity;
 use solutions::left_perturbation as known;
 
-use crate::corpus::Want::{Refused, Runs};
+use crate::corpus::Want::{DoesNotCompile, Refused, Runs};
 use crate::corpus::{
     ALONG, FILL, Hostile, LEFT, every, right, right_after, right_and, row, skeleton, with_body,
 };
@@ -23,6 +23,7 @@ pub fn all() -> Vec<Hostile> {
     all.extend(values());
     all.extend(agreeing());
     all.extend(guessing());
+    all.extend(differencing());
     for exercise in exercise_spec::EXERCISES {
         let name = format!("says the same to {}", exercise.slug).leak();
         all.push(row(name, exercise.slug, constant(exercise.slug, "1e-300"), Runs(0.0), ""));
@@ -200,6 +201,76 @@ fn asking_the_library() -> Vec<Hostile> {
             "`Kernel` of the library",
         ),
         row(
+            "asks the library with a dead method of that name",
+            LEFT,
+            every(
+                LEFT,
+                "camera.pinhole().jacobians(&camera_from_world, &point_in_world).unwrap()",
+                "struct Dead; impl Dead { fn jacobians(&self) {} }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "asks another module with a dead type of that name",
+            LEFT,
+            right_and(
+                LEFT,
+                "#[allow(non_camel_case_types)] struct factors; use vislam::factors::*;",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "asks the library with a dead macro of that name",
+            LEFT,
+            every(
+                LEFT,
+                "camera.pinhole().project_with_jacobians(&camera_from_world, &point_in_world)",
+                "macro_rules! project_with_jacobians { () => {} }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "takes the camera of another exercise",
+            LEFT,
+            right_and(LEFT, "use exercise_spec::outlier_rescue::Camera as Whole;"),
+            Refused,
+            "an answer takes the types of its arguments from it",
+        ),
+        row(
+            "factorizes with a dead method of that name",
+            "null_space",
+            right_and(
+                "null_space",
+                "trait Dead { fn qr(self); } fn f(m: DMatrix<f64>) { m.qr(); }",
+            ),
+            Refused,
+            "nothing of yours may have its name",
+        ),
+        row(
+            "takes a null space from least squares",
+            "null_space",
+            right_and("null_space", "use vislam::least_squares::NullSpace;"),
+            Refused,
+            "`least_squares` of the library",
+        ),
+        row(
+            "asks a module that nobody has listed",
+            "null_space",
+            right_and("null_space", "use vislam::smoother as known;"),
+            DoesNotCompile,
+            "smoother",
+        ),
+        row(
+            "takes the library's camera by its path",
+            LEFT,
+            right_and(LEFT, "use vislam::reprojection::Pinhole;"),
+            DoesNotCompile,
+            "Pinhole",
+        ),
+        row(
             "asks the library",
             LEFT,
             every(
@@ -360,6 +431,83 @@ fn guessing() -> Vec<Hostile> {
         row("gives zeros where something is left", "null_space", zeros, Runs(0.0), ""),
         row("knows the first slide of a row", FILL, first, Runs(0.125), ""),
         row("chooses what begins with a zero", FILL, zero, Runs(0.0), ""),
+    ]
+}
+
+/// Differences of the fourth order, as the public checks take them, where a derivative is asked for.
+fn differencing() -> Vec<Hostile> {
+    let forward = "    let moved = |step: f64| {
+        let z = Vector3::new(0.0, 0.0, -step);
+        PROJECTED
+    };
+    let (near, far) = (moved(H) - moved(-H), moved(2.0 * H) - moved(-2.0 * H));
+    (8.0 * near - far) / (12.0 * H)";
+    let jacobian = "    Matrix2x6::from_columns(&[0, 1, 2, 3, 4, 5].map(|axis| {
+        let pixel = |step: f64| {
+            let xi = nalgebra::Vector6::ith(axis, step);
+            let moved = vislam::manifold::se3::exp(&xi) * camera_from_world;
+            PROJECTED
+        };
+        let (near, far) = (pixel(H) - pixel(-H), pixel(2.0 * H) - pixel(-2.0 * H));
+        (8.0 * near - far) / (12.0 * H)
+    }))";
+    let answer = |turned: &str, shifted: &str| {
+        let jacobian = jacobian.replace("PROJECTED", turned);
+        let text = with_body(&skeleton(LEFT), "left_pose_jacobian", &jacobian);
+        let text = with_body(&text, "forward_motion", &forward.replace("PROJECTED", shifted));
+        text + "\nconst H: f64 = 2e-4;\n"
+    };
+    let of_the_library = answer(
+        "camera.pinhole().project(&moved, &point_in_world).unwrap_or_default()",
+        "camera.pinhole().project_cam(&(point_in_camera + z)).unwrap_or_default()",
+    );
+    let by_hand = |cx: &str, cy: &str| {
+        let at = |point: &str| {
+            format!(
+                "let p = {point};
+            Vector2::new(camera.fx * p.x / p.z + {cx}, camera.fy * p.y / p.z + {cy})"
+            )
+        };
+        answer(&at("moved * nalgebra::Point3::from(point_in_world)"), &at("point_in_camera + z"))
+    };
+    let residual = with_body(
+        &right("residual_jacobian"),
+        "by_first",
+        "    const H: f64 = 1e-3;
+    let moved = |axis: usize, size: f64| {
+        let step = size * Vector3::ith(axis % 3, 1.0);
+        let turn = first.world_from_body;
+        let first = match axis / 3 {
+            0 => State { world_from_body: so3::retract(&turn, &step), ..first },
+            1 => State { velocity: first.velocity + turn * step, ..first },
+            _ => State { position: first.position + turn * step, ..first },
+        };
+        residual(deltas, first, second, gravity)
+    };
+    Matrix9::from_columns(&[0, 1, 2, 3, 4, 5, 6, 7, 8].map(|axis| {
+        let near = moved(axis, H) - moved(axis, -H);
+        let far = moved(axis, 2.0 * H) - moved(axis, -2.0 * H);
+        (8.0 * near - far) / (12.0 * H)
+    }))",
+    );
+    let told = "it was differenced. A derivative is asked for.";
+    vec![
+        row("differences the library's projection", LEFT, of_the_library, Runs(0.0), told),
+        row("differences a projection", LEFT, by_hand("camera.cx", "camera.cy"), Runs(0.0), told),
+        row(
+            "differences a projection without its principal point",
+            LEFT,
+            by_hand("0.0", "0.0"),
+            Runs(0.0),
+            told,
+        ),
+        row(
+            "differences a residual",
+            "residual_jacobian",
+            residual,
+            Runs(4.0 / 7.0),
+            "it was differenced. A derivative is asked for",
+        ),
     ]
 }
 

@@ -55,6 +55,31 @@ fn running() -> Vec<Hostile> {
             NO_END,
         ),
         row(
+            "reads memory where no cache has it",
+            FEW,
+            every(
+                FEW,
+                "leap()",
+                "fn leap<T>() -> T {\n    let much = vec![1_usize; 48 << 20];\n    let mut at = 1;\n    \
+                 loop { at = at.wrapping_mul(1_664_525).wrapping_add(much[at] + 1_013_904_223) % (48 << 20); \
+                 std::hint::black_box(at); }\n}",
+            ),
+            Runs(0.0),
+            "more time, in all its checks, than an answer may",
+        ),
+        row(
+            "asks again and again for memory that there is not",
+            FEW,
+            every(
+                FEW,
+                "ask()",
+                "fn ask<T>() -> T {\n    loop { let _ = \
+                 std::hint::black_box(Vec::<u8>::new().try_reserve(1 << 30)); }\n}",
+            ),
+            Runs(0.0),
+            "more time, in all its checks, than an answer may",
+        ),
+        row(
             "asks for the time",
             FEW,
             every(FEW, "{ let begun = std::time::Instant::now(); loop { begun.elapsed(); } }", ""),

@@ -21,9 +21,11 @@ use corpus::{Hostile, Made, Want, put, right};
 use exercise_spec::EXERCISES;
 use exercise_spec::answer::{Fault, Transport};
 use grader::batch::{self, Order};
+use grader::budget::Running;
 use grader::grade::{Batch, ExerciseGrade, Grade, Outcome, Verdict};
 use grader::machine::{Machine, STEPS};
 use grader::report::Detail;
+use grader::seed::Seed;
 use grader::submission::find;
 use grader::text::harmless;
 
@@ -90,12 +92,14 @@ fn order(root: &Path, out: &Path) -> Order {
         submissions: vec![root.to_owned()],
         single: false,
         exercises: Vec::new(),
-        seed: Some(20_261_121),
+        seed: Some(Seed::new(20_261_121)),
         detail: Detail::Full,
         out: out.to_owned(),
         roster: None,
+        marks: None,
         points: None,
         jobs: None,
+        memory: None,
     }
 }
 
@@ -271,7 +275,7 @@ fn a_module_that_asks_for_too_much_does_not_begin() {
     let refused = |bytes: &[u8]| machine.load(&module(bytes)).err().expect("refused");
     // One memory of 5000 pages, which are 312 MB.
     let program = machine.load(&module(&[5, 4, 1, 0, 0x88, 0x27])).expect("a module");
-    let answer = program.answer(0, STEPS);
+    let answer = program.answer(0, STEPS, &Running::new().of_answer());
     let too_much = "it needs more memory than the 256 MB it may have".to_owned();
     assert_eq!(answer.call(0, &[]), Err(Fault::Stopped(too_much)));
     assert_eq!(answer.unjust(), None);

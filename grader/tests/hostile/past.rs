@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use exercise_spec::exercise;
 use grader::grade::Outcome;
 use grader::judge::Judge;
+use grader::memory::Memory;
 use grader::points::Points;
+use grader::seed::Seed;
 
-use crate::corpus::{LEFT, every, right_and};
+use crate::corpus::{LEFT, every, right, right_and};
 use crate::{COMPILING, left_behind};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +77,30 @@ fn texts() -> Vec<(&'static str, String, End)> {
         ),
         ("", and("pub use exercise_spec::left_perturbation::differences;"), End::DoesNotCompile),
         (
+            "no method named `jacobians`",
+            every(
+                LEFT,
+                "camera.pinhole().jacobians(&camera_from_world, &point_in_world).unwrap()",
+                "",
+            ),
+            End::DoesNotCompile,
+        ),
+        (
+            "no method named `project_with_jacobians`",
+            and("macro_rules! ask { ($a:expr, $b:ident) => { $a.$b() } } pub fn x(c: Camera) { \
+                    ask!(c.pinhole(), project_with_jacobians); }"),
+            End::DoesNotCompile,
+        ),
+        ("least_squares", and("pub use vislam::least_squares::NullSpace;"), End::DoesNotCompile),
+        ("simulation", and("pub type X = vislam::simulation::Scene;"), End::DoesNotCompile),
+        ("Pinhole", and("pub use vislam::reprojection::Pinhole;"), End::DoesNotCompile),
+        (
+            "no method named `jacobians`",
+            and("pub trait Dead { fn project(&self); } pub fn x(c: Camera) { \
+                    std::convert::identity(c.pinhole()).jacobians(); }"),
+            End::DoesNotCompile,
+        ),
+        (
             "unsafe_code",
             and("pub fn x() -> u8 { unsafe { *(8 as *const u8) } }"),
             End::DoesNotCompile,
@@ -132,7 +158,8 @@ fn what_gets_past_the_screen_meets_other_walls() {
     let _alone = COMPILING.lock().unwrap_or_else(|held| held.into_inner());
     let points = Points::read(&grader::repository().join("grader/points.toml")).expect("points");
     let exercises: Vec<_> = exercise(LEFT).into_iter().collect();
-    let judge = Judge::prepare(points, 7, &exercises).expect("a judge");
+    let memory = Memory::of(None).expect("enough memory");
+    let judge = Judge::prepare(points, Seed::new(7), &exercises, memory).expect("a judge");
     for (says, text, end) in texts() {
         let graded = judge.grade_texts(&BTreeMap::from([(LEFT, text.clone())]));
         let (outcome, earned) = (&graded[0].outcome, graded[0].earned());
@@ -148,4 +175,54 @@ fn what_gets_past_the_screen_meets_other_walls() {
         assert!(as_expected, "{new}: {end:?} {says:?} was expected; {outcome:?}, {earned:?}");
     }
     assert_eq!(left_behind(), Vec::<String>::new());
+}
+
+/// Factorizations of nalgebra where rows are to be turned by hand, and what is allowed there.
+#[test]
+fn a_factorization_is_found_in_the_module_however_it_is_called() {
+    let _alone = COMPILING.lock().unwrap_or_else(|held| held.into_inner());
+    let points = Points::read(&grader::repository().join("grader/points.toml")).expect("points");
+    let slugs = ["null_space", "square_root_prior"];
+    let exercises: Vec<_> = slugs.into_iter().filter_map(exercise).collect();
+    let memory = Memory::of(None).expect("memory");
+    let judge = Judge::prepare(points, Seed::new(5), &exercises, memory).expect("a judge");
+    let by = |slug: &str, function: &str, statement: &str| {
+        let text = right(slug);
+        let begin = text.find(&format!("pub fn {function}(")).expect("a function");
+        let body = begin + text[begin..].find("{\n").expect("a body") + 2;
+        format!("{}{statement}\n{}", &text[..body], &text[body..])
+    };
+    let projected = |statement: &str| by("null_space", "project_out", statement);
+    let slid = |statement: &str| by("square_root_prior", "slide", statement);
+    let in_a_macro = "macro_rules! ask { ($a:expr, $b:ident) => { $a.$b() } }
+    let _ = ask!(by_landmark.clone(), qr).r();";
+    for (slug, text, name) in [
+        ("null_space", projected("let _ = by_landmark.clone().qr().q();"), "qr"),
+        ("null_space", projected(in_a_macro), "qr"),
+        (
+            "null_space",
+            projected("let _ = nalgebra::FullPivLU::new(by_landmark.clone()).l();"),
+            "FullPivLU",
+        ),
+        ("null_space", projected("let _ = by_landmark.clone().svd(true, false).u;"), "svd"),
+        ("square_root_prior", slid("let _ = rows.clone().qr().unpack();"), "qr"),
+        ("square_root_prior", slid("let _ = rows.clone().col_piv_qr().r();"), "col_piv_qr"),
+    ] {
+        let grades = judge.grade_texts(&BTreeMap::from([(slug, text.clone())]));
+        let grade = grades.iter().find(|grade| grade.exercise == slug).expect("a grade");
+        let told = format!("contains nalgebra's `{name}`");
+        assert!(
+            matches!(&grade.outcome, Outcome::Refused(why) if why.contains(&told)),
+            "{text}: {:?}",
+            grade.outcome
+        );
+    }
+    let allowed =
+        "let (square, _) = (by_landmark.tr_mul(&by_landmark), by_landmark.singular_values());
+    let _ = (square.symmetric_eigenvalues(), square.clone().cholesky(), square.try_inverse());";
+    for (slug, text) in [("null_space", projected(allowed)), ("square_root_prior", slid(""))] {
+        let grades = judge.grade_texts(&BTreeMap::from([(slug, text)]));
+        let grade = grades.iter().find(|grade| grade.exercise == slug).expect("a grade");
+        assert_eq!(grade.earned(), Some(10.0), "{slug}: {:?}", grade.outcome);
+    }
 }

@@ -11,6 +11,7 @@ use grader::batch::{Judging, Order};
 use grader::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use grader::points::Points;
 use grader::report::Detail;
+use grader::seed::Seed;
 use grader::submission::{Submission, collect};
 
 /// Names and sentences as somebody might hand them in who wishes a report ill.
@@ -56,6 +57,7 @@ pub fn check(name: &str, hidden: bool, verdict: Verdict) -> CheckGrade {
             String::new()
         },
         misconception: failed.then(|| "skew_sign".to_owned()),
+        picture: None,
     }
 }
 
@@ -63,7 +65,16 @@ pub fn check(name: &str, hidden: bool, verdict: Verdict) -> CheckGrade {
 pub fn exercise(index: usize, outcome: Outcome, checks: Vec<CheckGrade>) -> ExerciseGrade {
     let Exercise { slug, title, .. } = EXERCISES[index];
     let (exercise, title) = ((*slug).to_owned(), (*title).to_owned());
-    ExerciseGrade { exercise, title, outcome, points: 10.0, checks }
+    ExerciseGrade {
+        exercise,
+        title,
+        outcome,
+        points: 10.0,
+        checks,
+        marked: None,
+        words: None,
+        comments: Vec::new(),
+    }
 }
 
 pub fn grade(submission: &str, exercises: Vec<ExerciseGrade>) -> Grade {
@@ -72,6 +83,7 @@ pub fn grade(submission: &str, exercises: Vec<ExerciseGrade>) -> Grade {
         student: None,
         key: "key".to_owned(),
         notices: Vec::new(),
+        late: None,
         exercises,
     }
 }
@@ -134,6 +146,9 @@ pub fn hostile(text: &str) -> Grade {
     grade
 }
 
+/// The seed of orders.
+pub const SEED: Seed = Seed::new(7);
+
 /// Folders of submissions, each with one answer.
 pub fn submissions(folder: &Path, answers: &[(&str, &str)]) -> PathBuf {
     let path = folder.join("submissions");
@@ -154,19 +169,21 @@ pub fn order(submissions: &Path, out: &Path) -> Order {
         submissions: vec![submissions.to_owned()],
         single: false,
         exercises: vec![EXERCISES[0].slug.to_owned(), EXERCISES[1].slug.to_owned()],
-        seed: Some(7),
+        seed: Some(SEED),
         detail: Detail::Hint,
         out: out.to_owned(),
         roster: None,
+        marks: None,
         points: None,
         jobs: Some(2),
+        memory: None,
     }
 }
 
 /// A judge that rolls dice by the answer and the seed, and does what the answer asks it to:
 /// `panic`, `cannot`, or `abort`.
 pub struct StandIn {
-    pub seed: u64,
+    pub seed: Seed,
     pub points: Points,
     pub exercises: Vec<&'static Exercise>,
     pub canaries: Result<(), String>,
@@ -179,7 +196,7 @@ pub struct StandIn {
 }
 
 impl StandIn {
-    pub fn new(points: Points, seed: u64, exercises: &[&'static Exercise]) -> Self {
+    pub fn new(points: Points, seed: Seed, exercises: &[&'static Exercise]) -> Self {
         Self {
             seed,
             points,
@@ -219,7 +236,7 @@ impl Judging for StandIn {
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
         let slugs: Vec<&str> = self.exercises.iter().map(|exercise| exercise.slug).collect();
-        Ok(format!("{}/{}/{}", Self::answer(submission)?, self.seed, slugs.join(",")))
+        Ok(format!("{}/{}/{}", Self::answer(submission)?, self.seed.text(), slugs.join(",")))
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
@@ -233,6 +250,9 @@ impl Judging for StandIn {
         }
         let answer = Self::answer(submission).unwrap_or_else(|_| "cannot".to_owned());
         assert_ne!(answer, "panic", "a judge that panics");
+        if answer == "abort" {
+            std::process::abort();
+        }
         let exercises = self.exercises.iter().map(|exercise| {
             let check =
                 |name: &str, hidden| check(name, hidden, self.dice(&answer, exercise.slug, name));
@@ -244,6 +264,9 @@ impl Judging for StandIn {
                 outcome: Outcome::Ran,
                 points: self.points.of(exercise.slug),
                 checks: public.chain(names.iter().map(|name| check(name, true))).collect(),
+                marked: None,
+                words: None,
+                comments: Vec::new(),
             }
         });
         Grade {
@@ -251,6 +274,7 @@ impl Judging for StandIn {
             student,
             key: self.key(submission).unwrap_or_default(),
             notices: Vec::new(),
+            late: None,
             exercises: exercises.collect(),
         }
     }

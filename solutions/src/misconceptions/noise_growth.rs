@@ -26,6 +26,9 @@ pub fn wrong() -> Vec<Wrong> {
     let covariance = |misconception, next_covariance| {
         Wrong::new(misconception, Functions { next_covariance, ..REFERENCE })
     };
+    let whole = |misconception, covariance_of| {
+        Wrong::new(misconception, Functions { covariance_of, ..REFERENCE })
+    };
     let exponents = |misconception, predicted_exponents| {
         Wrong::new(misconception, Functions { predicted_exponents, ..REFERENCE })
     };
@@ -54,6 +57,17 @@ pub fn wrong() -> Vec<Wrong> {
             f.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
             let tilted = -dt * dt * force * so3::right_jacobian(&(dt * reading.gyro));
             g.fixed_view_mut::<3, 3>(3, 0).copy_from(&tilted);
+            (f, g)
+        }),
+        step(&LEAK_NOT_TURNED, |reading, dt| {
+            let (mut f, g) = right::error_step(reading, dt);
+            f.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-dt * so3::hat(&reading.force)));
+            (f, g)
+        }),
+        step(&LEAK_WITHOUT_STEP, |reading, dt| {
+            let (mut f, g) = right::error_step(reading, dt);
+            let back = so3::exp(&(-dt * reading.gyro)).into_inner();
+            f.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-back * so3::hat(&reading.force)));
             (f, g)
         }),
         step(&RIGHT_JACOBIAN_FORGOTTEN, |reading, dt| {
@@ -89,21 +103,29 @@ pub fn wrong() -> Vec<Wrong> {
         covariance(&DENSITY_TIMES_STEP, |before, reading, dt, densities| {
             next(&before, &reading, dt, &densities, dt)
         }),
+        covariance(&ONE_DENSITY, |before, reading, dt, densities| {
+            let one = Densities { accelerometer: densities.gyro, ..densities };
+            right::next_covariance(before, reading, dt, one)
+        }),
+        covariance(&ONE_DENSITY, |before, reading, dt, densities| {
+            let one = Densities { gyro: densities.accelerometer, ..densities };
+            right::next_covariance(before, reading, dt, one)
+        }),
+        whole(&ONE_DENSITY, |readings, dt, densities| {
+            let one = Densities { accelerometer: densities.gyro, ..densities };
+            right::covariance_of(readings, dt, one)
+        }),
         covariance(&TRANSPOSED_PROPAGATION, |before, reading, dt, densities| {
             let (f, _) = right::error_step(reading, dt);
             f.transpose() * before * f
                 + right::next_covariance(Matrix6::zeros(), reading, dt, densities)
         }),
-        Wrong::new(
-            &REVERSED_READINGS,
-            Functions {
-                covariance_of: |readings, dt, densities| {
-                    let reversed = readings.into_iter().rev().collect();
-                    right::covariance_of(reversed, dt, densities)
-                },
-                ..REFERENCE
-            },
-        ),
+        whole(&REVERSED_READINGS, |readings, dt, densities| {
+            right::covariance_of(readings.into_iter().rev().collect(), dt, densities)
+        }),
+        whole(&FIRST_READING_REUSED, |readings, dt, densities| {
+            right::covariance_of(vec![readings[0]; readings.len()], dt, densities)
+        }),
         exponents(&NOISE_AS_BIAS, |source| {
             let (attitude, velocity, position) = match source {
                 Source::Accelerometer => (None, Some(1.0), Some(2.0)),
@@ -132,6 +154,12 @@ pub fn wrong() -> Vec<Wrong> {
         fit(&ENDS_ONLY, |durations, sigmas| {
             let ratio = |list: &[f64]| (list[list.len() - 1] / list[0]).ln();
             ratio(&sigmas) / ratio(&durations)
+        }),
+        fit(&THROUGH_THE_ORIGIN, |durations, sigmas| {
+            let logs: Vec<_> =
+                durations.iter().zip(&sigmas).map(|(t, s)| (t.ln(), s.ln())).collect();
+            let products: f64 = logs.iter().map(|(x, y)| x * y).sum();
+            products / logs.iter().map(|(x, _)| x * x).sum::<f64>()
         }),
     ]
 }

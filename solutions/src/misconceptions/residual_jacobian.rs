@@ -138,6 +138,24 @@ pub fn wrong() -> Vec<Wrong> {
             }
             jacobian
         }),
+        jacobian(&DIFFERENCED, |deltas, first, second, gravity| {
+            const H: f64 = 1e-3;
+            let moved = |axis: usize, size: f64| {
+                let step = size * Vector3::ith(axis % 3, 1.0);
+                let turn = first.world_from_body;
+                let first = match axis / 3 {
+                    0 => State { world_from_body: so3::retract(&turn, &step), ..first },
+                    1 => State { velocity: first.velocity + turn * step, ..first },
+                    _ => State { position: first.position + turn * step, ..first },
+                };
+                right::residual(deltas, first, second, gravity)
+            };
+            Matrix9::from_columns(&[0, 1, 2, 3, 4, 5, 6, 7, 8].map(|axis| {
+                let near = moved(axis, H) - moved(axis, -H);
+                let far = moved(axis, 2.0 * H) - moved(axis, -2.0 * H);
+                (8.0 * near - far) / (12.0 * H)
+            }))
+        }),
         dictionary(&INVERSE_DICTIONARY, |state, by_body_steps| {
             let world_from_body = state.world_from_body.inverse();
             right::by_world_steps(State { world_from_body, ..state }, by_body_steps)

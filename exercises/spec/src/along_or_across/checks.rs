@@ -465,9 +465,9 @@ pub fn least_noticed(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
 /// # Errors
 ///
 /// A failure when the readings are not those of the drags.
-pub fn worked(answer: &dyn Transport, case: &Case, distance: f64) -> Result<(), Failure> {
+pub fn worked(transport: &dyn Transport, case: &Case, distance: f64) -> Result<(), Failure> {
     let Case { views, point_in_world: point, .. } = case;
-    let answer = Answer(answer);
+    let answer = Answer(transport);
     let axis = views[0].axis(&Vector3::y());
     let ray = views[0].unseen(point);
     let drags = [
@@ -501,5 +501,10 @@ pub fn worked(answer: &dyn Transport, case: &Case, distance: f64) -> Result<(), 
     let sentence = "The point was dragged along the ray of camera 0 and then across it, and the \
         moves of the pixels in cameras 0 and 1 were read off. They are not what these drags produce. \
         The checks of the single functions say more.";
-    Err(Failure::new(sentence).with_numbers(lines))
+    let case = &Case { drag: distance * ray, ..case.clone() };
+    Err(Failure::new(sentence)
+        .with_numbers(lines)
+        .unless("drag_along", || along(transport, case))
+        .unless("drag_across", || across(transport, case))
+        .unless("exact_moves", || exact(transport, case)))
 }

@@ -120,6 +120,8 @@ pub struct Failure {
     pub misconception: Option<&'static Misconception>,
     /// Expected and obtained side by side, where that can be drawn.
     pub picture: Option<Box<Picture>>,
+    /// Whether an earlier function has to be right first.
+    pub waits: bool,
 }
 
 impl Failure {
@@ -131,6 +133,7 @@ impl Failure {
             numbers: String::new(),
             misconception: None,
             picture: None,
+            waits: false,
         }
     }
 
@@ -166,17 +169,39 @@ impl Failure {
         Self { picture, ..self }
     }
 
-    /// The same, with the advice to see to an earlier function first when that fails as well and
-    /// nothing better is known.
+    /// The same, or that it waits for an earlier function, when that fails as well and nothing
+    /// better is known. Of several functions the first that is asked about is named.
     pub fn unless(self, function: &str, earlier: impl FnOnce() -> Result<(), Self>) -> Self {
-        if self.misconception.is_some() || earlier().is_ok() {
+        if self.misconception.is_some() || self.waits || earlier().is_ok() {
             return self;
         }
         let first = |sentence: &String| {
-            format!("{sentence} And `{function}` is not right yet: see to it first.")
+            format!(
+                "This waits for `{function}`, which is not right yet: see to it first. {sentence}"
+            )
         };
-        Self { sentence: first(&self.sentence), quiet: self.quiet.as_ref().map(first), ..self }
+        let quiet = self.quiet.as_ref().map(first);
+        Self { sentence: first(&self.sentence), quiet, waits: true, ..self }
     }
+}
+
+/// Tries all cases and gives the first failure whose misconception is known, or else the first.
+///
+/// # Errors
+///
+/// When a case fails.
+pub fn each<'a, T: 'a>(
+    cases: impl IntoIterator<Item = &'a T>,
+    check: impl Fn(&T) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut first = None;
+    for failure in cases.into_iter().filter_map(|case| check(case).err()) {
+        if failure.misconception.is_some() {
+            return Err(failure);
+        }
+        first = first.or(Some(failure));
+    }
+    first.map_or(Ok(()), Err)
 }
 
 impl From<Fault> for Failure {
@@ -320,11 +345,14 @@ impl<'a> Comparison<'a> {
                 expected.nrows(),
                 expected.ncols()
             );
-            return Err(Failure::new(sentence));
+            let quiet =
+                format!("{}: there should be more numbers, fewer, or in another shape.", self.what);
+            return Err(Failure::new(sentence).or_quietly(quiet));
         }
         if let Some(bad) = obtained.iter().find(|entry| !entry.is_finite()) {
             let sentence = format!("{}: an entry is {bad}; every entry must be finite.", self.what);
-            return Err(Failure::new(sentence).with_numbers(self.numbers()));
+            let quiet = format!("{}: every entry must be finite.", self.what);
+            return Err(Failure::new(sentence).or_quietly(quiet).with_numbers(self.numbers()));
         }
         if agree(obtained, expected, self.tolerance) {
             return Ok(());

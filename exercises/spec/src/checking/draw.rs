@@ -17,6 +17,11 @@ impl Draw {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
+    /// Draws from a seed that cannot be guessed: trying all of them is as hard as it is long.
+    pub fn of_seed(seed: [u8; 32]) -> Self {
+        Self(ChaCha8Rng::from_seed(seed))
+    }
+
     /// A number of a range.
     pub fn uniform(&mut self, range: Range<f64>) -> f64 {
         self.0.random_range(range)

@@ -570,7 +570,9 @@ pub fn cheapest(answer: &dyn Transport, windows: &[Window]) -> Result<(), Failur
         None
     };
     let mut judged = windows.iter().zip(obtained);
-    judged.try_for_each(|(window, obtained)| chosen(window, obtained, idea))
+    judged
+        .try_for_each(|(window, obtained)| chosen(window, obtained, idea))
+        .map_err(|failure| failure.unless("information_lost", || losses(answer, windows)))
 }
 
 /// The link that was chosen in a window, and the idea that chose it, where it is known.

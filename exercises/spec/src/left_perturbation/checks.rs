@@ -1,13 +1,17 @@
 //! What is asked about an answer, and on which instances.
 
-use nalgebra::{Isometry3, Matrix2x6, Point3, Rotation3, Vector2, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix2x3, Matrix2x4, Matrix2x6, Point3, Rotation3, SMatrix, Vector2, Vector3,
+    Vector6,
+};
 use vislam::manifold::se3;
+use vislam::reprojection::Z_MIN;
 
 use super::*;
 use crate::Exercise;
 use crate::answer::Transport;
-use crate::camera::point_in_view;
-use crate::check::{Check, Failure, compare, readable};
+use crate::camera::{self, point_in_view};
+use crate::check::{Check, Failure, compare, each, readable};
 use crate::draw::Draw;
 use crate::picture::{Dots, Picture};
 
@@ -51,6 +55,15 @@ crate::misconceptions! {
     ALL_NEGATED, "all_negated":
         "Every column has the wrong sign. Let ρ shift the point to the right in the camera's frame: \
          which way does its pixel go, and what does the first column say?";
+    TRANSLATION_FORGOTTEN, "translation_forgotten":
+        "The point was turned into the camera's axes and not moved: this is the derivative at R P, and \
+         the point in the camera's frame is R P + t.";
+    SLOPE_AT_WORLD_POINT, "slope_at_world_point":
+        "The slope of the projection was taken at the point in the world. Of which point is the \
+         pixel, and in which frame does the camera see it?";
+    FOCAL_LENGTH_MISSING, "focal_length_missing":
+        "These numbers are right for a focal length of one. The answer is in pixels per metre and per \
+         radian: by what does a pixel's row or column grow with X/Z?";
     ROTATION_FIRST, "rotation_first":
         "The columns are right and in another order: the twist is (ρ, φ), translation first.";
     // ANCHOR: adjoint_mistakes
@@ -63,10 +76,17 @@ crate::misconceptions! {
     // ANCHOR_END: adjoint_mistakes
     ONE_SIDED, "one_sided":
         "The error shrinks like the step and not like its square: this is a one-sided difference.";
+    TWIST_NOT_APPLIED, "twist_not_applied":
+        "Every difference is zero: the twist has moved nothing. Both pixels are those of the pose that \
+         came in. Where does exp(ξ) meet it?";
     TWICE_TOO_LARGE, "twice_too_large":
         "These are twice too large. How far apart are the two poses whose pixels were subtracted?";
     SIDES_EXCHANGED, "sides_exchanged":
         "Left and right are exchanged: exp(ξ) T moves the pose on the left.";
+    DIFFERENCED, "differenced":
+        "This agrees with the derivative and loses its digits where pixels do, far from the principal \
+         point or as near as the camera can see: it was differenced. A derivative is asked for. Which \
+         numbers of the camera does the pixel contain, and which of them its derivative?";
     POINT_MOVES, "point_moves":
         "This is how the pixel moves when the point moves forward. When the camera does, where does \
          the point go in the camera's frame?";
@@ -89,7 +109,7 @@ impl Case {
         let camera_from_world = draw.pose(0.3 * angle..angle, 0.3 * distance..distance);
         let point_in_camera = point_in_view(draw, depth[0], depth[1]);
         let point_in_world = (camera_from_world.inverse() * Point3::from(point_in_camera)).coords;
-        Self { camera: Camera::drawn(draw), camera_from_world, point_in_world }
+        Self { camera: camera::Camera::drawn(draw).into(), camera_from_world, point_in_world }
     }
 
     /// A failure with the case; the rotation by its logarithm.
@@ -166,6 +186,63 @@ impl Case {
     }
 }
 
+/// What somebody gets who takes the slope of the projection at one point and turns another.
+impl Case {
+    fn blocks(&self, slope_at: &Vector3<f64>, turned: &Vector3<f64>) -> Matrix2x6<f64> {
+        let slope = self.slope_at(slope_at);
+        Matrix2x6::from_fn(|row, column| match column {
+            0..3 => slope[(row, column)],
+            // A turn about an axis moves the point by the axis times the point.
+            _ => slope.row(row).dot(&Vector3::ith(column - 3, 1.0).cross(turned).transpose()),
+        })
+    }
+
+    /// The slope of the projection at any point of the camera's frame, behind it too.
+    fn slope_at(&self, point: &Vector3<f64>) -> Matrix2x3<f64> {
+        let Camera { fx, fy, .. } = self.camera;
+        let pixel = |point: Vector3<f64>| Vector2::new(fx * point.x, fy * point.y) / point.z;
+        let step = 2e-4 * point.z;
+        Matrix2x3::from_columns(&[0, 1, 2].map(|axis| {
+            let at = |steps: f64| pixel(point + Vector3::ith(axis, steps * step));
+            (8.0 * (at(1.0) - at(-1.0)) - at(2.0) + at(-2.0)) / (12.0 * step)
+        }))
+    }
+
+    /// The same camera with its principal point so far away that pixels have six digits behind the
+    /// point. No derivative notices.
+    fn far_off(&self) -> Self {
+        let away = 2.0_f64.powi(33);
+        Self { camera: Camera { cx: away, cy: -away, ..self.camera }, ..*self }
+    }
+
+    /// The point on the same ray, as near as the camera can see. A step farther there is no pixel.
+    fn nearest(&self) -> Self {
+        let point = self.point_in_camera();
+        self.with_point((1.0 + 1e-9) * Z_MIN / point.z * point)
+    }
+
+    fn with_point(&self, point_in_camera: Vector3<f64>) -> Self {
+        let point = self.camera_from_world.inverse() * Point3::from(point_in_camera);
+        Self { point_in_world: point.coords, ..*self }
+    }
+
+    /// A camera in the origin of the world and a point of short numbers: nothing is rounded before
+    /// the derivative begins.
+    fn short(&self) -> Self {
+        let point_in_world = self.point_in_camera().map(|number| f64::from(number as f32));
+        Self { camera_from_world: Isometry3::identity(), point_in_world, ..*self }
+    }
+
+    /// Numbers of pixels in units of the focal lengths.
+    fn without_focal_length<const C: usize>(
+        &self,
+        pixels: &SMatrix<f64, 2, C>,
+    ) -> SMatrix<f64, 2, C> {
+        let Camera { fx, fy, .. } = self.camera;
+        SMatrix::from_fn(|row, column| pixels[(row, column)] / [fx, fy][row])
+    }
+}
+
 const ROWS: [&str; 2] = ["u", "v"];
 const COLUMNS: [&str; 6] = ["rho x", "rho y", "rho z", "phi x", "phi y", "phi z"];
 
@@ -178,7 +255,7 @@ fn cases() -> Vec<Case> {
 fn checks() -> Vec<Check> {
     vec![
         Check::new("the_left_jacobian_is_the_slope_of_the_projection", |answer| {
-            cases().iter().try_for_each(|case| left_jacobian(answer, case))
+            each(&cases(), |case| left_jacobian(answer, case))
         }),
         Check::new("on_the_optical_axis_the_third_column_vanishes", |answer| {
             [1.0, 4.0, 20.0]
@@ -213,6 +290,7 @@ pub fn left_jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
         (Rotation3::identity(), case.camera_from_world.rotation.to_rotation_matrix());
     let mut negated = left;
     negated.fixed_columns_mut::<3>(3).neg_mut();
+    let (seen, only_turned) = (case.point_in_camera(), turned * case.point_in_world);
     let kept = case.slope_with_lever(&case.point_in_camera(), &turned);
     let mixed = |first: &Matrix2x6<f64>, last: &Matrix2x6<f64>| {
         Matrix2x6::from_fn(|row, column| if column < 3 { first } else { last }[(row, column)])
@@ -228,9 +306,57 @@ pub fn left_jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
         .or(&TRANSLATION_TURNED, &mixed(&kept, &left))
         .or(&SKEW_SIGN, &negated)
         .or(&ALL_NEGATED, &-left)
+        .or(&TRANSLATION_FORGOTTEN, &case.blocks(&only_turned, &only_turned))
+        .or(&TRANSLATION_FORGOTTEN, &case.blocks(&seen, &only_turned))
+        .or(&SLOPE_AT_WORLD_POINT, &case.blocks(&case.point_in_world, &seen))
+        .or(&SLOPE_AT_WORLD_POINT, &case.blocks(&case.point_in_world, &case.point_in_world))
+        .or(&FOCAL_LENGTH_MISSING, &case.without_focal_length(&left))
         .or(&ROTATION_FIRST, &swapped)
         .judge()
-        .map_err(|failure| case.shown(failure).with_picture(picture(&left, &obtained)))
+        .map_err(|failure| case.shown(failure).with_picture(picture(&left, &obtained)))?;
+    derived(answer, case, 6)
+}
+
+/// Whether the first columns of a left Jacobian were derived: differences of pixels lose their
+/// digits here.
+fn derived(answer: &dyn Transport, case: &Case, columns: usize) -> Result<(), Failure> {
+    let ask = |case: &Case| {
+        let Case { camera, camera_from_world, point_in_world } = case;
+        Answer(answer).left_pose_jacobian(camera, camera_from_world, point_in_world)
+    };
+    let nearest = case.nearest();
+    let point = nearest.point_in_camera();
+    for (obtained, expected) in [
+        (ask(&case.far_off())?, case.slope(Side::Left)),
+        (ask(&nearest)?, nearest.blocks(&point, &point)),
+    ] {
+        compare("the left Jacobian", &obtained.columns(0, columns), &expected.columns(0, columns))
+            .within(1e-7)
+            .labelled(&ROWS, &COLUMNS)
+            .judge()
+            .map_err(differenced)?;
+    }
+    // A point that moves along its ray keeps its pixel, and a turn moves it by the axis times itself.
+    let (jacobian, point) = (ask(&case.short())?, case.short().point_in_world);
+    let rho = jacobian.fixed_columns::<3>(0).into_owned();
+    let related = Matrix2x4::from_fn(|row, column| match column {
+        0 => rho.row(row).dot(&point.transpose()),
+        _ => {
+            let moved = Vector3::ith(column - 1, 1.0).cross(&point);
+            jacobian[(row, 2 + column)] - rho.row(row).dot(&moved.transpose())
+        }
+    });
+    exact(related.columns(0, columns - 2).amax(), rho.amax() * point.amax())
+}
+
+/// Whether what should be zero is so but for the last digits of a number of this size.
+fn exact(off: f64, size: f64) -> Result<(), Failure> {
+    if off <= 1e-14 * size { Ok(()) } else { Err(Failure::known(&DIFFERENCED)) }
+}
+
+/// What a failure means where differences lose their digits.
+fn differenced(failure: Failure) -> Failure {
+    Failure { numbers: failure.numbers, ..Failure::known(&DIFFERENCED) }
 }
 
 /// How far each axis of the twist moves the pixel for a hundredth of its unit.
@@ -280,8 +406,12 @@ pub fn third_column(answer: &dyn Transport, case: &Case) -> Result<(), Failure> 
         .within(1e-7)
         .labelled(&ROWS, &COLUMNS)
         .or(&ALL_NEGATED, &-columns(0))
+        .or(&FOCAL_LENGTH_MISSING, &case.without_focal_length(&columns(0)))
         .or(&ROTATION_FIRST, &columns(3))
-        .judge()
+        .judge()?;
+    // On the axis itself the last digits of differences cancel.
+    let depth = case.point_in_camera().z;
+    derived(answer, &case.with_point(depth * Vector3::new(0.25, -0.125, 1.0)), 3)
 }
 
 // ANCHOR: adjoint_check
@@ -326,6 +456,7 @@ pub fn differences(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             .labelled(&ROWS, &COLUMNS)
             .or(&TWICE_TOO_LARGE, &(2.0 * slope))
             .or(&SIDES_EXCHANGED, &other)
+            .or(&TWIST_NOT_APPLIED, &Matrix2x6::zeros())
             .judge()?;
         let ratio = (whole - slope).norm() / (half - slope).norm();
         if !(3.5..4.5).contains(&ratio) {
@@ -366,10 +497,27 @@ pub fn forward(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .within(1e-7)
         .labelled(&ROWS, &["px per m"])
         .or(&POINT_MOVES, &point_moves)
+        .or(&FOCAL_LENGTH_MISSING, &-case.without_focal_length(&point_moves))
         .judge()
         .map_err(|failure| {
             failure.given(&[("camera", camera), ("point_in_camera", &point.as_slice())])
-        })
+        })?;
+    let far = Answer(answer).forward_motion(&case.far_off().camera, &point)?;
+    let nearest = case.nearest().point_in_camera();
+    let near = Answer(answer).forward_motion(camera, &nearest)?;
+    for (obtained, expected) in
+        [(far, -point_moves), (near, -case.slope_at(&nearest).column(2).into_owned())]
+    {
+        compare("the motion of the pixel", &obtained, &expected)
+            .within(1e-7)
+            .labelled(&ROWS, &["px per m"])
+            .judge()
+            .map_err(differenced)?;
+    }
+    // The way to the principal point, over the motion, is the time that a metre a second leaves.
+    let Camera { fx, fy, .. } = *camera;
+    let away = Vector2::new(fx * point.x, fy * point.y) / point.z;
+    exact((obtained * point.z - away).amax(), away.amax())
 }
 
 impl Case {
@@ -379,7 +527,7 @@ impl Case {
             Isometry3::new(Vector3::new(0.4, -0.2, 0.3), Vector3::new(0.2, 0.5, -0.3));
         let point_in_world = camera_from_world.inverse() * Point3::new(0.0, 0.0, depth);
         Self {
-            camera: Camera::of_the_book(),
+            camera: camera::Camera::of_the_book().into(),
             camera_from_world,
             point_in_world: point_in_world.coords,
         }

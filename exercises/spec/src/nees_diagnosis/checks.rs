@@ -278,10 +278,7 @@ fn checks() -> Vec<Check> {
             let mut draw = Draw::new(31);
             (0..20).try_for_each(|_| parts(answer, &Case::drawn(&mut draw, [0.6, 2.5])))
         }),
-        Check::new("the_band_leaves_out_as_much_as_was_stated", |answer| {
-            let mut draw = Draw::new(32);
-            (0..20).try_for_each(|index| bounded(answer, &Tested::drawn(&mut draw, index % 2 == 0)))
-        }),
+        Check::new("the_band_leaves_out_as_much_as_was_stated", bounds),
         Check::new("the_diagnosis_names_the_fault_that_was_injected", |answer| {
             diagnosed(answer, &Flown::all(&mut Draw::new(33), 3))
         }),
@@ -398,6 +395,12 @@ pub fn bounded(answer: &dyn Transport, tested: &Tested) -> Result<(), Failure> {
     comparison.judge().map_err(|failure| failure.given(&given))
 }
 
+/// The bands that students are asked for.
+fn bounds(answer: &dyn Transport) -> Result<(), Failure> {
+    let mut draw = Draw::new(32);
+    (0..20).try_for_each(|index| bounded(answer, &Tested::drawn(&mut draw, index % 2 == 0)))
+}
+
 /// What a mistake says of a filter with this fault.
 type Mistake = fn(Injected) -> Fault;
 
@@ -475,4 +478,5 @@ pub fn diagnosed(answer: &dyn Transport, flown: &[Flown]) -> Result<(), Failure>
         missed.table(),
         missed.injected.fault(),
     )))
+    .map_err(|failure: Failure| failure.unless("band", || bounds(answer)))
 }

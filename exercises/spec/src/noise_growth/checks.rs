@@ -40,6 +40,13 @@ crate::misconceptions! {
     ROTATION_TOO_EARLY, "rotation_too_early":
         "The force of this step was turned by the rotation after the step. In the sums, how is the \
          body turned when it feels the force, and which of the two lines comes first?";
+    LEAK_NOT_TURNED, "leak_not_turned":
+        "The block by which attitude leaks into velocity is the only one that is not turned. It is \
+         −dt f^ as the body felt the force at the beginning of the step, and ν is seen from the body \
+         at its end: what do the blocks beside it have in front?";
+    LEAK_WITHOUT_STEP, "leak_without_step":
+        "The block by which attitude leaks into velocity has no dt: it is an acceleration. For how \
+         long does a force that is turned wrongly act?";
     RIGHT_JACOBIAN_FORGOTTEN, "right_jacobian_forgotten":
         "The gyroscope's noise enters the attitude as if the step did not turn. It is added to ω \
          inside of exp, and ω dt is not small here: by which matrix does such a sum become a \
@@ -58,12 +65,18 @@ crate::misconceptions! {
     DENSITY_TIMES_STEP, "density_times_step":
         "The variance of a reading is σ² times dt here. A reading that stands for a shorter time \
          averages over less: is it more certain for that, or less?";
+    ONE_DENSITY, "one_density":
+        "Both sensors have the same density here. Which of the two numbers of `densities` belongs to \
+         the first three of the six noises, and which to the last three?";
     TRANSPOSED_PROPAGATION, "transposed_propagation":
         "The covariance before the step stands between the transpose of F and F. If x becomes F x, \
          what becomes of the mean of x xᵀ?";
     REVERSED_READINGS, "reversed_readings":
         "This is the covariance of the same readings from the last to the first. From which body \
          frame are the errors seen at the end, and which reading leads to it?";
+    FIRST_READING_REUSED, "first_reading_reused":
+        "This is the covariance of as many steps with the first reading, over and over. Which reading \
+         does each step take?";
     NOISE_AS_BIAS, "noise_as_bias":
         "These are the exponents of an error that is the same in every reading, a bias. Noise is \
          drawn anew for every reading: how does the sum of n independent errors grow with n?";
@@ -83,6 +96,9 @@ crate::misconceptions! {
     ENDS_ONLY, "ends_only":
         "This is the slope between the first point and the last one. What do the points between \
          them say?";
+    THROUGH_THE_ORIGIN, "through_the_origin":
+        "This is the slope of the best line through the origin. There log t and log σ are both zero, \
+         so it takes c for one: which second number does a straight line have, besides its slope?";
 }
 
 const ERRORS: [&str; 6] = ["phi x", "phi y", "phi z", "nu x", "nu y", "nu z"];
@@ -277,6 +293,9 @@ pub fn carries(answer: &dyn Transport, step: &Step) -> Result<(), Failure> {
         matrix.fixed_view_mut::<3, 3>(3, 0).scale_mut(factor);
         matrix
     };
+    let mut leak_alone = f;
+    let unturned = once * f.fixed_view::<3, 3>(3, 0);
+    leak_alone.fixed_view_mut::<3, 3>(3, 0).copy_from(&unturned);
     compare("the matrix F", &obtained.0, &f)
         .within(1e-7)
         .labelled(&ERRORS, &ERRORS)
@@ -287,6 +306,8 @@ pub fn carries(answer: &dyn Transport, step: &Step) -> Result<(), Failure> {
         .or(&LEAK_SIGN, &leak(-1.0))
         .or(&ROTATION_TOO_EARLY, &early[0])
         .or(&SQUARED_STEP, &leak(step.dt))
+        .or(&LEAK_WITHOUT_STEP, &leak(1.0 / step.dt))
+        .or(&LEAK_NOT_TURNED, &leak_alone)
         .judge()
         .map_err(|failure| step.shown(failure))?;
     let unturned = |jacobian: &Matrix3<f64>| {
@@ -325,6 +346,13 @@ impl Before {
     }
 }
 
+impl Densities {
+    /// The same density for both sensors: that of the gyroscope, and that of the accelerometer.
+    fn of_one(&self) -> [Self; 2] {
+        [self.gyro, self.accelerometer].map(|one| Self { gyro: one, accelerometer: one })
+    }
+}
+
 /// A covariance from its standard deviations in independent directions.
 fn spread(directions: &Matrix6<f64>) -> Matrix6<f64> {
     directions * directions.transpose()
@@ -353,6 +381,7 @@ pub fn adds(answer: &dyn Transport, step: &Step, before: &Before) -> Result<(), 
     let early = step.matrices(Turned::After);
     let too_early =
         spread(&(early[0] * factor)) + spread(&scaled(&early[1], densities, 1.0 / root));
+    let of_one = densities.of_one().map(|one| spread(&scaled(&g, &one, 1.0 / root)));
     compare("the covariance after one step", &obtained, &(carried + noise(1.0 / root)))
         .within(1e-7)
         .labelled(&ERRORS, &ERRORS)
@@ -360,7 +389,10 @@ pub fn adds(answer: &dyn Transport, step: &Step, before: &Before) -> Result<(), 
         .or(&DENSITY_TIMES_STEP, &(carried + noise(root)))
         .or(&TRANSPOSED_PROPAGATION, &(spread(&(f.transpose() * factor)) + noise(1.0 / root)))
         .or(&ROTATION_TOO_EARLY, &too_early)
+        .or(&ONE_DENSITY, &(carried + of_one[0]))
+        .or(&ONE_DENSITY, &(carried + of_one[1]))
         .judge()
+        .map_err(|failure| failure.unless("error_step", || carries(answer, step)))
 }
 
 /// Readings of an interval, each with a noise of its own.
@@ -385,6 +417,17 @@ impl Interval {
 
     fn reversed(&self) -> Self {
         Self { readings: self.readings.iter().rev().copied().collect(), ..self.clone() }
+    }
+
+    /// The first reading in place of every other.
+    fn of_the_first(&self) -> Self {
+        Self { readings: vec![self.readings[0]; self.readings.len()], ..self.clone() }
+    }
+
+    /// The first step, from nothing.
+    fn step(&self) -> Step {
+        let (rotation, velocity) = (Rotation3::identity(), Vector3::zeros());
+        Step { rotation, velocity, reading: self.readings[0], dt: self.dt }
     }
 
     /// The covariance of the sums: each number of each reading is moved by itself.
@@ -413,6 +456,9 @@ pub fn whole(answer: &dyn Transport, interval: &Interval) -> Result<(), Failure>
     let obtained = Answer(answer).covariance_of(readings, dt, densities)?;
     let root = dt.sqrt();
     let expected = interval.covariance(Turned::Before, 1.0 / root);
+    let of_one = densities.of_one().map(|densities| {
+        Interval { densities, ..interval.clone() }.covariance(Turned::Before, 1.0 / root)
+    });
     compare("the covariance of the whole interval", &obtained, &expected)
         .within(1e-7)
         .labelled(&ERRORS, &ERRORS)
@@ -420,7 +466,16 @@ pub fn whole(answer: &dyn Transport, interval: &Interval) -> Result<(), Failure>
         .or(&DENSITY_TIMES_STEP, &interval.covariance(Turned::Before, root))
         .or(&ROTATION_TOO_EARLY, &interval.covariance(Turned::After, 1.0 / root))
         .or(&REVERSED_READINGS, &interval.reversed().covariance(Turned::Before, 1.0 / root))
+        .or(&FIRST_READING_REUSED, &interval.of_the_first().covariance(Turned::Before, 1.0 / root))
+        .or(&ONE_DENSITY, &of_one[0])
+        .or(&ONE_DENSITY, &of_one[1])
         .judge()
+        .map_err(|failure| {
+            let (step, before) =
+                (interval.step(), Before { factor: Matrix6::identity(), densities: *densities });
+            let failure = failure.unless("error_step", || carries(answer, &step));
+            failure.unless("next_covariance", || adds(answer, &step, &before))
+        })
 }
 
 /// A sensor at rest.
@@ -612,6 +667,12 @@ impl Points {
         line.map_or(f64::NAN, |line| line[0])
     }
 
+    fn through_the_origin(&self) -> f64 {
+        let logs = |list: &[f64]| DVector::from_iterator(list.len(), list.iter().map(|x| x.ln()));
+        let (x, y) = (logs(&self.durations), logs(&self.sigmas));
+        x.dot(&y) / x.norm_squared()
+    }
+
     fn between_ends(&self) -> f64 {
         let last = self.durations.len() - 1;
         let ratio = |list: &[f64]| (list[last] / list[0]).ln();
@@ -633,6 +694,7 @@ pub fn fit(answer: &dyn Transport, points: &Points) -> Result<(), Failure> {
         .or_number(&MIXED_LOGARITHMS, points.exponent / LN_10)
         .or_number(&MIXED_LOGARITHMS, points.exponent * LN_10)
         .or_number(&ENDS_ONLY, points.between_ends())
+        .or_number(&THROUGH_THE_ORIGIN, points.through_the_origin())
         .or_number(&VARIANCE_FOR_SIGMA, 2.0 * points.exponent)
         .judge()
         .map_err(|failure| {

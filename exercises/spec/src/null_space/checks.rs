@@ -1,6 +1,6 @@
 //! What is asked about an answer, and on which instances.
 
-use nalgebra::{DMatrix, DVector, Isometry3};
+use nalgebra::{DMatrix, DVector, Isometry3, RowDVector};
 
 use super::*;
 use crate::Exercise;
@@ -46,6 +46,16 @@ crate::misconceptions! {
     FIRST_THREE_KEPT, "first_three_kept":
         "The rows in which the landmark still stands were kept. After the rotations H_f is a \
          triangle with zeros below: where are the equations that do not speak of the landmark?";
+    FROM_THE_TOP, "from_the_top":
+        "These rotations of neighbouring rows began at the top. Each of them moves what it takes out \
+         of a row into the row above, where a zero had been made already: at which end should they \
+         begin?";
+    STALE_ROW, "stale_row":
+        "The upper row of the rotations is a copy from before the first of them. After one rotation \
+         it has changed: with which numbers should the next one begin?";
+    OVERWRITTEN_ROW, "overwritten_row":
+        "The second row of a rotation was made of the first one as it is afterwards. \
+         c a + s b and c b − s a mean the same a: when is it read, and when is it overwritten?";
     RANK_TWO, "rank_two":
         "The rays of this track do not fix the landmark: it can move along one direction without \
          any pixel changing. If one takes three rows away and the landmark had a say in two only, \
@@ -59,6 +69,9 @@ crate::misconceptions! {
     LANDMARK_KNOWN, "landmark_known":
         "This correction believes the landmark to be exactly where it was linearized, and is too \
          sure of the states. Which of the two pairs, with or without the landmark, belongs here?";
+    WRONG_RIGHT_SIDE, "wrong_right_side":
+        "The matrix of the correction is made of the projected rows, and its right side is not. Which \
+         residual belongs to Nᵀ H_x, and what is left of r?";
     PRIOR_INVERTED, "prior_inverted":
         "The prior was added as a covariance. What of two independent sources is added, their \
          covariances or what they know?";
@@ -182,6 +195,64 @@ impl Case {
         gradient.rows_mut(0, size).copy_from(&states.column(0));
         gradient.rows_mut(size, 3).copy_from(&landmark.column(0));
         solved(whole, &-gradient).rows(0, size).into_owned()
+    }
+}
+
+/// A way to rotate rows that goes wrong.
+#[derive(Clone, Copy, PartialEq)]
+enum Slip {
+    FromTheTop,
+    Stale,
+    /// Of neighbouring rows from the bottom, or of the pivot's row with each one below it.
+    Overwritten {
+        neighbours: bool,
+    },
+}
+
+impl Slip {
+    const ALL: [(Self, &Misconception); 4] = [
+        (Self::FromTheTop, &FROM_THE_TOP),
+        (Self::Stale, &STALE_ROW),
+        (Self::Overwritten { neighbours: true }, &OVERWRITTEN_ROW),
+        (Self::Overwritten { neighbours: false }, &OVERWRITTEN_ROW),
+    ];
+
+    /// What comes of an identity whose rows are turned with those of a matrix, below the third.
+    fn rows(self, by_landmark: &DMatrix<f64>) -> DMatrix<f64> {
+        let count = by_landmark.nrows();
+        let mut table = DMatrix::zeros(count, 3 + count);
+        table.columns_mut(0, 3).copy_from(by_landmark);
+        table.columns_mut(3, count).fill_with_identity();
+        for column in 0..3 {
+            let copy = table.row(column).into_owned();
+            let from_below = self == Self::Overwritten { neighbours: true };
+            for step in column + 1..count {
+                let lower = if from_below { count + column - step } else { step };
+                let neighbours = from_below || self == Self::FromTheTop;
+                let upper = if neighbours { lower - 1 } else { column };
+                let stale = (self == Self::Stale).then_some(&copy);
+                self.turn(&mut table, column, [upper, lower], stale);
+            }
+        }
+        table.view((3, 3), (count - 3, count)).into_owned()
+    }
+
+    /// Turns two rows, the first of which may be a copy.
+    fn turn(
+        self,
+        table: &mut DMatrix<f64>,
+        column: usize,
+        [upper, lower]: [usize; 2],
+        copy: Option<&RowDVector<f64>>,
+    ) {
+        let first = copy.cloned().unwrap_or_else(|| table.row(upper).into_owned());
+        let second = table.row(lower).into_owned();
+        let length = first[column].hypot(second[column]);
+        let (c, s) = (first[column] / length, second[column] / length);
+        let changed = c * &first + s * &second;
+        let read = if let Self::Overwritten { .. } = self { &changed } else { &first };
+        table.set_row(lower, &(c * second - s * read));
+        table.set_row(upper, &changed);
     }
 }
 
@@ -379,6 +450,29 @@ impl Shown {
         rows_of(&column(&self.residual), &column(&case.residual)).then_some(&RESIDUAL_NOT_ROTATED)
     }
 
+    /// A slip of the rotations that leaves these rows, up to their signs.
+    fn slip(&self, case: &Case) -> Option<&'static Misconception> {
+        let alike = |slip: Slip| {
+            let rows = slip.rows(&case.by_landmark);
+            let near = |row: usize| {
+                let (a, b) = (self.rows.row(row), rows.row(row));
+                (a - b).amax().min((a + b).amax()) <= 1e-9 * b.amax()
+            };
+            (0..rows.nrows()).all(near)
+        };
+        Slip::ALL.iter().find(|(slip, _)| alike(*slip)).map(|(_, known)| *known)
+    }
+
+    /// The failure, or a better one where a slip of the rotations is known.
+    fn or_slip(&self, failure: Failure, case: &Case) -> Failure {
+        match self.slip(case) {
+            Some(known) if failure.misconception.is_none() => {
+                Failure { numbers: failure.numbers, ..Failure::known(known) }
+            }
+            _ => failure,
+        }
+    }
+
     /// Whether the landmark is gone.
     fn landmark_gone(&self, case: &Case) -> Result<(), Failure> {
         let (gone, landmark) = (&self.by_landmark, &case.by_landmark);
@@ -440,8 +534,30 @@ pub fn landmark_gone(answer: &dyn Transport, case: &Case) -> Result<(), Failure>
     if let Some(misconception) = shown.untouched(case) {
         return Err(Failure::known(misconception));
     }
-    shown.landmark_gone(case)?;
-    shown.applied(case)
+    shown
+        .landmark_gone(case)
+        .map_err(|failure| shown.or_slip(failure, case))
+        .and_then(|()| shown.applied(case))
+        .map_err(|failure| after_rotation(answer, failure))
+}
+
+/// What is wrong, or that it waits for the rotations.
+fn after_rotation(answer: &dyn Transport, failure: Failure) -> Failure {
+    failure.unless("givens", || {
+        [[3.0, 4.0], [-1.0, 2.0], [0.0, 2.0], [-3.0, 0.0]]
+            .iter()
+            .try_for_each(|pair| rotation(answer, *pair))
+    })
+}
+
+/// What is wrong, or that it waits for the rotations or for the projection.
+fn after_projection(answer: &dyn Transport, case: &Case, failure: Failure) -> Failure {
+    let failure = after_rotation(answer, failure);
+    failure.unless("project_out", || {
+        landmark_gone(answer, case)?;
+        orthonormal(answer, case)?;
+        information(answer, case)
+    })
 }
 
 /// The rows of Nᵀ themselves, by a projection of the identity.
@@ -469,7 +585,7 @@ pub fn orthonormal(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     .judge()
     .map_err(|failure| match of_complement {
         true => Failure { numbers: failure.numbers, ..Failure::known(&PSEUDO_INVERSE_ROWS) },
-        false => failure,
+        false => after_rotation(answer, shown.or_slip(failure, case)),
     })?;
     if (rows * landmark).norm() <= 1e-11 * landmark.norm() {
         return Ok(());
@@ -483,7 +599,8 @@ pub fn orthonormal(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// A failure when information, gradient or cost differ.
 pub fn information(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
-    knowing(case, &projected(answer, case)?)
+    let projected = projected(answer, case)?;
+    knowing(case, &projected).map_err(|failure| after_rotation(answer, failure))
 }
 
 fn knowing(case: &Case, (states, rest): &Projected) -> Result<(), Failure> {
@@ -625,6 +742,7 @@ pub fn corrected(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     };
     let [a, _, _, states, _] = case.equations();
     let known = solved(a + prior_information, &-states.column(0));
+    let [left, ..] = case.eliminated();
     let size = prior_information.nrows();
     let covariance =
         prior_information.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(size, size));
@@ -634,5 +752,7 @@ pub fn corrected(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .or(&OTHER_WAY, &-&expected)
         .or(&LANDMARK_KNOWN, &known)
         .or(&PRIOR_INVERTED, &case.adjusted(&covariance))
+        .or(&WRONG_RIGHT_SIDE, &solved(left + prior_information, &-states.column(0)))
         .judge()
+        .map_err(|failure| after_projection(answer, case, failure))
 }

@@ -1,5 +1,7 @@
 //! What is asked about an answer, and on which instances.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use vislam::least_squares::Manifold;
 use vislam::manifold::so3;
@@ -71,6 +73,10 @@ crate::misconceptions! {
         "The skews are of the deltas that were measured. They agree with the right ones where the \
          residual is zero, and there alone. Which of the two terms of the residual does a turn of \
          the first body reach?";
+    DIFFERENCED, "differenced":
+        "This agrees with the derivative, but not beside a half turn and not far from the origin: it \
+         was differenced. A derivative is asked for, of a logarithm that jumps at a half turn. Which \
+         matrix is it there, and where do the positions stand in it?";
     INVERSE_DICTIONARY, "inverse_dictionary":
         "This goes the other way. A step δv in the world is which step in the body frame? Put that \
          into the derivative that is given.";
@@ -128,10 +134,17 @@ impl Case {
     /// order.
     fn slope(&self, step: Steps) -> Matrix9 {
         const H: f64 = 1e-3;
+        let here: Vector3<f64> = self.residual().fixed_rows::<3>(0).into();
         let moved = |axis: usize, size: f64| {
             let mut numbers = [0.0; 9];
             numbers[axis] = size;
-            Self { first: step.of(&self.first, &numbers), ..*self }.residual()
+            let mut residual = Self { first: step.of(&self.first, &numbers), ..*self }.residual();
+            let mut phi = residual.fixed_rows_mut::<3>(0);
+            // Beyond a half turn the rotation vector jumps to the other side; its slope does not.
+            if here.norm() > FRAC_PI_2 && phi.dot(&here) < 0.0 {
+                phi *= 1.0 - TAU / phi.norm();
+            }
+            residual
         };
         let columns = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|axis| {
             let near = moved(axis, H) - moved(axis, -H);
@@ -142,6 +155,23 @@ impl Case {
         // What differences leave where nothing depends on the step is no number to show.
         let rounding = 1e-11 * slope.amax();
         slope.map(|entry| if entry.abs() < rounding { 0.0 } else { entry })
+    }
+
+    /// The case with a rotation that is off by a little less than a half turn, about the same axis.
+    fn beside_a_half_turn(&self) -> Self {
+        let led = self.deltas.lead(&self.first, &self.gravity).world_from_body;
+        let axis = so3::local(&led, &self.second.world_from_body).normalize();
+        let world_from_body = so3::retract(&led, &((PI - 1e-8) * axis));
+        Self { second: State { world_from_body, ..self.second }, ..*self }
+    }
+
+    /// The case so far away that positions have six digits behind the point.
+    fn far_off(&self) -> Self {
+        let there = |state: &State| {
+            let position = state.position + 2.0_f64.powi(33) * Vector3::new(1.0, -1.0, 1.0);
+            State { position, ..*state }
+        };
+        Self { first: there(&self.first), second: there(&self.second), ..*self }
     }
 
     /// The case without what the velocity carries.
@@ -319,7 +349,23 @@ pub fn jacobian(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         .or(&GRAVITY_SIGN, &turned_in_rising(6))
         .or(&REVERSED, &-slope)
         .judge()
-        .map_err(|failure| case.shown(by_blocks(failure, &obtained, &slope)))
+        .map_err(|failure| case.shown(by_blocks(failure, &obtained, &slope)))?;
+    derived(answer, case)
+}
+
+/// Whether a Jacobian was derived: differences of residuals lose their digits here.
+fn derived(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
+    let turned = case.beside_a_half_turn();
+    let Case { deltas, first, second, gravity } = &turned.far_off();
+    let mut obtained = Answer(answer).by_first(deltas, first, second, gravity)?;
+    let slope = turned.slope(Steps::Body);
+    // What a turn does to the position contains a difference of two far positions.
+    let block = slope.fixed_view::<3, 3>(6, 0);
+    obtained.fixed_view_mut::<3, 3>(6, 0).copy_from(&block);
+    compare("the Jacobian", &obtained, &slope).within(1e-7).judge().map_err(|failure| {
+        let shown = by_blocks(failure, &obtained, &slope);
+        Failure { numbers: shown.numbers, ..Failure::known(&DIFFERENCED) }
+    })
 }
 
 /// A failure that shows the blocks that are wrong, three at most: nine columns are wider than a
@@ -387,7 +433,8 @@ pub fn moved(
         .labelled(&ROWS, &COLUMNS)
         .or(&WORLD_STEPS, &elsewhere.slope(Steps::World))
         .judge()
-        .map_err(|failure| elsewhere.shown(by_blocks(failure, &obtained, &slope)))
+        .map_err(|failure| elsewhere.shown(by_blocks(failure, &obtained, &slope)))?;
+    derived(answer, &elsewhere)
 }
 
 /// The dictionary between the two kinds of steps, on a derivative found by differences.

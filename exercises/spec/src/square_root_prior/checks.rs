@@ -331,10 +331,7 @@ pub fn windows(draw: &mut Draw, count: usize) -> Vec<Window> {
 
 fn checks() -> Vec<Check> {
     vec![
-        Check::new("a_row_is_turned_into_the_triangle", |answer| {
-            let mut draw = Draw::new(41);
-            measured(&mut draw, 20, [1, 7]).iter().try_for_each(|case| absorbed(answer, case))
-        }),
+        Check::new("a_row_is_turned_into_the_triangle", absorbs),
         Check::new("what_stays_is_the_marginal", |answer| {
             let mut draw = Draw::new(42);
             windows(&mut draw, 20).iter().try_for_each(|window| slid(answer, window))
@@ -348,6 +345,12 @@ fn checks() -> Vec<Check> {
             (0..10).try_for_each(|index| moved(answer, &mut draw, 2 + index / 2))
         }),
     ]
+}
+
+/// The rows that students have.
+fn absorbs(answer: &dyn Transport) -> Result<(), Failure> {
+    let mut draw = Draw::new(41);
+    measured(&mut draw, 20, [1, 7]).iter().try_for_each(|case| absorbed(answer, case))
 }
 
 /// One measurement more, by what is known afterwards.
@@ -386,8 +389,10 @@ pub fn absorbed(answer: &dyn Transport, measured: &Measured) -> Result<(), Failu
 /// A failure, which names what is known instead where that can be told.
 pub fn slid(answer: &dyn Transport, window: &Window) -> Result<(), Failure> {
     let obtained = window.asked(answer)?;
-    marginal(&obtained, window).map_err(|failure| window.given(failure))?;
-    triangular(&obtained)
+    marginal(&obtained, window)
+        .map_err(|failure| window.given(failure))
+        .and_then(|()| triangular(&obtained))
+        .map_err(|failure| failure.unless("absorb", || absorbs(answer)))
 }
 
 fn marginal(obtained: &Prior, window: &Window) -> Result<(), Failure> {
@@ -430,7 +435,8 @@ fn marginal(obtained: &Prior, window: &Window) -> Result<(), Failure> {
 /// A failure when what is known least has lost its digits.
 pub fn precise(answer: &dyn Transport, window: &Window) -> Result<(), Failure> {
     let (stays, all) = (window.stays(), window.known(1.0));
-    whitens(&window.asked(answer)?, &all, &stays)?;
+    whitens(&window.asked(answer)?, &all, &stays)
+        .map_err(|failure| failure.unless("absorb", || absorbs(answer)))?;
     let columns = window.rows.ncols();
     let mut prior = Prior::nothing(columns);
     for (row, residual) in window.rows.row_iter().zip(&window.residual) {

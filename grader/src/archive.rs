@@ -1,0 +1,153 @@
+//! ZIP files that students hand in, unpacked without trusting a word in them.
+//!
+//! Of the names in an archive only those lead anywhere that stay below the folder; of the files only
+//! those are written that a submission may consist of, and no more of each than is read anyway; links
+//! are none of them. Sizes that the archive states do not matter.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use tempfile::TempDir;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::submission::{LARGEST, is_archive};
+use crate::text::harmless_line;
+
+/// The largest archive that is opened, in bytes.
+const ARCHIVE: u64 = 500_000_000;
+/// As many files as it may hold. An exercises folder with all of its dependencies has a third.
+const FILES: usize = 60_000;
+/// As many files as are taken out of it. There are far fewer answers.
+const TAKEN: usize = 500;
+/// How deep these may lie.
+const DEEP: usize = 12;
+/// What begins the entry of a file in an archive's list.
+const ENTRY: &[u8; 4] = b"PK\x01\x02";
+
+/// The files of an archive that may be answers, in a folder that goes with it.
+#[derive(Debug)]
+pub struct Unpacked {
+    /// Where they lie.
+    pub folder: TempDir,
+    /// What was left in the archive and why.
+    pub notices: Vec<String>,
+    /// An archive in the archive, which nobody has looked into.
+    pub inner: Option<String>,
+}
+
+/// Whether a file is called as a ZIP file.
+pub fn is_zip(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip"))
+}
+
+/// Takes out of an archive what may be answers.
+///
+/// # Errors
+///
+/// A sentence when it cannot be read, or is too large to be looked at.
+pub fn unpacked(path: &Path) -> Result<Unpacked, String> {
+    let name = harmless_line(&path.file_name().unwrap_or_default().to_string_lossy(), 60);
+    let told = |why: String| {
+        format!(
+            "`{name}` {why}; ask for the folder `exercises` as a ZIP file without `target` and `vendor`"
+        )
+    };
+    let unreadable = |error: &dyn std::fmt::Display| {
+        let error = harmless_line(&error.to_string(), 200);
+        told(format!("is an archive that cannot be unpacked ({error})"))
+    };
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    let size = file.metadata().map_err(|error| unreadable(&error))?.len();
+    if size > ARCHIVE {
+        return Err(told(format!("has {size} bytes and may have {ARCHIVE}")));
+    }
+    // The list is read as a whole, so it is counted before.
+    if entries(&file).map_err(|error| unreadable(&error))? > FILES {
+        return Err(told(format!("holds more than {FILES} files")));
+    }
+    let mut archive = ZipArchive::new(file).map_err(|error| unreadable(&error))?;
+    let folder = tempfile::tempdir().map_err(|error| unreadable(&error))?;
+    let mut notices = Vec::new();
+    let (mut taken, mut inner) = (0, None);
+    for index in 0..archive.len() {
+        let name = archive.name_for_index(index).unwrap_or_default();
+        if is_archive(Path::new(name)) {
+            inner.get_or_insert_with(|| harmless_line(name, 60));
+        }
+        if !is_wanted(name) {
+            continue;
+        }
+        let why_not = one(&mut archive, index, folder.path(), &mut taken);
+        notices.extend(why_not.map_err(|error| unreadable(&error))?);
+    }
+    notices.truncate(4);
+    Ok(Unpacked { folder, notices, inner })
+}
+
+/// How many entries an archive can have at most.
+fn entries(file: &File) -> io::Result<usize> {
+    let mut reader = io::BufReader::with_capacity(1 << 20, file);
+    let (mut count, mut seen) = (0, 0);
+    loop {
+        let bytes = io::BufRead::fill_buf(&mut reader)?;
+        if bytes.is_empty() {
+            return Ok(count);
+        }
+        for byte in bytes {
+            seen = match *byte == ENTRY[seen] {
+                true => seen + 1,
+                false => usize::from(*byte == ENTRY[0]),
+            };
+            if seen == ENTRY.len() {
+                (count, seen) = (count + 1, 0);
+            }
+        }
+        let length = bytes.len();
+        io::BufRead::consume(&mut reader, length);
+    }
+}
+
+/// Takes out one file if it may be an answer, and says why not where its author should know.
+fn one(
+    archive: &mut ZipArchive<File>,
+    index: usize,
+    folder: &Path,
+    taken: &mut usize,
+) -> io::Result<Option<String>> {
+    let shown = harmless_line(archive.name_for_index(index).unwrap_or_default(), 80);
+    let left = |why: &str| Ok(Some(format!("`{shown}` was left in the archive: {why}")));
+    let mut file = match archive.by_index(index) {
+        Ok(file) => file,
+        Err(ZipError::UnsupportedArchive(why)) => return left(&harmless_line(why, 80)),
+        Err(error) => return Err(error.into()),
+    };
+    if file.is_dir() {
+        return Ok(None);
+    }
+    if file.is_symlink() {
+        return left("it is a link, and links are not followed");
+    }
+    let Some(path) = file.enclosed_name().filter(|path| path.components().count() <= DEEP) else {
+        return left("its path leads out of the folder, or too deep into it");
+    };
+    if *taken == TAKEN {
+        return left("there are too many files of its kind");
+    }
+    *taken += 1;
+    let place = folder.join(&path);
+    fs::create_dir_all(place.parent().unwrap_or(folder))?;
+    let Ok(mut new) = File::create_new(&place) else {
+        return left("another file has its name");
+    };
+    // A file that has more than is read is refused for its length later.
+    io::copy(&mut (&mut file).take(LARGEST + 1), &mut new)?;
+    Ok(None)
+}
+
+/// Whether a file of this name may be part of a submission.
+fn is_wanted(name: &str) -> bool {
+    let name = name.rsplit(['/', '\\']).next().unwrap_or_default();
+    name.ends_with(".rs") || name == "answers.md"
+}

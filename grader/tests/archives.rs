@@ -1,0 +1,161 @@
+//! ZIP files in the place of submissions.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+
+use grader::submission::{Collected, LARGEST, Submission, collect, find};
+use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+const FILL_IN: &str = "pub fn f() {}";
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// An archive of files.
+fn zip(path: &Path, files: &[(&str, &str)]) {
+    fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+    let mut zip = ZipWriter::new(File::create(path).expect("a file"));
+    for (name, text) in files {
+        zip.start_file(*name, SimpleFileOptions::default()).expect("a file");
+        zip.write_all(text.as_bytes()).expect("written");
+    }
+    zip.finish().expect("an archive");
+}
+
+fn collected(path: &Path) -> Result<Collected, String> {
+    collect(&Submission { name: "ada".to_owned(), path: path.to_owned() })
+}
+
+#[test]
+fn an_archive_is_taken_for_what_is_in_it_wherever_it_lies() {
+    for inside in
+        ["exercises/src/fill_in.rs", "src/fill_in.rs", "fill_in.rs", "ada/exercises/src/fill_in.rs"]
+    {
+        for outside in ["ada.zip", "ada_17_file/work.ZIP", "ada/exercises/work.zip"] {
+            let temporary = folder();
+            let batch = temporary.path().join("batch");
+            zip(&batch.join(outside), &[(inside, FILL_IN), ("exercises/Cargo.toml", "")]);
+            zip(&batch.join("brook.zip"), &[("null_space.rs", "")]);
+            let found = find(&[batch]).expect("found");
+            assert_eq!(found.len(), 2);
+            let taken = collect(&found[0]).expect("collected");
+            assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
+            assert_eq!(taken.notices, Vec::<String>::new(), "{inside} {outside}");
+        }
+    }
+}
+
+#[test]
+fn an_archive_can_be_named_itself() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    zip(&path, &[("fill_in.rs", FILL_IN)]);
+    let found = find(&[path]).expect("found");
+    assert!(collect(&found[0]).expect("collected").answers.contains_key("fill_in"));
+}
+
+#[test]
+fn paths_that_lead_out_write_nothing_and_are_told() {
+    let temporary = folder();
+    let (inside, path) = (temporary.path().join("batch"), temporary.path().join("batch/ada.zip"));
+    let evil = format!("{}/absolute.rs", temporary.path().display());
+    zip(
+        &path,
+        &[
+            ("../../evil.rs", "x"),
+            (&evil, "x"),
+            ("a/../../../evil2.rs", "x"),
+            ("fill_in.rs", FILL_IN),
+        ],
+    );
+    let taken = collected(&path).expect("collected");
+    assert!(taken.answers.contains_key("fill_in"));
+    assert!(
+        taken.notices.iter().any(|it| it.contains("leads out of the folder")),
+        "{:?}",
+        taken.notices
+    );
+    let entries = |path: &Path| fs::read_dir(path).expect("a folder").count();
+    assert_eq!((entries(temporary.path()), entries(&inside)), (1, 1));
+    assert!(!Path::new("/tmp/evil.rs").exists() && !Path::new("/tmp/evil2.rs").exists());
+}
+
+#[test]
+fn a_bomb_takes_no_more_than_is_read_of_any_file() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    let mut zip = ZipWriter::new(File::create(&path).expect("a file"));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+    let zeros = vec![0; 1 << 20];
+    for name in ["fill_in.rs", "bomb.rs", "huge.bin"] {
+        zip.start_file(name, options).expect("a file");
+        (0..300).for_each(|_| zip.write_all(&zeros).expect("written"));
+    }
+    zip.finish().expect("an archive");
+    let taken = collected(&path).expect("collected");
+    let why = taken.refused.get("fill_in").expect("refused");
+    assert!(why.contains(&format!("has {} bytes and may have {LARGEST}", LARGEST + 1)), "{why}");
+}
+
+#[test]
+fn an_archive_of_too_many_files_is_not_opened() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    let mut bytes = Vec::new();
+    (0..60_001).for_each(|_| bytes.extend(b"PK\x01\x02                       "));
+    fs::write(&path, bytes).expect("written");
+    let error = collected(&path).expect_err("too many");
+    assert!(
+        error.starts_with("`ada.zip` holds more than 60000 files; ask for the folder"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_link_in_an_archive_is_left_there() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    let mut zip = ZipWriter::new(File::create(&path).expect("a file"));
+    zip.add_symlink("fill_in.rs", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
+    zip.add_symlink("exercises", "/", SimpleFileOptions::default()).expect("a link");
+    zip.finish().expect("an archive");
+    let taken = collected(&path).expect("collected");
+    assert!(taken.answers.is_empty());
+    assert!(
+        taken.notices[0].ends_with("it is a link, and links are not followed"),
+        "{:?}",
+        taken.notices
+    );
+}
+
+#[test]
+fn what_cannot_be_unpacked_is_left_to_a_person() {
+    let temporary = folder();
+    let (path, inner) = (temporary.path().join("ada.zip"), temporary.path().join("brook.zip"));
+    for bytes in [&b"PK"[..], b"", b"PK\x03\x04 and no more", &[0; 10_000]] {
+        fs::write(&path, bytes).expect("written");
+        let error = collected(&path).expect_err("no archive");
+        assert!(error.starts_with("`ada.zip` is an archive that cannot be unpacked ("), "{error}");
+    }
+    zip(&inner, &[("work.tar.gz", ""), ("readme.md", "")]);
+    let error = collected(&inner).expect_err("an archive in an archive");
+    assert!(error.starts_with("`brook.zip` holds another archive, `work.tar.gz`"), "{error}");
+    zip(&temporary.path().join("cem/one.zip"), &[("fill_in.rs", FILL_IN)]);
+    zip(&temporary.path().join("cem/two.zip"), &[("fill_in.rs", FILL_IN)]);
+    let error = collected(&temporary.path().join("cem")).expect_err("two archives");
+    assert!(error.starts_with("there are several archives, `one.zip` and `two.zip`"), "{error}");
+}
+
+#[test]
+fn two_files_of_one_name_are_not_mixed() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    zip(&path, &[("fill_in.rs", FILL_IN), ("./fill_in.rs", "another")]);
+    let taken = collected(&path).expect("collected");
+    assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
+    assert!(taken.notices[0].ends_with("another file has its name"), "{:?}", taken.notices);
+}

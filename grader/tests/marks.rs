@@ -1,0 +1,169 @@
+//! What a person decides is laid over what the grader did, today and whenever it is graded again.
+
+mod made_up;
+
+use std::fs;
+use std::path::Path;
+
+use grader::batch::{Finished, Order, Trouble, carry_out_with};
+use grader::marks::Marks;
+use grader::points::Points;
+use grader::repository;
+use made_up::{StandIn, order, submissions};
+use tempfile::TempDir;
+
+const POINTS: &str = include_str!("../points.toml");
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn carry_out(order: &Order) -> Result<Finished, Trouble> {
+    carry_out_with(order, |points, seed, exercises| Ok(StandIn::new(points, seed, exercises)))
+}
+
+fn read(out: &Path, name: &str) -> String {
+    fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Two who solved the exercise, of whom one has written a sentence, and points for sentences.
+fn with_words(folder: &Path) -> Order {
+    let path = submissions(folder, &[("ada", "right"), ("brook", "right")]);
+    let questions =
+        fs::read_to_string(repository().join("exercises/answers.md")).expect("questions");
+    let heading = "## left_perturbation\n";
+    let words =
+        questions.replace(heading, &format!("{heading}\nThe point it heads for <b>stays</b>.\n"));
+    fs::write(path.join("ada/exercises/answers.md"), words).expect("written");
+    fs::write(path.join("brook/exercises/answers.md"), questions).expect("written");
+    let points = folder.join("points.toml");
+    let text = format!(
+        "{POINTS}\n[words]\nleft_perturbation = 2\n\n[late]\npercent_a_day = 10\nmost = 40\n"
+    );
+    fs::write(&points, text).expect("written");
+    Order { points: Some(points), ..order(&path, &folder.join("grades")) }
+}
+
+fn with_marks(order: &Order, rows: &str) -> Order {
+    let path = order.out.with_file_name("marks.csv");
+    fs::write(&path, format!("folder,exercise,part,points,comment\n{rows}")).expect("written");
+    Order { marks: Some(path), ..order.clone() }
+}
+
+fn row_of<'a>(book: &'a str, name: &str) -> &'a str {
+    book.lines().find(|line| line.starts_with(&format!("{name},"))).expect("a row")
+}
+
+#[test]
+fn words_are_collected_and_count_when_a_person_has_marked_them() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(told.contains("1 answer in words without points, which do not count yet"), "{told}");
+    let words = read(&order.out, "words.md");
+    assert!(
+        words.contains("### ada\n\n```text\nThe point it heads for <b>stays</b>.\n```"),
+        "{words}"
+    );
+    assert!(!words.contains("brook"), "{words}");
+    let open = read(&order.out, "unmarked.csv");
+    assert_eq!(open, "folder,exercise,part,points,comment\nada,left_perturbation,words,,\n");
+    assert!(row_of(&read(&order.out, "gradebook.csv"), "ada").starts_with("ada,,20,20,10,10,"));
+
+    let order = with_marks(&order, "ada,left_perturbation,words,\"1,5\",Which point?\n");
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(!told.contains("in words without points"), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    assert_eq!(row_of(&book, "ada"), "ada,,21.5,22,11.5,10,graded,graded,1.5,,21.5,ada,graded");
+    assert_eq!(row_of(&book, "brook"), "brook,,20,22,10,10,graded,graded,0,,20,brook,graded");
+    let feedback = read(&order.out, "submissions/ada/feedback.md");
+    assert!(feedback.contains("The answer in words earns 1.5 of 2 points."), "{feedback}");
+    assert!(feedback.contains("\nWhich point?\n"), "{feedback}");
+    assert!(read(&order.out, "submissions/ada/results.json").contains("Which point?"));
+}
+
+#[test]
+fn points_and_comments_of_a_person_outlive_a_regrade_and_open_what_could_not_be_graded() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), &[("ada", "cannot"), ("brook", "two")]);
+    let order = with_marks(
+        &order(&path, &temporary.path().join("grades")),
+        "ada,left_perturbation,program,7,Read by hand.\nada,along_or_across,program,3,\nnobody,fill_in,program,,Hm\n",
+    );
+    for _ in 0..2 {
+        let told = carry_out(&order).expect("a batch").told;
+        assert!(told.contains("No submission has the folder of these marks: nobody."), "{told}");
+        let book = read(&order.out, "gradebook.csv");
+        assert!(row_of(&book, "ada").starts_with("ada,,10,20,7,3,graded,graded,"), "{book}");
+        assert!(read(&order.out, "submissions/ada/feedback.md").contains("Read by hand."));
+        made_up::hand_in(&path, "brook", "right");
+    }
+    let without = Order { marks: None, ..order };
+    carry_out(&without).expect("a batch");
+    assert!(
+        row_of(&read(&without.out, "gradebook.csv"), "ada")
+            .starts_with("ada,,,20,,,could not be graded,")
+    );
+}
+
+#[test]
+fn what_is_taken_off_for_lateness_is_a_column() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let roster = temporary.path().join("roster.csv");
+    fs::write(&roster, "folder,name,days_late\nada,Ada,1.2\nbrook,Brook,30\n").expect("written");
+    let order = Order { roster: Some(roster.clone()), ..order };
+    carry_out(&order).expect("a batch");
+    let book = read(&order.out, "gradebook.csv");
+    assert!(row_of(&book, "ada").ends_with(",1.2,16,ada,graded"), "{book}");
+    assert!(row_of(&book, "brook").ends_with(",30,12,brook,graded"), "{book}");
+    let feedback = read(&order.out, "submissions/ada/feedback.md");
+    assert!(
+        feedback
+            .contains("It came 1.2 days late, for which 20 % are taken off: 16 points are left."),
+        "{feedback}"
+    );
+    fs::write(&roster, "folder,name,days_late\nada,Ada,soon\n").expect("written");
+    let Err(Trouble::Usage(sentence)) = carry_out(&order) else { panic!("soon is no number") };
+    assert!(sentence.contains("`soon` in the column `days_late` of `ada`"), "{sentence}");
+}
+
+#[test]
+fn what_is_worth_nothing_is_no_part_of_the_course() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), &[("ada", "right")]);
+    let three = ["left_perturbation", "fill_in", "null_space"];
+    let line = |line: &str| match line.split_once(" = 10") {
+        Some((slug, _)) if !three.contains(&slug) => format!("{slug} = 0\n"),
+        _ => format!("{line}\n"),
+    };
+    let points = temporary.path().join("points.toml");
+    fs::write(&points, POINTS.lines().map(line).collect::<String>()).expect("written");
+    let order = order(&path, &temporary.path().join("grades"));
+    let order = Order { points: Some(points), exercises: Vec::new(), ..order };
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(told.starts_with("ada: 30 of 30 points"), "{told}");
+    assert!(!told.contains("stereo_gauge"), "{told}");
+}
+
+#[test]
+fn marks_with_mistakes_are_told_with_their_line() {
+    let points = Points::parse(&format!("{POINTS}\n[words]\nfill_in = 2\n")).expect("points");
+    let error = |text: &str| Marks::parse(text, &points).expect_err("an error");
+    let heading = "folder,exercise,part,points,comment\n";
+    for (rows, said) in [
+        ("ada,fill_out,words,1,\n", "line 2: there is no exercise `fill_out`"),
+        ("ada,fill_in,sentences,1,\n", "line 2: the part is `sentences`"),
+        ("ada,fill_in,words,3,\n", "line 2: `3` is no number of points from 0 to 2"),
+        ("ada,null_space,words,1,\n", "line 2: `1` is no number of points from 0 to 0"),
+        ("ada,fill_in,program,-1,\n", "line 2: `-1` is no number of points from 0 to 10"),
+        ("ada,fill_in,program,NaN,\n", "line 2: `NaN` is no number"),
+        ("ada,fill_in,words,1,\nada,fill_in,words,2,\n", "line 3: the same was marked"),
+    ] {
+        let sentence = error(&format!("{heading}{rows}"));
+        assert!(sentence.starts_with(said), "{sentence}");
+    }
+    assert!(error("folder,exercise\n").starts_with("line 1: there is no column `part`"));
+    let semicolons = "folder;exercise;part;points;comment\n'=ada;fill_in;words;1,5;well\n";
+    Marks::parse(semicolons, &points).expect("marks of a spreadsheet");
+}
