@@ -60,7 +60,7 @@ fn running() -> Vec<Hostile> {
             every(
                 FEW,
                 "leap()",
-                "fn leap<T>() -> T {\n    let much = vec![1_usize; 48 << 20];\n    let mut at = 1;\n    \
+                "fn leap<T>() -> T {\n    let much = vec![1_usize; 48 << 20];\n    let mut at: usize = 1;\n    \
                  loop { at = at.wrapping_mul(1_664_525).wrapping_add(much[at] + 1_013_904_223) % (48 << 20); \
                  std::hint::black_box(at); }\n}",
             ),
@@ -77,7 +77,7 @@ fn running() -> Vec<Hostile> {
                  std::hint::black_box(Vec::<u8>::new().try_reserve(1 << 30)); }\n}",
             ),
             Runs(0.0),
-            "more time, in all its checks, than an answer may",
+            "Is there a loop that does not end",
         ),
         row(
             "asks for the time",

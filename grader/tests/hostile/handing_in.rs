@@ -127,7 +127,7 @@ fn nothing() -> Vec<Hostile> {
             "is an archive, a zip",
             |root| put(root, "work.zip", b"PK\x03\x04"),
             NotGraded,
-            "unpack it and grade again",
+            "cannot be unpacked",
         ),
         row("is the skeleton as it was", LEFT, untouched(LEFT), NotBegun, ""),
         row(

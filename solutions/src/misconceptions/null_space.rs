@@ -53,16 +53,13 @@ pub fn wrong() -> Vec<Wrong> {
         projection(&FIRST_THREE_KEPT, |states, landmark, residual| {
             right::project_out(states.clone(), landmark.clone(), residual.clone())?;
             let count = residual.len() - 3;
-            let (states, residual) = rotated(states, landmark, residual);
+            let (states, residual) = rotated(states, landmark, residual, from_the_bottom);
             Some((states.rows(0, count).into_owned(), residual.rows(0, count).into_owned()))
         }),
         projection(&FROM_THE_TOP, |states, landmark, residual| {
             turned(states, landmark, residual, |table, column| {
                 for lower in column + 1..table.nrows() {
-                    let (a, b) = (table.row(lower - 1).into_owned(), table.row(lower).into_owned());
-                    let (c, s) = right::givens(a[column], b[column]);
-                    table.set_row(lower - 1, &(c * &a + s * &b));
-                    table.set_row(lower, &(c * b - s * a));
+                    neighbours(table, column, lower);
                 }
             })
         }),
@@ -93,7 +90,7 @@ pub fn wrong() -> Vec<Wrong> {
         }),
         projection(&RANK_TWO, |states, landmark, residual| {
             let count = residual.len().checked_sub(3)?;
-            let (states, residual) = rotated(states, landmark, residual);
+            let (states, residual) = rotated(states, landmark, residual, from_the_bottom);
             Some((states.rows(3, count).into_owned(), residual.rows(3, count).into_owned()))
         }),
         projection(&ABSOLUTE_RANK, |states, landmark, residual| {
@@ -101,7 +98,7 @@ pub fn wrong() -> Vec<Wrong> {
             if landmark.singular_values().min() < 1e-9 {
                 return None;
             }
-            let (states, residual) = rotated(states, landmark, residual);
+            let (states, residual) = rotated(states, landmark, residual, from_the_bottom);
             Some((states.rows(3, count).into_owned(), residual.rows(3, count).into_owned()))
         }),
         update(&OTHER_WAY, |prior, states, landmark, residual| {
@@ -123,9 +120,9 @@ pub fn wrong() -> Vec<Wrong> {
     ]
 }
 
-/// I − H_f H_f⁺.
+/// I − H_f H_f⁺, with H_f⁺ = (H_fᵀ H_f)⁻¹ H_fᵀ.
 fn complement(landmark: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let inverse = landmark.clone().pseudo_inverse(0.0).ok()?;
+    let inverse = landmark.tr_mul(landmark).try_inverse()? * landmark.transpose();
     Some(DMatrix::identity(landmark.nrows(), landmark.nrows()) - landmark * inverse)
 }
 
@@ -137,14 +134,40 @@ fn turned(
     rotate: fn(&mut DMatrix<f64>, usize),
 ) -> Option<(DMatrix<f64>, DVector<f64>)> {
     right::project_out(states.clone(), landmark.clone(), residual.clone())?;
+    let (states, residual) = rotated(states, landmark, residual, rotate);
+    let count = residual.len() - 3;
+    Some((states.rows(3, count).into_owned(), residual.rows(3, count).into_owned()))
+}
+
+/// States and residual with all their rows, after they were rotated with the landmark.
+fn rotated(
+    states: DMatrix<f64>,
+    landmark: DMatrix<f64>,
+    residual: DVector<f64>,
+    rotate: fn(&mut DMatrix<f64>, usize),
+) -> (DMatrix<f64>, DVector<f64>) {
     let (rows, columns) = states.shape();
     let mut table = DMatrix::zeros(rows, 3 + columns + 1);
     table.columns_mut(0, 3).copy_from(&landmark);
     table.columns_mut(3, columns).copy_from(&states);
     table.set_column(3 + columns, &residual);
     (0..3).for_each(|column| rotate(&mut table, column));
-    let left = table.rows(3, rows - 3);
-    Some((left.columns(3, columns).into_owned(), left.column(3 + columns).into_owned()))
+    (table.columns(3, columns).into_owned(), table.column(3 + columns).into_owned())
+}
+
+/// Rotations of neighbours from the bottom, as they should be.
+fn from_the_bottom(table: &mut DMatrix<f64>, column: usize) {
+    for lower in (column + 1..table.nrows()).rev() {
+        neighbours(table, column, lower);
+    }
+}
+
+/// Turns a row and the one above it.
+fn neighbours(table: &mut DMatrix<f64>, column: usize, lower: usize) {
+    let (a, b) = (table.row(lower - 1).into_owned(), table.row(lower).into_owned());
+    let (c, s) = right::givens(a[column], b[column]);
+    table.set_row(lower - 1, &(c * &a + s * &b));
+    table.set_row(lower, &(c * b - s * a));
 }
 
 /// Turns two rows, the second of them with the first one as it has become.
@@ -154,33 +177,4 @@ fn overwritten(table: &mut DMatrix<f64>, column: usize, upper: usize, lower: usi
         table[(upper, at)] = c * table[(upper, at)] + s * table[(lower, at)];
         table[(lower, at)] = c * table[(lower, at)] - s * table[(upper, at)];
     }
-}
-
-/// States and residual with all their rows, rotated with the landmark.
-fn rotated(
-    mut states: DMatrix<f64>,
-    landmark: DMatrix<f64>,
-    mut residual: DVector<f64>,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let factors = landmark.qr();
-    // Householder's factor has as many columns as the landmark has; the rest is completed.
-    let thin = factors.q();
-    let rows = thin.nrows();
-    let complement = DMatrix::identity(rows, rows) - &thin * thin.transpose();
-    let mut basis = vec![];
-    basis.extend(thin.column_iter().map(|column| column.into_owned()));
-    for candidate in complement.column_iter() {
-        let mut column = candidate.into_owned();
-        for known in &basis {
-            let part: f64 = known.dot(&column);
-            column -= part * known;
-        }
-        if basis.len() < rows && column.norm() > 1e-6 {
-            basis.push(column.normalize());
-        }
-    }
-    let turn = DMatrix::from_columns(&basis).transpose();
-    states = &turn * states;
-    residual = turn * residual;
-    (states, residual)
 }
