@@ -12,19 +12,28 @@ use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use crate::submission::{LARGEST, is_archive};
+use crate::submission::is_archive;
 use crate::text::harmless_line;
 
 /// The largest archive that is opened, in bytes.
 const ARCHIVE: u64 = 500_000_000;
 /// As many files as it may hold. An exercises folder with all of its dependencies has a third.
 const FILES: usize = 60_000;
-/// As many files as are taken out of it. There are far fewer answers.
-const TAKEN: usize = 500;
 /// How deep these may lie.
 const DEEP: usize = 12;
 /// What begins the entry of a file in an archive's list.
 const ENTRY: &[u8; 4] = b"PK\x01\x02";
+
+/// What is taken out of an archive.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted {
+    /// Whether a file of this name is.
+    pub name: fn(&str) -> bool,
+    /// As much of each as is read, in bytes.
+    pub largest: u64,
+    /// As many as are.
+    pub most: usize,
+}
 
 /// The files of an archive that may be answers, in a folder that goes with it.
 #[derive(Debug)]
@@ -47,11 +56,11 @@ pub fn is_zip(path: &Path) -> bool {
 /// # Errors
 ///
 /// A sentence when it cannot be read, or is too large to be looked at.
-pub fn unpacked(path: &Path) -> Result<Unpacked, String> {
+pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     let name = harmless_line(&path.file_name().unwrap_or_default().to_string_lossy(), 60);
     let told = |why: String| {
         format!(
-            "`{name}` {why}; ask for the folder `exercises` as a ZIP file without `target` and `vendor`"
+            "`{name}` {why}; ask for a ZIP file of the answers alone, without `target` and `vendor`"
         )
     };
     let unreadable = |error: &dyn std::fmt::Display| {
@@ -76,10 +85,10 @@ pub fn unpacked(path: &Path) -> Result<Unpacked, String> {
         if is_archive(Path::new(name)) {
             inner.get_or_insert_with(|| harmless_line(name, 60));
         }
-        if !is_wanted(name) {
+        if !(wanted.name)(last(name)) {
             continue;
         }
-        let why_not = one(&mut archive, index, folder.path(), &mut taken);
+        let why_not = one(&mut archive, index, (folder.path(), wanted), &mut taken);
         notices.extend(why_not.map_err(|error| unreadable(&error))?);
     }
     notices.truncate(4);
@@ -113,7 +122,7 @@ fn entries(file: &File) -> io::Result<usize> {
 fn one(
     archive: &mut ZipArchive<File>,
     index: usize,
-    folder: &Path,
+    (folder, wanted): (&Path, &Wanted),
     taken: &mut usize,
 ) -> io::Result<Option<String>> {
     let shown = harmless_line(archive.name_for_index(index).unwrap_or_default(), 80);
@@ -132,7 +141,7 @@ fn one(
     let Some(path) = file.enclosed_name().filter(|path| path.components().count() <= DEEP) else {
         return left("its path leads out of the folder, or too deep into it");
     };
-    if *taken == TAKEN {
+    if *taken == wanted.most {
         return left("there are too many files of its kind");
     }
     *taken += 1;
@@ -142,12 +151,11 @@ fn one(
         return left("another file has its name");
     };
     // A file that has more than is read is refused for its length later.
-    io::copy(&mut (&mut file).take(LARGEST + 1), &mut new)?;
+    io::copy(&mut (&mut file).take(wanted.largest + 1), &mut new)?;
     Ok(None)
 }
 
-/// Whether a file of this name may be part of a submission.
-fn is_wanted(name: &str) -> bool {
-    let name = name.rsplit(['/', '\\']).next().unwrap_or_default();
-    name.ends_with(".rs") || name == "answers.md"
+/// The name of a file in a path.
+fn last(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or_default()
 }

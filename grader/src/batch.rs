@@ -17,6 +17,7 @@ use exercise_spec::{EXERCISES, Exercise, exercise};
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
+use crate::fly::GRADED_FLIGHT;
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::judge::Judge;
 use crate::marks::Marks;
@@ -26,7 +27,7 @@ use crate::report::Detail;
 use crate::repository;
 use crate::roster::{Matches, Roster};
 use crate::seed::Seed;
-use crate::submission::{self, Submission};
+use crate::submission::{self, Collected, Submission};
 use crate::text::harmless;
 use kept::Kept;
 
@@ -94,6 +95,11 @@ pub trait Judging: Sync {
 
     /// Grades a submission.
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade;
+
+    /// What reports need of a submission besides its grade. Of what cannot be read there is nothing.
+    fn collected(&self, submission: &Submission) -> Collected {
+        submission::collect(submission).unwrap_or_default()
+    }
 }
 
 impl Judging for Judge {
@@ -167,12 +173,8 @@ pub struct Subject {
 impl Subject {
     /// The exercises of the book that an order names.
     fn of(order: &Order) -> Result<Self, Trouble> {
-        let points = match &order.points {
-            Some(path) => Points::read(path),
-            None => Points::read(&repository().join("grader").join("points.toml")),
-        };
         let mut exercises = exercises(&order.exercises).map_err(Trouble::Usage)?;
-        let points = points.map_err(Trouble::Usage)?;
+        let points = points_of(order).map_err(Trouble::Usage)?;
         if order.exercises.is_empty() {
             // What is worth nothing is no part of the course.
             exercises.retain(|exercise| points.of(exercise.slug) > 0.0);
@@ -182,6 +184,23 @@ impl Subject {
             return Err(Trouble::Usage(sentence.to_owned()));
         }
         Ok(Self { exercises, points })
+    }
+
+    /// The graded flight, at what a file of points says.
+    ///
+    /// # Errors
+    ///
+    /// A [`Trouble`] when the file cannot be read, or gives it no points.
+    pub fn flight(order: &Order) -> Result<Self, Trouble> {
+        let points = points_of(order).map_err(Trouble::Usage)?;
+        let slug = GRADED_FLIGHT.slug;
+        if points.of(slug) == 0.0 {
+            let sentence = format!(
+                "the file of points gives `{slug}` none; write `{slug} = 100` below [points]"
+            );
+            return Err(Trouble::Usage(sentence));
+        }
+        Ok(Self { exercises: vec![&GRADED_FLIGHT], points })
     }
 }
 
@@ -204,7 +223,7 @@ pub fn carry_out_on<J: Judging>(
         scope.spawn(|| canaries.sing(&judge, &kept));
         plan.grade(&judge, &kept, &canaries)
     })?;
-    let finished = publish::publish(&plan, &kept, &judge.sandbox())?;
+    let finished = publish::publish(&plan, &kept, &judge)?;
     kept.finish()?;
     Ok(finished)
 }
@@ -361,6 +380,13 @@ impl Plan {
             late: None,
             exercises: self.exercises.iter().map(exercise).collect(),
         }
+    }
+}
+
+fn points_of(order: &Order) -> Result<Points, String> {
+    match &order.points {
+        Some(path) => Points::read(path),
+        None => Points::read(&repository().join("grader").join("points.toml")),
     }
 }
 

@@ -105,29 +105,38 @@ enum Fly {
         roster: PathBuf,
     },
     /// Grades what was handed in
-    Run {
-        /// Submissions, or folders of submissions
-        #[arg(required = true)]
-        submissions: Vec<PathBuf>,
-        /// The key that the export wrote beside its folder
-        #[arg(long)]
-        key: PathBuf,
-        /// Take each path for one submission, whatever it holds
-        #[arg(long)]
-        single: bool,
-        /// What students are told about hidden checks
-        #[arg(long, value_enum, default_value_t = DetailName::Hint)]
-        detail: DetailName,
-        /// Where reports go, and from where a batch that was stopped goes on
-        #[arg(long, default_value = "flight-grades")]
-        out: PathBuf,
-        /// A CSV file with the columns folder and name
-        #[arg(long)]
-        roster: Option<PathBuf>,
-        /// How many submissions at a time; without it, one for each core
-        #[arg(long)]
-        jobs: Option<usize>,
-    },
+    Run(FlyRun),
+}
+
+#[derive(clap::Args)]
+struct FlyRun {
+    /// Submissions, or folders of submissions
+    #[arg(required = true)]
+    submissions: Vec<PathBuf>,
+    /// The key that the export wrote beside its folder
+    #[arg(long)]
+    key: PathBuf,
+    /// Take each path for one submission, whatever it holds
+    #[arg(long)]
+    single: bool,
+    /// What students are told about hidden checks
+    #[arg(long, value_enum, default_value_t = DetailName::Hint)]
+    detail: DetailName,
+    /// Where reports go, and from where a batch that was stopped goes on
+    #[arg(long, default_value = "flight-grades")]
+    out: PathBuf,
+    /// A CSV file with the columns folder and name
+    #[arg(long)]
+    roster: Option<PathBuf>,
+    /// Points and what lateness costs, as in grader/points.toml
+    #[arg(long)]
+    points: Option<PathBuf>,
+    /// A CSV file of what a person decides: points for the text, other points, comments
+    #[arg(long)]
+    marks: Option<PathBuf>,
+    /// How many submissions at a time; without it, one for each core
+    #[arg(long)]
+    jobs: Option<usize>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -155,11 +164,7 @@ fn main() -> ExitCode {
         Command::Fly(Fly::Export { dir, roster }) => {
             fly::export::export(&dir, &roster).map(|()| true)
         }
-        Command::Fly(Fly::Run { submissions, key, single, detail, out, roster, jobs }) => {
-            let detail = detail.into();
-            let order = FlyOrder { submissions, single, key, roster, detail, out, jobs };
-            return told(fly::run::run(&order));
-        }
+        Command::Fly(Fly::Run(fly)) => return told(fly::run::run(&flown(fly))),
         Command::New { name, title, chapter } => {
             workshop::new(&name, &title, &chapter).map(|()| true)
         }
@@ -172,6 +177,20 @@ fn main() -> ExitCode {
             eprintln!("{error}");
             ExitCode::from(COULD_NOT)
         }
+    }
+}
+
+fn flown(run: FlyRun) -> FlyOrder {
+    FlyOrder {
+        submissions: run.submissions,
+        single: run.single,
+        key: run.key,
+        roster: run.roster,
+        points: run.points,
+        marks: run.marks,
+        detail: run.detail.into(),
+        out: run.out,
+        jobs: run.jobs,
     }
 }
 

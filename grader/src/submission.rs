@@ -12,12 +12,14 @@ use std::path::{Path, PathBuf};
 
 use exercise_spec::EXERCISES;
 
-use crate::archive::{self, is_zip};
+use crate::archive::{self, Wanted, is_zip};
 use crate::text::harmless_line;
 use crate::words::{self, Words};
 
 /// The largest answer that is read, in bytes. The reference answers have a tenth of it at most.
 pub const LARGEST: u64 = 256_000;
+/// As many files as are taken out of a ZIP file. There are far fewer answers.
+const MOST_TAKEN: usize = 500;
 
 /// How many files that are not used a notice names.
 const NAMED: usize = 4;
@@ -370,7 +372,9 @@ fn unreadable(error: std::io::Error) -> String {
 
 /// Takes the answers of a ZIP file.
 fn from_zip(zip: &Path) -> Result<Collected, String> {
-    let unpacked = archive::unpacked(zip)?;
+    let is_answer = |name: &str| name.ends_with(".rs") || name == words::FILE;
+    let wanted = Wanted { name: is_answer, largest: LARGEST, most: MOST_TAKEN };
+    let unpacked = archive::unpacked(zip, &wanted)?;
     let mut collected = from_folder(unpacked.folder.path())?;
     if let Some(inner) = unpacked.inner.filter(|_| collected.answers.is_empty()) {
         return Err(format!(

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 
-use exercise_spec::{EXERCISES, Exercise, exercise};
+use exercise_spec::{Exercise, exercise};
 
 use crate::report::markdown::{block, counted, escaped};
 use crate::repository;
@@ -73,12 +73,12 @@ impl Collection {
     }
 
     /// The answers for a person to read.
-    pub fn markdown(&self) -> String {
+    pub fn markdown(&self, exercises: &[&'static Exercise]) -> String {
         let mut text = "# Answers in words\n\nEach question with the answers of all, to be read one after the other. \
-                        `tests/rubrics` says what they are worth.\n"
+                        `tests/rubrics` says what they are worth, and of a graded flight the page for instructors.\n"
             .to_owned();
         let asked = |exercise: &&&'static Exercise| self.answers.contains_key(exercise.slug);
-        for exercise in EXERCISES.iter().filter(asked) {
+        for exercise in exercises.iter().filter(asked) {
             let answers = &self.answers[exercise.slug];
             let title = escaped(exercise.title, 80);
             let _ = write!(text, "\n## {title}\n\n{}.\n", counted(answers.len(), "answer"));

@@ -108,6 +108,8 @@ fn order(at: &Path, out: &str) -> FlyOrder {
         single: false,
         key: at.join("flights-key.toml"),
         roster: None,
+        points: None,
+        marks: None,
         detail: Detail::Full,
         out: at.join(out),
         jobs: None,
@@ -327,6 +329,67 @@ fn hostile_submissions_harm_nobody() {
     let digits = Key::of(9);
     assert_eq!(format!("{digits:?}"), "Key(…)");
     assert!(!read("grade.json").contains("00000000000000000000000000000009"));
+}
+
+#[test]
+fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
+    let at = tempdir().unwrap();
+    let key = Key::of(9);
+    let names = ["ada", "bob", "cem"].map(str::to_owned);
+    Exported::new(&key, names.to_vec()).write(&at.path().join("flights-key.toml")).unwrap();
+    let submissions = at.path().join("submissions");
+    let answer = at.path().join("work");
+    write(&of_truth(&Graded::all(&key, "ada")), &answer);
+    fs::write(answer.join("text.md"), "It integrates, and I do not trust it.\n").unwrap();
+    fs::create_dir_all(&submissions).unwrap();
+    zipped(&at.path().join("work"), &submissions.join("ada.zip"));
+    write(&of_truth(&Graded::all(&key, "bob")), &submissions.join("bob/inner"));
+    fs::write(submissions.join("cem.zip"), "PK\u{3}\u{4}").unwrap();
+    let points = at.path().join("points.toml");
+    let file = include_str!("../points.toml");
+    fs::write(&points, format!("{file}\n[words]\ngraded_flight = 20\n")).unwrap();
+    let order = FlyOrder { points: Some(points), ..order(at.path(), "grades") };
+    assert_eq!(run_quietly(&order).unwrap().graded, 3);
+    let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
+    assert!(read("words.md").contains("I do not trust it"));
+    assert!(
+        read("unmarked.csv").contains("ada.zip,graded_flight,words,,"),
+        "{}",
+        read("unmarked.csv")
+    );
+    assert!(read("submissions/cem/feedback.md").contains("cannot be unpacked"));
+    assert!(!at.path().join("grades/similarity.md").exists());
+    let marks = at.path().join("marks.csv");
+    let rows = read("unmarked.csv").replace("words,,", "words,15,well said");
+    fs::write(&marks, rows).unwrap();
+    let before = earned_in(&read("gradebook.csv"), "ada");
+    assert!(before > 0.0, "{}", read("gradebook.csv"));
+    assert_eq!(earned_in(&read("gradebook.csv"), "bob"), before);
+    run_quietly(&FlyOrder { marks: Some(marks), ..order }).unwrap();
+    assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
+    assert!(read("submissions/ada/feedback.md").contains("well said"));
+}
+
+/// The sum of points of a row.
+fn earned_in(book: &str, name: &str) -> f64 {
+    let row = book.lines().find(|line| line.starts_with(name)).expect("a row");
+    row.split(',').nth(2).and_then(|sum| sum.parse().ok()).expect("points")
+}
+
+/// Packs a folder.
+fn zipped(folder: &Path, to: &Path) {
+    let mut zip = zip::ZipWriter::new(fs::File::create(to).unwrap());
+    let mut open = vec![folder.to_owned()];
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+            continue;
+        }
+        let name = path.strip_prefix(folder.parent().unwrap()).unwrap().to_string_lossy();
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::copy(&mut fs::File::open(&path).unwrap(), &mut zip).unwrap();
+    }
+    zip.finish().unwrap();
 }
 
 /// Runs a program on all flights of a folder, and grades what it wrote.

@@ -27,6 +27,9 @@ has them, TRACKS.csv the columns timestamp [ns], track, u [px], v [px], with dis
   --covariance FILE    write the covariance of each pose: time and upper triangle
   --ply FILE           write landmarks and trajectory for a viewer
 
+A calibration with a [stereo] baseline, in metres, has a second camera beside it, whose pixels are u_right and v_right of
+TRACKS.csv. The smoother takes them, the others do not.
+
 Without --calibration camera and noise are EuRoC's; a COMBINED.csv has a camera of its own, so that
 only the noise is. A calibration has these names:
 

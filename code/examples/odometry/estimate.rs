@@ -58,8 +58,10 @@ fn follow(
     input: &Input,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate, String> {
-    let Input { sensors, readings, pictures } = input;
-    let mut odometry = Odometry::new(OdometryOptions::new(*sensors, estimator));
+    let Input { sensors, readings, pictures, .. } = input;
+    let mut options = OdometryOptions::new(*sensors, estimator);
+    options.smoother.right = input.right;
+    let mut odometry = Odometry::new(options);
     let mut estimate = Estimate::nothing();
     let mut last = None;
     let told = |odometry: &Odometry, what: Progress| {
@@ -89,7 +91,7 @@ fn follow(
 
 /// Begins at rest or in motion, and from there grows the batch of all pictures.
 fn batch(input: &Input, progress: &mut dyn FnMut(&str)) -> Result<Estimate, String> {
-    let Input { sensors, readings, pictures } = input;
+    let Input { sensors, readings, pictures, .. } = input;
     progress("looking for a beginning");
     let begun = begin(sensors, readings, pictures, &BeginOptions::default())
         .map_err(|error| format!("there is no beginning: {error}"))?;

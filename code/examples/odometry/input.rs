@@ -1,12 +1,12 @@
 //! What was recorded, and by which sensors.
 
-use vislam::datasets::calibration::read_calibration;
+use vislam::datasets::calibration::{read_calibration, read_right_camera};
 use vislam::datasets::euroc::read_imu;
 use vislam::datasets::recording::read_recording;
 use vislam::datasets::tracks::{Picture, read_tracks};
 use vislam::inertial::StampedSample;
 use vislam::initialization::Sensors;
-use vislam::reprojection::Pinhole;
+use vislam::reprojection::{Pinhole, RigCamera};
 
 use super::arguments::Arguments;
 use super::read;
@@ -21,6 +21,8 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub struct Input {
     pub sensors: Sensors,
+    /// The second camera of a pair.
+    pub right: Option<RigCamera>,
     pub readings: Vec<StampedSample>,
     pub pictures: Vec<Picture>,
 }
@@ -28,8 +30,9 @@ pub struct Input {
 impl Input {
     /// What the files say. Pictures before the first reading or after the last one are left out.
     pub fn read(arguments: &Arguments) -> Result<Self, String> {
-        let calibration = arguments.calibration.as_ref();
-        let calibration = calibration.map(|file| read(file, read_calibration)).transpose()?;
+        let file = arguments.calibration.as_ref();
+        let calibration = file.map(|file| read(file, read_calibration)).transpose()?;
+        let right = file.map(|file| read(file, read_right_camera)).transpose()?.flatten();
         let euroc = || read_calibration(EUROC).map_err(|error| format!("euroc.toml: {error}"));
         let input = match arguments.files.as_slice() {
             [both] => {
@@ -40,7 +43,7 @@ impl Input {
                     sensors.rig.body_from_camera = recording.body_from_camera;
                 }
                 let sensors = normalized(sensors);
-                Self { sensors, readings: recording.samples, pictures: recording.pictures }
+                Self { sensors, right: None, readings: recording.samples, pictures: recording.pictures }
             }
             [imu, tracks] => {
                 if calibration.is_none() {
@@ -49,6 +52,7 @@ impl Input {
                 let sensors = calibration.map_or_else(euroc, Ok)?;
                 Self {
                     sensors,
+                    right,
                     readings: read(imu, read_imu)?,
                     pictures: read(tracks, read_tracks)?,
                 }

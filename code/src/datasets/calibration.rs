@@ -8,9 +8,10 @@
 //! | --- | --- |
 //! | `camera` | `fx`, `fy`, `cx`, `cy` in pixels; `pixel_sigma`, the standard deviation of each coordinate of a pixel, if it is not one; `time_offset`, what to add to a time of the camera's clock, in seconds, if it is not zero |
 //! | `imu` | `gyro` in rad/s/√Hz, `accelerometer` in m/s²/√Hz, `gyro_walk` in rad/s²/√Hz, `accelerometer_walk` in m/s³/√Hz; `gravity`, its size, if it is not 9.81 m/s² |
+//! | `stereo` | `baseline`, how far to the right of it there is a second camera of the same make that looks the same way, in metres, if there is one |
 //! | `extrinsics` | `body_from_camera`, the 4×4 matrix that takes camera coordinates to body coordinates, row by row |
 //!
-//! The size of the image, rates and a baseline may be said too; nothing is made of them.
+//! The size of the image and rates may be said too; nothing is made of them.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +20,8 @@ use thiserror::Error;
 
 use crate::inertial::{Calibrated, CameraImu, GRAVITY, ImuNoise, NoiseError};
 use crate::initialization::Sensors;
-use crate::reprojection::{Pinhole, PinholeError};
+use crate::reprojection::{Pinhole, PinholeError, RigCamera};
+use crate::two_views::StereoPinhole;
 
 /// Every name that may be said, with its section.
 const NAMES: [&str; 17] = [
@@ -32,7 +34,7 @@ const NAMES: [&str; 17] = [
     "camera.rate",
     "camera.pixel_sigma",
     "camera.time_offset",
-    "stereo.baseline",
+    BASELINE,
     "imu.rate",
     "imu.gyro",
     "imu.accelerometer",
@@ -41,6 +43,9 @@ const NAMES: [&str; 17] = [
     "imu.gravity",
     MOUNTING,
 ];
+
+/// What makes a pair of the camera.
+const BASELINE: &str = "stereo.baseline";
 
 /// The one name whose value is no number.
 const MOUNTING: &str = "extrinsics.body_from_camera";
@@ -78,6 +83,22 @@ pub fn read_calibration(text: &str) -> Result<Sensors, CalibrationError> {
     })
 }
 // ANCHOR_END: read_calibration
+
+/// The second camera of a pair, beside the one of [`read_calibration`]. `None` when a text says nothing of
+/// it.
+///
+/// # Errors
+///
+/// As [`read_calibration`], and when the baseline is not positive.
+pub fn read_right_camera(text: &str) -> Result<Option<RigCamera>, CalibrationError> {
+    let camera = read_calibration(text)?.camera;
+    let said = Said::read(text)?;
+    if !said.values.contains_key(BASELINE) {
+        return Ok(None);
+    }
+    let pair = StereoPinhole { camera, baseline: said.positive(BASELINE, 1.0)? };
+    Ok(Some(RigCamera { camera, camera_from_first: pair.right_from_left() }))
+}
 
 /// What a text says, by name: the line and the value.
 struct Said<'a> {

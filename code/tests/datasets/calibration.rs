@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{Matrix3, Vector3};
-use vislam::datasets::calibration::{CalibrationFault, read_calibration};
+use vislam::datasets::calibration::{CalibrationFault, read_calibration, read_right_camera};
 use vislam::inertial::{Calibrated, ImuNoise};
 use vislam::reprojection::PinholeError;
 
@@ -52,6 +52,18 @@ fn a_calibration_is_read() {
     let without = TEXT.replace("pixel_sigma = 0.5\n", "").replace("time_offset = -2e-3\n", "");
     let sensors = read_calibration(&without).unwrap();
     assert_eq!((sensors.pixel_sigma, sensors.rig.time_offset), (1.0, 0.0));
+}
+
+#[test]
+fn a_baseline_makes_a_pair() {
+    assert_eq!(read_right_camera(TEXT).unwrap(), None);
+    let text = TEXT.replace("[imu]", "[stereo]\nbaseline = 0.11\n[imu]");
+    let right = read_right_camera(&text).unwrap().unwrap();
+    assert_eq!(right.camera, read_calibration(TEXT).unwrap().camera);
+    assert_eq!(right.camera_from_first.translation.vector, Vector3::new(-0.11, 0.0, 0.0));
+    let error = read_right_camera(&text.replace("0.11", "-0.11")).unwrap_err();
+    assert!(matches!(error.fault, CalibrationFault::Positive { value: -0.11, .. }), "{error}");
+    assert_eq!(error.line, text.lines().position(|line| line.contains("baseline")).unwrap() + 1);
 }
 
 #[test]

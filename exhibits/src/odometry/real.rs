@@ -157,7 +157,8 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
     let python = Python::with_gtsam()?;
     let flight = Real::read()?;
     let mut values = Vec::new();
-    let (mut slowest, mut faster, mut losses) = (f64::INFINITY, f64::INFINITY, 0);
+    let (mut slowest, mut faster) = (f64::INFINITY, f64::INFINITY);
+    let (mut runs, mut losses) = (0, 0);
     let plain_first = || {
         let rates = EVERY.into_iter().map(|every| (every, 0));
         rates.chain((1..GATES.len()).map(|gate| (EVERY[0], gate)))
@@ -170,7 +171,7 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             let part = flight.taken_up(from, every);
             let smoother = flown(&part, Estimator::Smoother, gate)?;
             let filter = flown(&part, Estimator::Msckf, gate)?;
-            losses += smoother.losses + filter.losses;
+            (runs, losses) = (runs + 2, losses + smoother.losses + filter.losses);
             let since = part.pictures[smoother.causal[0].0].nanoseconds;
             let [causal, delayed, smoothed, speed] =
                 isam(&python, (from, every, gate), &part, since)?;
@@ -206,6 +207,7 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             spread.push(name, from, &mut values);
         }
     }
+    values.push(RecordValue::new("runs", f64::from(runs), "", 0, 0.0));
     values.push(RecordValue::new("speed", slowest, "", 0, 0.5));
     values.push(RecordValue::new("faster_than_isam", faster, "", 1, 0.5));
     values.push(RecordValue::new("losses", losses as f64, "", 0, 0.0));

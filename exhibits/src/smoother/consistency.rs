@@ -75,6 +75,11 @@ pub fn numbers(chapter: &mut Chapter) {
         recorded(block).into_iter().filter(|mean| !band.contains(*mean)).count()
     });
     chapter.number("missed", missed.sum::<usize>() as f64, "", 0);
+    let bands = bands();
+    let low = bands.iter().map(|band| band.low).fold(1.0, f64::min);
+    let high = bands.iter().map(|band| band.high).fold(1.0, f64::max);
+    chapter.number("band_low", low, "", 2);
+    chapter.number("band_high", high, "", 2);
     for (name, time) in ["time_first", "time_second", "time_last"].into_iter().zip(TIMES) {
         chapter.number(name, time as f64, "s", 0);
     }

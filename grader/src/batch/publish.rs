@@ -8,7 +8,7 @@ use serde::ser::{Error as _, SerializeSeq, SerializeStruct};
 use serde::{Serialize, Serializer};
 
 use super::kept::Kept;
-use super::{Finished, Plan, Trouble};
+use super::{Finished, Judging, Plan, Trouble};
 use crate::changes::Changes;
 use crate::grade::{Grade, Late, VERSION};
 use crate::items::Items;
@@ -18,15 +18,15 @@ use crate::report::terminal::{Terminal, wrapped};
 use crate::report::{gradescope, junit, picture_file};
 use crate::repository;
 use crate::similarity::Similarity;
-use crate::submission;
 use crate::words::{Collection, Words};
 
 /// Writes every report, and hands back what the terminal shows.
-pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trouble> {
+pub fn publish(plan: &Plan, kept: &Kept, judge: &impl Judging) -> Result<Finished, Trouble> {
+    let sandbox = &*judge.sandbox();
     let seed = kept.seed();
     let mark = seed.mark();
     let differences = &plan.matches.differences;
-    let (similarity, words) = read_again(plan);
+    let (similarity, words) = read_again(plan, judge);
     let sheet = Sheet { plan, kept, words };
     let mut collection = Collection::default();
     let mut terminal = Terminal::new(&plan.exercises);
@@ -55,8 +55,11 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     kept.report_by("gradebook.csv", |file| gradebook(&sheet, file))?;
     kept.report_by("junit.xml", |file| junit_of_all(&sheet, file))?;
     kept.report("items.md", items.markdown().as_bytes())?;
-    kept.report("similarity.md", similarity.markdown().as_bytes())?;
-    kept.report("words.md", collection.markdown().as_bytes())?;
+    let compares = plan.exercises.iter().any(|exercise| !exercise.functions.is_empty());
+    if compares {
+        kept.report("similarity.md", similarity.markdown().as_bytes())?;
+    }
+    kept.report("words.md", collection.markdown(&plan.exercises).as_bytes())?;
     kept.report_by("unmarked.csv", |file| collection.rows(file))?;
     let summary = summary.finish(&mark, sandbox, differences) + &alone;
     kept.report("summary.md", summary.as_bytes())?;
@@ -66,9 +69,10 @@ pub fn publish(plan: &Plan, kept: &Kept, sandbox: &str) -> Result<Finished, Trou
     told += &by_person(plan, &collection);
     told += &wrapped(
         &format!(
-            "Reports in {}: summary.md, gradebook.csv, junit.xml, items.md, similarity.md, \
-             words.md, unmarked.csv, grade.json, and for each submission feedback.md, results.json and junit.xml.",
-            kept.folder().display()
+            "Reports in {}: summary.md, gradebook.csv, junit.xml, items.md, {}words.md, \
+             unmarked.csv, grade.json, and for each submission feedback.md, results.json and junit.xml.",
+            kept.folder().display(),
+            if compares { "similarity.md, " } else { "" }
         ),
         "",
     );
@@ -153,12 +157,11 @@ fn regrade(plan: &Plan, kept: &Kept, mut changes: Changes) -> Result<String, Tro
 }
 
 /// What reports need of the submissions besides their grades.
-fn read_again(plan: &Plan) -> (Similarity, BTreeMap<String, Words>) {
+fn read_again(plan: &Plan, judge: &impl Judging) -> (Similarity, BTreeMap<String, Words>) {
     let mut similarity = Similarity::new(&plan.exercises, &repository());
     let mut words = BTreeMap::new();
     for found in &plan.submissions {
-        // What could not be read has no grade either, and is told there.
-        let collected = submission::collect(found).unwrap_or_default();
+        let collected = judge.collected(found);
         let answers = collected.answers;
         similarity.add(&found.name, |slug| answers.get(slug).map(String::as_str));
         words.insert(found.name.clone(), collected.words);

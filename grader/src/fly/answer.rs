@@ -9,8 +9,9 @@ use serde::Deserialize;
 use vislam::inertial::NavState;
 
 use super::flights::{FLIGHTS, Graded, SECONDS, STAND};
+use super::handed::has_answer;
 use super::reference::Line;
-use crate::text::harmless_line;
+use crate::text::{harmless, harmless_line};
 
 /// The largest file that is read, in bytes.
 pub const LARGEST: u64 = 4_000_000;
@@ -18,6 +19,10 @@ pub const LARGEST: u64 = 4_000_000;
 pub const MOST_LINES: usize = 6_000;
 /// The longest line, in bytes.
 pub const LONGEST_LINE: usize = 1_000;
+/// The file of the text for a person.
+pub const TEXT: &str = "text.md";
+/// As much of it as anybody reads.
+const LONGEST_TEXT: usize = 10_000;
 /// Lines may be so many seconds apart.
 pub const APART: f64 = 0.25;
 /// An answer may begin so many seconds after it could, and end so many before the flight.
@@ -81,8 +86,7 @@ impl Answer {
     ///
     /// [`NoAnswer`] with a sentence for the declaration and for each flight that cannot be judged.
     pub fn read(root: &Path, flights: &[Graded]) -> Result<Self, NoAnswer> {
-        let is_there = |name: &str| fs::symlink_metadata(root.join(name)).is_ok();
-        if !is_there(DECLARATION) && !(0..FLIGHTS).any(|flight| is_there(&folder(flight))) {
+        if !has_answer(root) {
             return Err(NoAnswer::Missing);
         }
         let mut wrong = Vec::new();
@@ -254,6 +258,12 @@ fn numbers(text: &str, columns: usize) -> Result<Vec<(usize, Vec<f64>)>, String>
         ));
     }
     Ok(rows)
+}
+
+/// What was written beside the numbers, if anything was.
+pub fn written(root: &Path) -> Option<String> {
+    let text = text_of(root, TEXT).ok()?;
+    Some(harmless(text.trim(), LONGEST_TEXT)).filter(|text| !text.is_empty())
 }
 
 /// The text of a file in a submission. A link, a device or a file that is too large is none.

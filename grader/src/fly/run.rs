@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use exercise_spec::Exercise;
 use sha2::{Digest, Sha256};
 
-use super::answer::{Answer, NoAnswer};
+use super::GRADED_FLIGHT;
+use super::answer::{Answer, NoAnswer, written};
 use super::flights::Graded;
+use super::handed::Handed;
 use super::judge::{Course, unread};
 use super::key::{Exported, Key};
 use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
@@ -17,23 +18,7 @@ use crate::points::Points;
 use crate::report::Detail;
 use crate::roster::Roster;
 use crate::seed::Seed;
-use crate::submission::{self, Submission};
-
-/// The graded flight among the exercises.
-pub static EXERCISE: Exercise = Exercise {
-    slug: "graded_flight",
-    title: "A graded flight",
-    chapter: "odometry",
-    functions: &[],
-    misconceptions: &[],
-    types: &[],
-    forbidden: &[],
-    hints: "",
-    checks: Vec::new,
-};
-
-/// What it is worth.
-pub const POINTS: f64 = 100.0;
+use crate::submission::{self, Collected, Submission};
 
 /// What is to be graded, and how.
 #[derive(Debug, Clone)]
@@ -46,6 +31,10 @@ pub struct FlyOrder {
     pub key: PathBuf,
     /// A CSV file of folders and names.
     pub roster: Option<PathBuf>,
+    /// A file of points.
+    pub points: Option<PathBuf>,
+    /// A file of what a person decides: points for the text, other points, comments.
+    pub marks: Option<PathBuf>,
     /// What students are told about hidden checks.
     pub detail: Detail,
     /// Where reports go.
@@ -82,15 +71,14 @@ pub fn run_quietly(order: &FlyOrder) -> Result<Finished, Trouble> {
         detail: order.detail,
         out: order.out.clone(),
         roster: order.roster.clone(),
-        points: None,
-        marks: None,
+        points: order.points.clone(),
+        marks: order.marks.clone(),
         jobs: order.jobs,
         memory: None,
     };
     let folders = folders(order, &exported).map_err(Trouble::Usage)?;
-    let points = Points::of_one(EXERCISE.slug, POINTS);
-    let subject = Subject { exercises: vec![&EXERCISE], points };
-    carry_out_on(&batch, subject, |_, _, _| Ok(Pilot { key, exported, folders }))
+    let subject = Subject::flight(&batch)?;
+    carry_out_on(&batch, subject, |points, _, _| Ok(Pilot { key, exported, folders, points }))
 }
 
 /// The folder of the export that each submission answers, by its name.
@@ -108,12 +96,19 @@ fn folders(order: &FlyOrder, exported: &Exported) -> Result<BTreeMap<String, Str
     Ok(found.iter().filter_map(folder).collect())
 }
 
+/// What was handed in, read as an answer.
+fn answer(path: &Path, flights: &[Graded]) -> Result<Answer, NoAnswer> {
+    let handed = Handed::find(path).map_err(|why| NoAnswer::Refused(vec![why]))?;
+    Answer::read(handed.root(), flights)
+}
+
 /// Flies the flights of whoever handed something in, and judges.
 struct Pilot {
     key: Key,
     exported: Exported,
     /// Folders of the export by names of submissions.
     folders: BTreeMap<String, String>,
+    points: Points,
 }
 
 impl Pilot {
@@ -128,28 +123,28 @@ impl Pilot {
         Ok(Graded::all(&self.key, folder))
     }
 
-    fn graded(&self, root: &Path, flights: Vec<Graded>) -> Result<ExerciseGrade, String> {
-        match Answer::read(root, &flights) {
-            Err(NoAnswer::Missing) => Ok(grade_of(Outcome::Missing, Vec::new())),
-            Err(why) => Ok(grade_of(Outcome::Ran, unread(&why))),
+    fn graded(&self, path: &Path, flights: Vec<Graded>) -> Result<ExerciseGrade, String> {
+        match answer(path, &flights) {
+            Err(NoAnswer::Missing) => Ok(self.grade_of(Outcome::Missing, Vec::new())),
+            Err(why) => Ok(self.grade_of(Outcome::Ran, unread(&why))),
             Ok(answer) => {
                 let judged = Course::of(flights)?.judged(&answer)?;
-                Ok(grade_of(Outcome::Ran, judged.checks()))
+                Ok(self.grade_of(Outcome::Ran, judged.checks()))
             }
         }
     }
-}
 
-fn grade_of(outcome: Outcome, checks: Vec<CheckGrade>) -> ExerciseGrade {
-    ExerciseGrade {
-        exercise: EXERCISE.slug.to_owned(),
-        title: EXERCISE.title.to_owned(),
-        outcome,
-        points: POINTS,
-        checks,
-        marked: None,
-        words: None,
-        comments: Vec::new(),
+    fn grade_of(&self, outcome: Outcome, checks: Vec<CheckGrade>) -> ExerciseGrade {
+        ExerciseGrade {
+            exercise: GRADED_FLIGHT.slug.to_owned(),
+            title: GRADED_FLIGHT.title.to_owned(),
+            outcome,
+            points: self.points.of(GRADED_FLIGHT.slug),
+            checks,
+            marked: None,
+            words: None,
+            comments: Vec::new(),
+        }
     }
 }
 
@@ -164,20 +159,29 @@ impl Judging for Pilot {
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
-        let read = Answer::read(&submission.path, &self.flights(submission)?);
+        let read = answer(&submission.path, &self.flights(submission)?);
         let digest = Sha256::new()
             .chain_update(self.key.fingerprint().to_be_bytes())
             .chain_update(env!("CARGO_PKG_VERSION"))
-            .chain_update(format!("{read:?}"))
+            .chain_update(format!("{read:?}, {}", self.points.of(GRADED_FLIGHT.slug)))
             .finalize();
         Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    fn collected(&self, submission: &Submission) -> Collected {
+        let handed = Handed::find(&submission.path).ok();
+        let text = handed.and_then(|handed| written(handed.root()));
+        Collected {
+            words: text.map(|text| (GRADED_FLIGHT.slug, text)).into_iter().collect(),
+            ..Collected::default()
+        }
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
         let graded = self
             .flights(submission)
             .and_then(|flights| self.graded(&submission.path, flights))
-            .unwrap_or_else(|why| grade_of(Outcome::CouldNotGrade(why), Vec::new()));
+            .unwrap_or_else(|why| self.grade_of(Outcome::CouldNotGrade(why), Vec::new()));
         Grade {
             submission: submission.name.clone(),
             student,

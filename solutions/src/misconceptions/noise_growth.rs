@@ -75,6 +75,20 @@ pub fn wrong() -> Vec<Wrong> {
             g.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(dt));
             (f, g)
         }),
+        step(&DIFFERENCED, |reading, dt| {
+            const H: f64 = 1e-3;
+            let slopes = |moved: &dyn Fn(&Vector6<f64>) -> Vector6<f64>| {
+                Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|axis| {
+                    let at = |size: f64| moved(&(size * Vector6::ith(axis, 1.0)));
+                    (8.0 * (at(H) - at(-H)) - (at(2.0 * H) - at(-2.0 * H))) / (12.0 * H)
+                }))
+            };
+            let none = Vector6::zeros();
+            (
+                slopes(&|before| error_after(&reading, dt, before, &none)),
+                slopes(&|noise| error_after(&reading, dt, &none, noise)),
+            )
+        }),
         step(&LEFT_JACOBIAN, |reading, dt| {
             let (f, mut g) = right::error_step(reading, dt);
             let left = dt * so3::right_jacobian(&(-dt * reading.gyro));
@@ -162,6 +176,24 @@ pub fn wrong() -> Vec<Wrong> {
             products / logs.iter().map(|(x, _)| x * x).sum::<f64>()
         }),
     ]
+}
+
+/// The error after a step, from that before it and an error of its reading.
+fn error_after(
+    reading: &Reading,
+    dt: f64,
+    before: &Vector6<f64>,
+    noise: &Vector6<f64>,
+) -> Vector6<f64> {
+    let part = |vector: &Vector6<f64>, at: usize| vector.fixed_rows::<3>(at).into_owned();
+    let turn = so3::exp(&(dt * reading.gyro));
+    let before_turn = so3::exp(&part(before, 0));
+    let gyro = reading.gyro + part(noise, 0);
+    let turned = turn.inverse() * before_turn * so3::exp(&(dt * gyro));
+    let force = before_turn * (reading.force + part(noise, 3));
+    let velocity = turn.inverse() * (part(before, 3) + dt * (force - reading.force));
+    let phi = so3::log(&turned);
+    Vector6::new(phi.x, phi.y, phi.z, velocity.x, velocity.y, velocity.z)
 }
 
 /// F and G from their blocks.

@@ -55,6 +55,10 @@ crate::misconceptions! {
         "The gyroscope's noise enters by the left Jacobian, which puts the small rotation on the \
          left of the step. On which side is it in ΔR exp(φ)? The tests of the covariance cannot \
          see this: J Jᵀ is the same for both.";
+    DIFFERENCED, "differenced":
+        "This agrees with the derivatives, but not to their last digits: it was differenced. Derivatives \
+         are asked for. Which matrix takes what the body saw before the step to what it sees after it, and \
+         what does such a matrix have that a quotient of differences has only nearly?";
     SQUARED_STEP, "squared_step":
         "The leak from attitude into velocity grows with the square of dt. A force that is turned \
          wrongly acts for dt seconds: how much velocity is that?";
@@ -327,7 +331,25 @@ pub fn carries(answer: &dyn Transport, step: &Step) -> Result<(), Failure> {
         .or(&RIGHT_JACOBIAN_FORGOTTEN, &unturned(&(once.transpose() * plain)))
         .or(&LEFT_JACOBIAN, &unturned(&left))
         .judge()
-        .map_err(|failure| step.shown(failure))
+        .map_err(|failure| step.shown(failure))?;
+    derived(&obtained.0, &obtained.1, step)
+}
+
+/// Whether F and G were derived: what holds of a rotation, of f × f and of the axis of a turn holds then
+/// to the last digits.
+fn derived(f: &Matrix6<f64>, g: &Matrix6<f64>, step: &Step) -> Result<(), Failure> {
+    const DIGITS: f64 = 1e-14;
+    let Reading { gyro, force } = &step.reading;
+    let turn = f.fixed_view::<3, 3>(0, 0);
+    let by_itself = f.fixed_view::<3, 3>(3, 0) * force;
+    let about_axis = g.fixed_view::<3, 3>(0, 0) * gyro - step.dt * gyro;
+    let parts = [
+        (turn.tr_mul(&turn) - Matrix3::identity()).amax(),
+        by_itself.amax() / (step.dt * force.norm_squared()),
+        about_axis.amax() / (step.dt * gyro.norm()),
+    ];
+    let is_exact = parts.iter().all(|part| *part <= DIGITS);
+    if is_exact { Ok(()) } else { Err(Failure::known(&DIFFERENCED)) }
 }
 
 /// What is known before a step, and how noisy its reading is.
