@@ -43,7 +43,12 @@ impl Input {
                     sensors.rig.body_from_camera = recording.body_from_camera;
                 }
                 let sensors = normalized(sensors);
-                Self { sensors, right: None, readings: recording.samples, pictures: recording.pictures }
+                Self {
+                    sensors,
+                    right: None,
+                    readings: recording.samples,
+                    pictures: recording.pictures,
+                }
             }
             [imu, tracks] => {
                 if calibration.is_none() {

@@ -132,6 +132,25 @@ fn a_simulated_flight_goes_through_files_and_comes_out_near_its_truth() {
 }
 
 #[test]
+fn the_smoother_takes_the_second_camera_that_a_calibration_names() {
+    let folder = folder("pair");
+    let at = |file: &str| folder.join(file).display().to_string();
+    let line = format!("--seed 5 --seconds 8 --out {}", folder.display());
+    simulate::simulate(line.split(' ').map(String::from)).unwrap();
+    let text = std::fs::read_to_string(folder.join("calibration.toml")).unwrap();
+    let without = text.lines().filter(|line| !line.starts_with("baseline"));
+    std::fs::write(folder.join("one.toml"), without.collect::<Vec<_>>().join("\n")).unwrap();
+    let [pair, one] = ["calibration.toml", "one.toml"].map(|calibration| {
+        let (imu, tracks) = (at("imu.csv"), at("tracks.csv"));
+        let files = format!("{imu} {tracks} --calibration {}", at(calibration));
+        let line = format!("{files} --truth {} --estimator smoother", at("ground_truth.csv"));
+        said(&flown(&asked(&line).unwrap()).unwrap(), "causal_ate4_cm")
+    });
+    assert!(pair < one && one < 10.0, "{pair} cm with a pair, {one} cm with one camera");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn what_cannot_be_asked_for_is_named() {
     let refused = |line: &str, said: &str| {
         let error = asked(line).unwrap_err();

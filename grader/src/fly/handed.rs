@@ -61,17 +61,18 @@ pub fn has_answer(root: &Path) -> bool {
 fn within(path: &Path) -> PathBuf {
     let mut at = path.to_owned();
     for _ in 0..DEEP {
+        if has_answer(&at) {
+            return at;
+        }
         let is_folder =
             |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
         let mut folders = entries(&at).filter(is_folder);
-        match (has_answer(&at), folders.next(), folders.next()) {
-            (false, Some(only), None) => at = only,
-            _ => return at,
-        }
+        let (Some(only), None) = (folders.next(), folders.next()) else { return at };
+        at = only;
     }
     at
 }
 
-fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
 }

@@ -8,6 +8,7 @@
 use exercise_spec::Exercise;
 
 pub mod answer;
+pub mod canary;
 pub mod export;
 pub mod flights;
 pub mod handed;

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::GRADED_FLIGHT;
 use super::answer::{Answer, NoAnswer, written};
 use super::flights::Graded;
 use super::handed::Handed;
 use super::judge::{Course, unread};
 use super::key::{Exported, Key};
+use super::{GRADED_FLIGHT, canary};
 use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome};
 use crate::points::Points;
@@ -155,7 +155,7 @@ impl Judging for Pilot {
     }
 
     fn canaries(&self) -> Result<(), String> {
-        Ok(())
+        canary::sing(&self.key)
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {

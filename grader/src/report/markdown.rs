@@ -8,6 +8,7 @@ use super::{
     COULD_NOT_GRADE, Detail, MARKS, NAME, PAGE, SENTENCE, Told, mark, passed, picture_file, points,
     reasons, who, words,
 };
+use crate::fly::GRADED_FLIGHT;
 use crate::fly::answer::DECLARATION;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::roster::Differences;
@@ -137,7 +138,7 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
 
 /// The name of an answer's file as code.
 fn file(exercise: &ExerciseGrade) -> String {
-    if exercise.exercise == crate::fly::run::EXERCISE.slug {
+    if exercise.exercise == GRADED_FLIGHT.slug {
         return format!("`{DECLARATION}`, with the folders beside it");
     }
     format!("`{}.rs`", harmless_line(&exercise.exercise, NAME).replace(['`', '|'], ""))
