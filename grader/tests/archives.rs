@@ -110,7 +110,7 @@ fn an_archive_of_too_many_files_is_not_opened() {
     fs::write(&path, bytes).expect("written");
     let error = collected(&path).expect_err("too many");
     assert!(
-        error.starts_with("`ada.zip` holds more than 60000 files; ask for the folder"),
+        error.starts_with("`ada.zip` holds more than 60000 files; ask for a ZIP file"),
         "{error}"
     );
 }

@@ -357,7 +357,7 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
         "{}",
         read("unmarked.csv")
     );
-    assert!(read("submissions/cem/feedback.md").contains("cannot be unpacked"));
+    assert!(read("submissions/cem.zip/feedback.md").contains("cannot be unpacked"));
     assert!(!at.path().join("grades/similarity.md").exists());
     let marks = at.path().join("marks.csv");
     let rows = read("unmarked.csv").replace("words,,", "words,15,well said");
@@ -367,7 +367,7 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     assert_eq!(earned_in(&read("gradebook.csv"), "bob"), before);
     run_quietly(&FlyOrder { marks: Some(marks), ..order }).unwrap();
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
-    assert!(read("submissions/ada/feedback.md").contains("well said"));
+    assert!(read("submissions/ada.zip/feedback.md").contains("well said"));
 }
 
 /// The sum of points of a row.
