@@ -75,6 +75,12 @@ pub fn wrong() -> Vec<Wrong> {
             g.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(dt));
             (f, g)
         }),
+        step(&LEFT_JACOBIAN, |reading, dt| {
+            let (f, mut g) = right::error_step(reading, dt);
+            let left = dt * so3::right_jacobian(&(-dt * reading.gyro));
+            g.fixed_view_mut::<3, 3>(0, 0).copy_from(&left);
+            (f, g)
+        }),
         step(&DIFFERENCED, |reading, dt| {
             const H: f64 = 1e-3;
             let slopes = |moved: &dyn Fn(&Vector6<f64>) -> Vector6<f64>| {
@@ -88,12 +94,6 @@ pub fn wrong() -> Vec<Wrong> {
                 slopes(&|before| error_after(&reading, dt, before, &none)),
                 slopes(&|noise| error_after(&reading, dt, &none, noise)),
             )
-        }),
-        step(&LEFT_JACOBIAN, |reading, dt| {
-            let (f, mut g) = right::error_step(reading, dt);
-            let left = dt * so3::right_jacobian(&(-dt * reading.gyro));
-            g.fixed_view_mut::<3, 3>(0, 0).copy_from(&left);
-            (f, g)
         }),
         step(&SQUARED_STEP, |reading, dt| {
             let (mut f, g) = right::error_step(reading, dt);
