@@ -2,6 +2,7 @@
 
 mod flown;
 
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
@@ -15,6 +16,7 @@ use grader::fly::key::{Exported, Key};
 use grader::fly::run::{FlyOrder, run_quietly};
 use grader::report::Detail;
 use grader::roster::Roster;
+use nalgebra::{UnitQuaternion, Vector3};
 use tempfile::tempdir;
 use vislam::odometry::Estimator;
 
@@ -290,6 +292,20 @@ fn a_covariance_that_is_not_positive_definite_costs_what_it_should() {
     let checks = judged.checks();
     let check = checks.iter().find(|check| check.name.contains("definite")).unwrap();
     assert!(check.sentence.starts_with("the covariance of pose 6 of flight 2"), "{check:?}");
+}
+
+/// Half turns about three axes and none have no mean, and nothing looks for it for ever.
+#[test]
+fn attitudes_without_a_mean_are_judged() {
+    let course = course(9);
+    let mut answer = of_truth(course.flights());
+    let half = |axis: usize| UnitQuaternion::from_scaled_axis(PI * Vector3::ith(axis, 1.0));
+    for (number, line) in answer.flights.iter_mut().flatten().enumerate() {
+        if number % 4 < 3 {
+            line.state.world_from_body *= half(number % 4).to_rotation_matrix();
+        }
+    }
+    assert!(earned(&course.judged(&answer).unwrap()) < 80.0);
 }
 
 #[test]

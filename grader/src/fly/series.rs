@@ -9,6 +9,8 @@ use vislam::observability::Similarity;
 use super::flights::Graded;
 use super::reference::Line;
 
+/// So many sweeps find the singular values of three columns, and many more than are needed.
+const SWEEPS: usize = 200;
 /// When the parts of a state are looked at, in seconds: late enough that something has been learnt.
 pub const TIMES: [f64; 3] = [10.0, 15.0, 20.0];
 /// A line may be so far off such a time, in seconds.
@@ -111,12 +113,22 @@ impl Series {
     /// The turn that takes the body as it was estimated to the body as it was, where it is the same all
     /// along, and by how much it scatters, in radians.
     pub fn turn_in_body(&self) -> (Rotation3<f64>, f64) {
-        let sum: Matrix3<f64> = self.turns.iter().map(|turn| *turn.matrix()).sum();
-        let mean = Rotation3::from_matrix(&sum);
+        let mean = nearest(&self.turns.iter().map(|turn| *turn.matrix()).sum());
         let off = |turn: &Rotation3<f64>| so3::local(&mean, turn).norm_squared();
         let squares: f64 = self.turns.iter().map(off).sum();
         (mean, (squares / self.turns.len() as f64).sqrt())
     }
+}
+
+/// The rotation nearest to a matrix, whatever the matrix is.
+fn nearest(matrix: &Matrix3<f64>) -> Rotation3<f64> {
+    let svd = matrix.try_svd(true, true, f64::EPSILON, SWEEPS);
+    let Some((u, v)) = svd.and_then(|svd| Some((svd.u?, svd.v_t?.transpose()))) else {
+        return Rotation3::identity();
+    };
+    let sign = (u * v.transpose()).determinant().signum();
+    let mirrored = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign));
+    Rotation3::from_matrix_unchecked(u * mirrored * v.transpose())
 }
 
 /// The root mean square of the position errors after an alignment of yaw and position, and by how much the
