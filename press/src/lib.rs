@@ -25,6 +25,7 @@ pub mod ledger;
 pub mod links;
 pub mod lint;
 pub mod listing;
+pub mod main_road;
 pub mod make;
 pub mod new;
 mod packing;

@@ -23,6 +23,7 @@ use crate::formulas;
 use crate::index::{self, Terms};
 use crate::ledger;
 use crate::lint::Lint;
+use crate::main_road;
 use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
 use crate::recordings::{Recording, Recordings};
@@ -107,6 +108,7 @@ fn press(
     let accepted = Accepted::read_all(layout)?;
     let theorems = Theorems::collect(&pages, &mut faults);
     theorems.check(&pages, &exhibits, &mut faults);
+    main_road::check(&pages, settings.longest_main_road, &mut faults);
     let widgets = Widgets::new(layout);
     let mut scripts = widgets.scripts()?;
     let size = |name: &String| Some(scripts.get(Path::new(&format!("widgets/{name}.js")))?.len());

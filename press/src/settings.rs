@@ -23,6 +23,8 @@ pub struct Settings {
     pub library_package: String,
     /// A longer listing is not read by anybody.
     pub longest_listing: usize,
+    /// As many words the main road through all chapters may have; a longer one is walked by nobody.
+    pub longest_main_road: usize,
     /// At most this share of a chapter's numbered equations may be definitions.
     pub definition_share: f64,
     /// Numbers with a unit that may stand in prose as they are.
@@ -50,6 +52,7 @@ impl Default for Settings {
             exhibits_package: "exhibits".to_owned(),
             library_package: "vislam".to_owned(),
             longest_listing: 25,
+            longest_main_road: 45_000,
             definition_share: 0.25,
             allow: Vec::new(),
         }
