@@ -75,7 +75,8 @@ pub(crate) fn block(text: &str, indent: &str) -> String {
 pub fn feedback(grade: &Grade, detail: Detail) -> String {
     let mut text = format!("# Feedback for {}\n\n", escaped(&who(grade), NAME));
     text += &total(grade);
-    if let (Some(late), Some(left)) = (grade.late, grade.after_lateness()) {
+    let late = grade.late.filter(|late| late.days > 0.0);
+    if let (Some(late), Some(left)) = (late, grade.after_lateness()) {
         let _ = write!(
             text,
             "\nIt came {} days late, for which {} % are taken off: {} points are left.\n",
