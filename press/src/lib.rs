@@ -35,6 +35,7 @@ pub mod program;
 pub mod prose;
 pub mod recordings;
 pub mod records;
+pub mod reports;
 pub mod serve;
 pub mod settings;
 pub mod sources;

@@ -27,6 +27,7 @@ use crate::main_road;
 use crate::pages::{Labels, Page};
 use crate::prose::{Found, Known};
 use crate::recordings::{Recording, Recordings};
+use crate::reports::Reports;
 use crate::settings::{Layout, Settings};
 use crate::sources;
 use crate::symbols::Symbols;
@@ -119,6 +120,7 @@ fn press(
         scripts.extend(answers.scripts()?);
     }
     let recordings = Recordings::new(layout).shown()?;
+    let reports = Reports::new(config);
     let known = Known {
         widgets: &names,
         recordings: &recordings.scenes,
@@ -129,6 +131,7 @@ fn press(
         bibliography: &bibliography,
         library: &library,
         accepted: &accepted,
+        reports: &reports,
     };
     let mut found = Found {
         faults,

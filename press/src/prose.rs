@@ -19,6 +19,7 @@ use crate::inline::{LABEL_KINDS, Mark, Token, tokens};
 use crate::lint::{Lint, UNITS};
 use crate::pages::{Labels, Page, Target, slashed};
 use crate::recordings::Recording;
+use crate::reports::Reports;
 use crate::symbols::{Symbol, Symbols};
 use crate::theorems::Theorems;
 use crate::ways::{Ways, planned};
@@ -52,6 +53,8 @@ pub struct Known<'a> {
     pub widgets: &'a BTreeMap<String, Option<usize>>,
     /// The scenes that have a picture.
     pub recordings: &'a BTreeMap<String, Recording>,
+    /// Where errors are reported.
+    pub reports: &'a Reports,
 }
 
 /// What the press learns while it writes the pages.

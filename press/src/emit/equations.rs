@@ -103,7 +103,7 @@ impl Emitter<'_, '_> {
         }
         let (file, line) = check.place();
         let href = self.source(&file, line);
-        note(&check, &href)
+        note(&check, &href, self.known.reports.on(id, &self.page.file).as_deref())
     }
 
     /// Definitions are what a chapter asks its reader to take; too many, and little is left that a check can reach.
@@ -133,7 +133,7 @@ impl Emitter<'_, '_> {
 }
 
 /// The quiet note beside a checked equation.
-fn note(check: &Check, href: &str) -> String {
+fn note(check: &Check, href: &str, report: Option<&str>) -> String {
     let worst = check.worst.map_or("not a number".to_owned(), |worst| format!("{worst:.0e}"));
     let (states, against, unit) = (check.states, &check.against, unit(&check.unit));
     let (tolerance, mutants) = (check.tolerance, check.mutants.join(", "));
@@ -144,7 +144,10 @@ fn note(check: &Check, href: &str) -> String {
     let note = html! {
         details.check.margin {
             summary { "checked: " span.quantity { (worst) } " over " (states) " states" }
-            p { (said) a href=(href) { "Its code" } }
+            p {
+                (said) a href=(href) { "Its code" }
+                @if let Some(report) = report { ". " a href=(report) { "Report an error in it" } }
+            }
         }
     };
     note.into_string()

@@ -9,11 +9,13 @@ mod listings;
 mod recordings;
 
 use divisions::Division;
+use maud::html;
 
 use crate::attributes::Attributes;
 use crate::blocks::{Block, Kind};
 use crate::pages::{Page, anchor_of};
 use crate::prose::{Found, Known, Prose, source};
+use crate::reports::VERSION;
 use crate::settings::{Layout, Settings};
 
 /// Writes one page.
@@ -73,6 +75,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
         self.end_depth(None);
         self.definitions();
+        let report = self.known.reports.on(&self.page.slug, &self.page.file);
+        let version = html! {
+            p.version {
+                "Version " (VERSION)
+                @if let Some(report) = report { ". " a href=(report) { "Report an error on this page" } }
+            }
+        };
+        self.lines("", &format!("\n{}", version.into_string()));
         self.out
     }
 
