@@ -325,7 +325,7 @@ test("sections in depth fold to a sentence; a button, an address and the choice 
 
             const label = await page.evaluate(() => document.querySelector(".depth [id]").id);
             await page.evaluate(label => { location.hash = label; }, label);
-            await page.waitForFunction(() => !document.querySelector(".depth").hasAttribute("hidden"));
+            await page.waitForFunction(label => !document.getElementById(label).closest(".depth").hasAttribute("hidden"), label);
             assert.ok(await page.evaluate(label => document.getElementById(label).getBoundingClientRect().top < innerHeight, label));
 
             await radio(/Everything/).check();

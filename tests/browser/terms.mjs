@@ -132,7 +132,7 @@ export const terms = {
     "complexity": "algorithms.html#sec:alg-cost",
     "factrs": "factrs.html#sec:factrs",
     "GTSAM": "factrs.html#sec:factrs",
-    "dual number": "factrs.html#the-graph-in-factrs",
+    "dual number": "factrs.html#the-graph-in-factrs-with-dual-numbers",
     "tangent space": "factrs.html#eulers-rule-in-the-tangent-space",
     "structure from motion": "structure_from_motion.html#sec:structure_from_motion",
     "resection": "structure_from_motion.html#sec:three-points",
