@@ -28,7 +28,7 @@ const KINDS: [fn(&str) -> String; 7] = [leaps, fills, asks, loops, counts, doubl
 
 /// Reads memory where no cache has it: few steps, much time.
 fn leaps(slug: &str) -> String {
-    let body = "let much = vec![1_usize; 24 << 20];\nlet mut at = 1;\nloop { at = at.wrapping_mul(1_664_525).wrapping_add(much[at] + 1_013_904_223) % (24 << 20); std::hint::black_box(at); }";
+    let body = "let much = vec![1_usize; 24 << 20];\nlet mut at: usize = 1;\nloop { at = at.wrapping_mul(1_664_525).wrapping_add(much[at] + 1_013_904_223) % (24 << 20); std::hint::black_box(at); }";
     generic(slug, body)
 }
 
