@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use grader::batch::{self, Order};
-use grader::fly::run::FlyOrder;
 use grader::report::Detail;
 use grader::seed::Seed;
 use grader::{export, fly, mine, workshop};
@@ -56,31 +55,22 @@ enum Command {
     },
 }
 
+/// What every batch is told.
 #[derive(clap::Args)]
-struct Run {
+struct Batch {
     /// Submissions, or folders of submissions
     #[arg(required = true)]
     submissions: Vec<PathBuf>,
     /// Take each path for one submission, whatever it holds
     #[arg(long)]
     single: bool,
-    /// Grade this exercise alone; may be given more than once
-    #[arg(long = "exercise", value_name = "NAME")]
-    exercises: Vec<String>,
-    /// Secret of 32 hexadecimal digits, from which hidden instances are drawn; a new one when not given, or that of
-    /// the batch in --out
-    #[arg(long, allow_hyphen_values = true, value_parser = Seed::parse)]
-    seed: Option<Seed>,
     /// What students are told about hidden checks
     #[arg(long, value_enum, default_value_t = DetailName::Hint)]
     detail: DetailName,
-    /// Where reports go, and from where a batch that was stopped goes on
-    #[arg(long, default_value = "grades")]
-    out: PathBuf,
     /// A CSV file with the columns folder and name
     #[arg(long)]
     roster: Option<PathBuf>,
-    /// Points and weights, as in grader/points.toml
+    /// Points, weights and what lateness costs, as in grader/points.toml
     #[arg(long)]
     points: Option<PathBuf>,
     /// A CSV file of what a person decides: points for answers in words, other points, comments
@@ -89,6 +79,22 @@ struct Run {
     /// How many submissions at a time; without it, one for each core
     #[arg(long)]
     jobs: Option<usize>,
+}
+
+#[derive(clap::Args)]
+struct Run {
+    #[command(flatten)]
+    batch: Batch,
+    /// Grade this exercise alone; may be given more than once
+    #[arg(long = "exercise", value_name = "NAME")]
+    exercises: Vec<String>,
+    /// Secret of 32 hexadecimal digits, from which hidden instances are drawn; a new one when not given, or that of
+    /// the batch in --out
+    #[arg(long, allow_hyphen_values = true, value_parser = Seed::parse)]
+    seed: Option<Seed>,
+    /// Where reports go, and from where a batch that was stopped goes on
+    #[arg(long, default_value = "grades")]
+    out: PathBuf,
     /// Memory that grading may use, in megabytes; without it, what the container allows
     #[arg(long, value_name = "MB")]
     memory: Option<u64>,
@@ -110,33 +116,14 @@ enum Fly {
 
 #[derive(clap::Args)]
 struct FlyRun {
-    /// Submissions, or folders of submissions
-    #[arg(required = true)]
-    submissions: Vec<PathBuf>,
+    #[command(flatten)]
+    batch: Batch,
     /// The key that the export wrote beside its folder
     #[arg(long)]
     key: PathBuf,
-    /// Take each path for one submission, whatever it holds
-    #[arg(long)]
-    single: bool,
-    /// What students are told about hidden checks
-    #[arg(long, value_enum, default_value_t = DetailName::Hint)]
-    detail: DetailName,
     /// Where reports go, and from where a batch that was stopped goes on
     #[arg(long, default_value = "flight-grades")]
     out: PathBuf,
-    /// A CSV file with the columns folder and name
-    #[arg(long)]
-    roster: Option<PathBuf>,
-    /// Points and what lateness costs, as in grader/points.toml
-    #[arg(long)]
-    points: Option<PathBuf>,
-    /// A CSV file of what a person decides: points for the text, other points, comments
-    #[arg(long)]
-    marks: Option<PathBuf>,
-    /// How many submissions at a time; without it, one for each core
-    #[arg(long)]
-    jobs: Option<usize>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -164,7 +151,9 @@ fn main() -> ExitCode {
         Command::Fly(Fly::Export { dir, roster }) => {
             fly::export::export(&dir, &roster).map(|()| true)
         }
-        Command::Fly(Fly::Run(fly)) => return told(fly::run::run(&flown(fly))),
+        Command::Fly(Fly::Run(fly)) => {
+            return told(fly::run::run(&fly.batch.order(fly.out), &fly.key));
+        }
         Command::New { name, title, chapter } => {
             workshop::new(&name, &title, &chapter).map(|()| true)
         }
@@ -180,35 +169,28 @@ fn main() -> ExitCode {
     }
 }
 
-fn flown(run: FlyRun) -> FlyOrder {
-    FlyOrder {
-        submissions: run.submissions,
-        single: run.single,
-        key: run.key,
-        roster: run.roster,
-        points: run.points,
-        marks: run.marks,
-        detail: run.detail.into(),
-        out: run.out,
-        jobs: run.jobs,
+impl Batch {
+    /// The order of all exercises with a seed of its own.
+    fn order(self, out: PathBuf) -> Order {
+        Order {
+            submissions: self.submissions,
+            single: self.single,
+            exercises: Vec::new(),
+            seed: None,
+            detail: self.detail.into(),
+            out,
+            roster: self.roster,
+            points: self.points,
+            marks: self.marks,
+            jobs: self.jobs,
+            memory: None,
+        }
     }
 }
 
 fn grade(run: Run) -> ExitCode {
-    let order = Order {
-        submissions: run.submissions,
-        single: run.single,
-        exercises: run.exercises,
-        seed: run.seed,
-        detail: run.detail.into(),
-        out: run.out,
-        roster: run.roster,
-        points: run.points,
-        marks: run.marks,
-        jobs: run.jobs,
-        memory: run.memory,
-    };
-    told(batch::carry_out(&order))
+    let Run { batch, exercises, seed, out, memory } = run;
+    told(batch::carry_out(&Order { exercises, seed, memory, ..batch.order(out) }))
 }
 
 impl From<DetailName> for Detail {

@@ -8,12 +8,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use flown::*;
+use grader::batch::{Finished, Order};
 use grader::fly::answer::{Answer, Kind, LARGEST, NoAnswer, folder};
 use grader::fly::export::export_with;
 use grader::fly::flights::{FLIGHTS, Graded};
 use grader::fly::judge::Course;
 use grader::fly::key::{Exported, Key};
-use grader::fly::run::{FlyOrder, run_quietly};
+use grader::fly::run::run_quietly;
 use grader::report::Detail;
 use grader::roster::Roster;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -104,18 +105,25 @@ fn estimators_with_a_fault_are_named_and_not_as_another() {
 }
 
 /// An order about submissions in a folder.
-fn order(at: &Path, out: &str) -> FlyOrder {
-    FlyOrder {
+fn order(at: &Path, out: &str) -> Order {
+    Order {
         submissions: vec![at.join("submissions")],
         single: false,
-        key: at.join("flights-key.toml"),
+        exercises: Vec::new(),
+        seed: None,
+        detail: Detail::Full,
+        out: at.join(out),
         roster: None,
         points: None,
         marks: None,
-        detail: Detail::Full,
-        out: at.join(out),
         jobs: None,
+        memory: None,
     }
+}
+
+/// Grades by the key in a folder.
+fn run_in(at: &Path, order: &Order) -> Finished {
+    run_quietly(order, &at.join("flights-key.toml")).unwrap()
 }
 
 #[test]
@@ -131,7 +139,7 @@ fn a_class_of_ten_is_graded() {
         write(&answer, &at.path().join("submissions").join(name));
     }
     let begun = Instant::now();
-    let finished = run_quietly(&order(at.path(), "grades")).unwrap();
+    let finished = run_in(at.path(), &order(at.path(), "grades"));
     println!("{} flights in {:.1} s", 10 * FLIGHTS, begun.elapsed().as_secs_f64());
     assert_eq!((finished.graded, finished.ungraded), (10, 0));
     let book = fs::read_to_string(at.path().join("grades/gradebook.csv")).unwrap();
@@ -324,8 +332,8 @@ fn hostile_submissions_harm_nobody() {
     fs::write(submission("mallory").join("answer.toml"), "kind = \"\u{1b}[31m\"").unwrap();
     let roster = at.path().join("roster.csv");
     fs::write(&roster, "folder,name\nada,Ada\nbob,Bob\neve,Eve\nmallory,=1+1\n").unwrap();
-    let order = FlyOrder { roster: Some(roster), ..order(at.path(), "grades") };
-    let finished = run_quietly(&order).unwrap();
+    let order = Order { roster: Some(roster), ..order(at.path(), "grades") };
+    let finished = run_in(at.path(), &order);
     assert_eq!((finished.graded, finished.ungraded), (3, 1));
     let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
     let book = read("gradebook.csv");
@@ -364,8 +372,8 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let points = at.path().join("points.toml");
     let file = include_str!("../points.toml");
     fs::write(&points, format!("{file}\n[words]\ngraded_flight = 20\n")).unwrap();
-    let order = FlyOrder { points: Some(points), ..order(at.path(), "grades") };
-    assert_eq!(run_quietly(&order).unwrap().graded, 3);
+    let order = Order { points: Some(points), ..order(at.path(), "grades") };
+    assert_eq!(run_in(at.path(), &order).graded, 3);
     let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
     assert!(read("words.md").contains("I do not trust it"));
     assert!(
@@ -381,7 +389,7 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let before = earned_in(&read("gradebook.csv"), "ada");
     assert!(before > 0.0, "{}", read("gradebook.csv"));
     assert_eq!(earned_in(&read("gradebook.csv"), "bob"), before);
-    run_quietly(&FlyOrder { marks: Some(marks), ..order }).unwrap();
+    run_in(at.path(), &Order { marks: Some(marks), ..order });
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
     assert!(read("submissions/ada.zip/feedback.md").contains("well said"));
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
@@ -15,41 +15,17 @@ use super::{GRADED_FLIGHT, canary};
 use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome};
 use crate::points::Points;
-use crate::report::Detail;
 use crate::roster::Roster;
 use crate::seed::Seed;
 use crate::submission::{self, Collected, Submission};
 
-/// What is to be graded, and how.
-#[derive(Debug, Clone)]
-pub struct FlyOrder {
-    /// Submissions, or folders of submissions.
-    pub submissions: Vec<PathBuf>,
-    /// Whether each of these paths is one submission, whatever it holds.
-    pub single: bool,
-    /// The key of the export.
-    pub key: PathBuf,
-    /// A CSV file of folders and names.
-    pub roster: Option<PathBuf>,
-    /// A file of points.
-    pub points: Option<PathBuf>,
-    /// A file of what a person decides: points for the text, other points, comments.
-    pub marks: Option<PathBuf>,
-    /// What students are told about hidden checks.
-    pub detail: Detail,
-    /// Where reports go.
-    pub out: PathBuf,
-    /// How many submissions at a time.
-    pub jobs: Option<usize>,
-}
-
-/// Grades, writes the reports and prints the table.
+/// Grades by the key of an export, writes the reports and prints the table.
 ///
 /// # Errors
 ///
 /// A [`Trouble`] when the key or the roster cannot be read, or the grades cannot be kept.
-pub fn run(order: &FlyOrder) -> Result<Finished, Trouble> {
-    let finished = run_quietly(order)?;
+pub fn run(order: &Order, key: &Path) -> Result<Finished, Trouble> {
+    let finished = run_quietly(order, key)?;
     // Whoever closes the pipe has read enough.
     let _ = std::io::stdout().write_all(finished.told.as_bytes());
     Ok(finished)
@@ -60,29 +36,18 @@ pub fn run(order: &FlyOrder) -> Result<Finished, Trouble> {
 /// # Errors
 ///
 /// As [`run`].
-pub fn run_quietly(order: &FlyOrder) -> Result<Finished, Trouble> {
-    let exported = Exported::read(&order.key).map_err(Trouble::Usage)?;
+pub fn run_quietly(order: &Order, key: &Path) -> Result<Finished, Trouble> {
+    let exported = Exported::read(key).map_err(Trouble::Usage)?;
     let key = exported.key().map_err(Trouble::Usage)?;
-    let batch = Order {
-        submissions: order.submissions.clone(),
-        single: order.single,
-        exercises: Vec::new(),
-        seed: Some(Seed::new(u128::from(key.fingerprint()))),
-        detail: order.detail,
-        out: order.out.clone(),
-        roster: order.roster.clone(),
-        points: order.points.clone(),
-        marks: order.marks.clone(),
-        jobs: order.jobs,
-        memory: None,
-    };
-    let folders = folders(order, &exported).map_err(Trouble::Usage)?;
-    let subject = Subject::flight(&batch)?;
-    carry_out_on(&batch, subject, |points, _, _| Ok(Pilot { key, exported, folders, points }))
+    let seed = Some(Seed::new(u128::from(key.fingerprint())));
+    let order = Order { seed, ..order.clone() };
+    let folders = folders(&order, &exported).map_err(Trouble::Usage)?;
+    let subject = Subject::flight(&order)?;
+    carry_out_on(&order, subject, |points, _, _| Ok(Pilot { key, exported, folders, points }))
 }
 
 /// The folder of the export that each submission answers, by its name.
-fn folders(order: &FlyOrder, exported: &Exported) -> Result<BTreeMap<String, String>, String> {
+fn folders(order: &Order, exported: &Exported) -> Result<BTreeMap<String, String>, String> {
     let found = match order.single {
         true => submission::single(&order.submissions)?,
         false => submission::find(&order.submissions)?,
@@ -123,8 +88,12 @@ impl Pilot {
         Ok(Graded::all(&self.key, folder))
     }
 
-    fn graded(&self, path: &Path, flights: Vec<Graded>) -> Result<ExerciseGrade, String> {
-        match answer(path, &flights) {
+    fn graded(
+        &self,
+        read: Result<Answer, NoAnswer>,
+        flights: Vec<Graded>,
+    ) -> Result<ExerciseGrade, String> {
+        match read {
             Err(NoAnswer::Missing) => Ok(self.grade_of(Outcome::Missing, Vec::new())),
             Err(why) => Ok(self.grade_of(Outcome::Ran, unread(&why))),
             Ok(answer) => {
@@ -132,6 +101,16 @@ impl Pilot {
                 Ok(self.grade_of(Outcome::Ran, judged.checks()))
             }
         }
+    }
+
+    /// Digest of what was read, and of all else that its grade depends on.
+    fn key_of(&self, read: &Result<Answer, NoAnswer>) -> String {
+        let digest = Sha256::new()
+            .chain_update(self.key.fingerprint().to_be_bytes())
+            .chain_update(env!("CARGO_PKG_VERSION"))
+            .chain_update(format!("{read:?}, {}", self.points.of(GRADED_FLIGHT.slug)))
+            .finalize();
+        digest.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
     fn grade_of(&self, outcome: Outcome, checks: Vec<CheckGrade>) -> ExerciseGrade {
@@ -159,13 +138,7 @@ impl Judging for Pilot {
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
-        let read = answer(&submission.path, &self.flights(submission)?);
-        let digest = Sha256::new()
-            .chain_update(self.key.fingerprint().to_be_bytes())
-            .chain_update(env!("CARGO_PKG_VERSION"))
-            .chain_update(format!("{read:?}, {}", self.points.of(GRADED_FLIGHT.slug)))
-            .finalize();
-        Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)))
     }
 
     fn collected(&self, submission: &Submission) -> Collected {
@@ -178,14 +151,17 @@ impl Judging for Pilot {
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
-        let graded = self
-            .flights(submission)
-            .and_then(|flights| self.graded(&submission.path, flights))
-            .unwrap_or_else(|why| self.grade_of(Outcome::CouldNotGrade(why), Vec::new()));
+        let read = self.flights(submission).map(|flights| {
+            let read = answer(&submission.path, &flights);
+            (self.key_of(&read), self.graded(read, flights))
+        });
+        let (key, graded) = read.unwrap_or_else(|why| (String::new(), Err(why)));
+        let graded =
+            graded.unwrap_or_else(|why| self.grade_of(Outcome::CouldNotGrade(why), Vec::new()));
         Grade {
             submission: submission.name.clone(),
             student,
-            key: Judging::key(self, submission).unwrap_or_default(),
+            key,
             notices: Vec::new(),
             late: None,
             exercises: vec![graded],
