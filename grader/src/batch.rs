@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, Once, OnceLock};
 use std::thread;
 
-use exercise_spec::{EXERCISES, Exercise, exercise};
+use exercise_spec::{EXERCISES, Exercise, Question, exercise};
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
@@ -29,6 +29,7 @@ use crate::roster::{Matches, Roster};
 use crate::seed::Seed;
 use crate::submission::{self, Collected, Submission};
 use crate::text::harmless;
+use crate::words;
 use kept::Kept;
 
 /// Why a submission is passed over at which an earlier run came to its end.
@@ -166,6 +167,8 @@ pub fn carry_out_with<J: Judging>(
 pub struct Subject {
     /// In the order of the reports.
     pub exercises: Vec<&'static Exercise>,
+    /// What is asked in words: by these exercises and, unless an order names some of them, by chapters.
+    pub questions: Vec<Question>,
     /// What these are worth.
     pub points: Points,
 }
@@ -183,7 +186,12 @@ impl Subject {
             let sentence = "no exercise is worth anything; give one of them points";
             return Err(Trouble::Usage(sentence.to_owned()));
         }
-        Ok(Self { exercises, points })
+        let mut questions = words::asked();
+        questions.retain(|question| match exercise(question.slug) {
+            Some(asks) => exercises.iter().any(|exercise| exercise.slug == asks.slug),
+            None => order.exercises.is_empty(),
+        });
+        Ok(Self { exercises, questions, points })
     }
 
     /// The graded flight, at what a file of points says.
@@ -200,7 +208,8 @@ impl Subject {
             );
             return Err(Trouble::Usage(sentence));
         }
-        Ok(Self { exercises: vec![&GRADED_FLIGHT], points })
+        let questions = vec![GRADED_FLIGHT.question()];
+        Ok(Self { exercises: vec![&GRADED_FLIGHT], questions, points })
     }
 }
 
@@ -253,6 +262,7 @@ impl Canaries {
 struct Plan {
     submissions: Vec<Submission>,
     exercises: Vec<&'static Exercise>,
+    questions: Vec<Question>,
     points: Points,
     roster: Roster,
     matches: Matches,
@@ -264,7 +274,8 @@ struct Plan {
 }
 
 impl Plan {
-    fn of(order: &Order, Subject { exercises, points }: Subject) -> Result<Self, Trouble> {
+    fn of(order: &Order, subject: Subject) -> Result<Self, Trouble> {
+        let Subject { exercises, questions, points } = subject;
         let roster = order.roster.as_deref().map(Roster::read).transpose();
         let jobs = order.jobs.map_or_else(cores, |jobs| {
             if jobs == 0 {
@@ -280,6 +291,7 @@ impl Plan {
         Ok(Self {
             submissions,
             exercises,
+            questions,
             points,
             roster: roster.unwrap_or_default(),
             matches: matches.unwrap_or_default(),
@@ -465,7 +477,7 @@ fn readable(mut grade: Grade) -> Grade {
     grade.notices.iter_mut().for_each(|notice| shorten(notice, LINE));
     for exercise in &mut grade.exercises {
         match &mut exercise.outcome {
-            Outcome::Ran | Outcome::Missing | Outcome::NotBegun => {}
+            Outcome::Ran | Outcome::Missing | Outcome::NotBegun | Outcome::InWords => {}
             Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
                 shorten(why, PAGE);
             }

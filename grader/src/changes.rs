@@ -169,6 +169,7 @@ fn outcome(exercise: &ExerciseGrade) -> &'static str {
         Outcome::Refused(_) => "refused",
         Outcome::DoesNotCompile(_) => "does not compile",
         Outcome::CouldNotGrade(_) => "could not be graded",
+        Outcome::InWords => "in words",
     }
 }
 

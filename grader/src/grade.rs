@@ -1,5 +1,6 @@
 //! What a grade is: the contents of `grade.json`, from which every other report is made.
 
+use exercise_spec::Question;
 use serde::{Deserialize, Serialize};
 
 /// The version of the form of `grade.json`. It grows when a field changes its meaning.
@@ -36,10 +37,10 @@ pub struct Grade {
     pub exercises: Vec<ExerciseGrade>,
 }
 
-/// The grade of one exercise.
+/// The grade of one exercise, or of the question of a chapter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExerciseGrade {
-    /// Slug of the exercise.
+    /// Slug of the exercise or of the chapter.
     pub exercise: String,
     /// What its page is called.
     pub title: String,
@@ -94,6 +95,8 @@ pub enum Outcome {
     DoesNotCompile(String),
     /// The grader failed and not the student. This is never a zero: a person must look.
     CouldNotGrade(String),
+    /// A chapter asks it in words. There is no program, and a person gives its points.
+    InWords,
 }
 
 /// The outcome of one check.
@@ -134,6 +137,25 @@ pub enum Verdict {
 }
 
 impl ExerciseGrade {
+    /// The grade of a chapter's question, before a person has marked the answer.
+    pub fn in_words(question: &Question) -> Self {
+        Self {
+            exercise: question.slug.to_owned(),
+            title: question.title.to_owned(),
+            outcome: Outcome::InWords,
+            points: 0.0,
+            checks: Vec::new(),
+            marked: None,
+            words: None,
+            comments: Vec::new(),
+        }
+    }
+
+    /// Whether a person has said anything of it.
+    pub fn is_marked(&self) -> bool {
+        self.marked.is_some() || self.words.is_some() || !self.comments.is_empty()
+    }
+
     /// What it earns: what its program earns, and its words where they have points. Nothing at all,
     /// and not zero, when it could not be graded.
     pub fn earned(&self) -> Option<f64> {
@@ -153,7 +175,8 @@ impl ExerciseGrade {
             Outcome::Missing
             | Outcome::NotBegun
             | Outcome::Refused(_)
-            | Outcome::DoesNotCompile(_) => return Some(0.0),
+            | Outcome::DoesNotCompile(_)
+            | Outcome::InWords => return Some(0.0),
             Outcome::Ran => {}
         }
         if self.checks.iter().any(|check| check.verdict == Verdict::CouldNotGrade) {
@@ -194,9 +217,14 @@ impl Grade {
         self.exercises.iter().fold(0.0, |sum, exercise| sum + exercise.of())
     }
 
-    /// Whether no answer was found at all.
+    /// The exercises that ask for a program.
+    pub fn programs(&self) -> impl Iterator<Item = &ExerciseGrade> {
+        self.exercises.iter().filter(|exercise| exercise.outcome != Outcome::InWords)
+    }
+
+    /// Whether no program was found at all.
     pub fn is_empty(&self) -> bool {
-        self.exercises.iter().all(|exercise| exercise.outcome == Outcome::Missing)
+        self.programs().all(|exercise| exercise.outcome == Outcome::Missing)
     }
 
     /// What could not be graded: exercises and why.

@@ -140,7 +140,7 @@ impl Item {
             }
             Outcome::Refused(_) => self.refused += 1,
             Outcome::DoesNotCompile(_) => self.uncompiled += 1,
-            Outcome::Ran | Outcome::CouldNotGrade(_) => {}
+            Outcome::Ran | Outcome::CouldNotGrade(_) | Outcome::InWords => {}
         }
         match earned {
             0.0 => self.nothing += 1,

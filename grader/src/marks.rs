@@ -10,10 +10,10 @@ use exercise_spec::exercise;
 
 use crate::fly::GRADED_FLIGHT;
 use crate::grade::{Grade, WordsGrade};
-use crate::points::{Points, unknown};
+use crate::points::Points;
 use crate::roster::{separator, text};
 use crate::text::{harmless, harmless_line};
-use crate::words::Words;
+use crate::words::{self, Words};
 
 /// The columns of the file.
 pub const COLUMNS: [&str; 5] = ["folder", "exercise", "part", "points", "comment"];
@@ -40,8 +40,8 @@ impl Marks {
     ///
     /// # Errors
     ///
-    /// A sentence with the line when it cannot be read, is of another form, names an exercise that
-    /// there is not, has more points than there are, or says something twice.
+    /// A sentence with the line when it cannot be read, is of another form, names an exercise or a
+    /// question that there is not, has more points than there are, or says something twice.
     pub fn read(path: &Path, points: &Points) -> Result<Self, String> {
         let bytes = std::fs::read(path)
             .map_err(|error| format!("cannot read the marks {}: {error}", path.display()))?;
@@ -126,11 +126,14 @@ fn mark(
     [folder, slug, part, number, comment]: [&str; 5],
     points: &Points,
 ) -> Result<((String, String, bool), Option<Mark>), String> {
-    if exercise(slug).is_none() && slug != GRADED_FLIGHT.slug {
-        return Err(unknown(&harmless_line(slug, 60)));
+    if words::question(slug).is_none() {
+        return Err(words::unknown(&harmless_line(slug, 60)));
     }
     let words = match part {
         "words" => true,
+        "program" if exercise(slug).is_none() && slug != GRADED_FLIGHT.slug => {
+            return Err(format!("`{slug}` is a chapter and has no program; its part is `words`"));
+        }
         "program" => false,
         _ => return Err(format!("the part is `{}`; {FORM}", harmless_line(part, 60))),
     };

@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use crate::fly::GRADED_FLIGHT;
 use crate::text::harmless_line;
+use crate::words;
 
 /// What exercises are worth and what their checks weigh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,7 +94,7 @@ impl Points {
             hidden: page.weight("hidden", &lines.weights.hidden)?,
             points: page.points(&lines.points)?,
             checks: page.checks(&lines.checks)?,
-            words: page.points(&lines.words)?,
+            words: page.words(&lines.words)?,
             late: page.lateness(lines.late.as_ref())?,
         };
         EXERCISES.iter().try_for_each(|exercise| points.suffices(exercise))?;
@@ -212,6 +213,17 @@ impl Page<'_> {
                 self.exercise(slug)?;
             }
             Ok((slug.get_ref().clone(), self.weight(slug.get_ref(), number)?))
+        };
+        table.iter().map(one).collect()
+    }
+
+    fn words(&self, table: &Table) -> Result<BTreeMap<String, f64>, String> {
+        let one = |(slug, number): (&Spanned<String>, &Spanned<f64>)| {
+            let name = slug.get_ref();
+            if words::question(name).is_none() {
+                return Err(format!("line {}: {}", self.line(slug), words::unknown(name)));
+            }
+            Ok((name.clone(), self.weight(name, number)?))
         };
         table.iter().map(one).collect()
     }

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 
-use exercise_spec::{Exercise, exercise};
+use exercise_spec::{CHAPTERS, Question};
 
+use crate::fly::GRADED_FLIGHT;
+use crate::points;
 use crate::report::markdown::{block, counted, escaped};
 use crate::repository;
 use crate::text::harmless;
@@ -15,13 +17,34 @@ pub const FILE: &str = "answers.md";
 /// As much of an answer as anybody reads.
 const LONGEST: usize = 6_000;
 
-/// What was written below the questions, by the slugs of the exercises.
+/// What was written below the questions, by their slugs.
 pub type Words = BTreeMap<&'static str, String>;
+
+/// What is asked under a name; of a graded flight, too.
+pub fn question(slug: &str) -> Option<Question> {
+    let flight = Some(GRADED_FLIGHT.question()).filter(|flight| flight.slug == slug);
+    flight.or_else(|| exercise_spec::question(slug))
+}
+
+/// That nothing is asked under a name, and what is.
+pub fn unknown(slug: &str) -> String {
+    let chapters: Vec<&str> = CHAPTERS.iter().map(|question| question.slug).collect();
+    format!("{}, and in words {}", points::unknown(slug), chapters.join(", "))
+}
+
+/// What the file asks, in its order, which is that of the book.
+pub fn asked() -> Vec<Question> {
+    questions().lines().filter_map(heading).collect()
+}
+
+fn questions() -> String {
+    fs::read_to_string(repository().join("exercises").join(FILE)).unwrap_or_default()
+}
 
 /// The answers in a text that began as the file of the questions.
 pub fn answers(text: &str) -> Words {
-    let questions = fs::read_to_string(repository().join("exercises").join(FILE));
-    let questions = sections(questions.as_deref().unwrap_or_default());
+    let questions = questions();
+    let questions = sections(&questions);
     let mut words = Words::new();
     for (slug, lines) in sections(text) {
         let asked = questions.get(slug).map_or(&[][..], Vec::as_slice);
@@ -34,13 +57,18 @@ pub fn answers(text: &str) -> Words {
     words
 }
 
-/// Lines below the headings that are names of exercises.
+/// The question of a line that is a heading.
+fn heading(line: &str) -> Option<Question> {
+    exercise_spec::question(line.strip_prefix("## ")?.trim())
+}
+
+/// Lines below the headings that are names of questions.
 fn sections(text: &str) -> BTreeMap<&'static str, Vec<&str>> {
     let mut sections: BTreeMap<&'static str, Vec<&str>> = BTreeMap::new();
     let mut at = None;
     for line in text.lines().map(str::trim_end) {
-        if let Some(heading) = line.strip_prefix("## ") {
-            at = exercise(heading.trim()).map(|exercise| exercise.slug);
+        if line.starts_with("## ") {
+            at = heading(line).map(|question| question.slug);
         } else if let Some(slug) = at {
             sections.entry(slug).or_default().push(line);
         }
@@ -52,7 +80,7 @@ fn sections(text: &str) -> BTreeMap<&'static str, Vec<&str>> {
 #[derive(Debug, Default)]
 pub struct Collection {
     answers: BTreeMap<&'static str, Vec<(String, String)>>,
-    /// Folders and exercises of answers that have no points yet.
+    /// Folders and questions of answers that have no points yet.
     unmarked: Vec<(String, &'static str)>,
 }
 
@@ -73,14 +101,13 @@ impl Collection {
     }
 
     /// The answers for a person to read.
-    pub fn markdown(&self, exercises: &[&'static Exercise]) -> String {
+    pub fn markdown(&self, questions: &[Question]) -> String {
         let mut text = "# Answers in words\n\nEach question with the answers of all, to be read one after the other. \
                         `tests/rubrics` says what they are worth, and of a graded flight the page for instructors.\n"
             .to_owned();
-        let asked = |exercise: &&&'static Exercise| self.answers.contains_key(exercise.slug);
-        for exercise in exercises.iter().filter(asked) {
-            let answers = &self.answers[exercise.slug];
-            let title = escaped(exercise.title, 80);
+        for question in questions {
+            let Some(answers) = self.answers.get(question.slug) else { continue };
+            let title = escaped(question.title, 80);
             let _ = write!(text, "\n## {title}\n\n{}.\n", counted(answers.len(), "answer"));
             for (folder, answer) in answers {
                 let _ = write!(text, "\n### {}\n\n{}", escaped(folder, 80), block(answer, ""));

@@ -5,6 +5,7 @@ mod made_up;
 use std::fs;
 use std::path::Path;
 
+use exercise_spec::EXERCISES;
 use grader::batch::{Finished, Order, Trouble, carry_out_with};
 use grader::marks::Marks;
 use grader::points::Points;
@@ -28,18 +29,21 @@ fn read(out: &Path, name: &str) -> String {
 
 /// Two who solved the exercise, of whom one has written a sentence, and points for sentences.
 fn with_words(folder: &Path) -> Order {
+    with_words_on("left_perturbation", folder)
+}
+
+fn with_words_on(question: &str, folder: &Path) -> Order {
     let path = submissions(folder, &[("ada", "right"), ("brook", "right")]);
     let questions =
         fs::read_to_string(repository().join("exercises/answers.md")).expect("questions");
-    let heading = "## left_perturbation\n";
+    let heading = format!("## {question}\n");
     let words =
-        questions.replace(heading, &format!("{heading}\nThe point it heads for <b>stays</b>.\n"));
+        questions.replace(&heading, &format!("{heading}\nThe point it heads for <b>stays</b>.\n"));
     fs::write(path.join("ada/exercises/answers.md"), words).expect("written");
     fs::write(path.join("brook/exercises/answers.md"), questions).expect("written");
     let points = folder.join("points.toml");
-    let text = format!(
-        "{POINTS}\n[words]\nleft_perturbation = 2\n\n[late]\npercent_a_day = 10\nmost = 40\n"
-    );
+    let text =
+        format!("{POINTS}\n[words]\n{question} = 2\n\n[late]\npercent_a_day = 10\nmost = 40\n");
     fs::write(&points, text).expect("written");
     Order { points: Some(points), ..order(&path, &folder.join("grades")) }
 }
@@ -80,6 +84,68 @@ fn words_are_collected_and_count_when_a_person_has_marked_them() {
     assert!(feedback.contains("The answer in words earns 1.5 of 2 points."), "{feedback}");
     assert!(feedback.contains("\nWhich point?\n"), "{feedback}");
     assert!(read(&order.out, "submissions/ada/results.json").contains("Which point?"));
+}
+
+#[test]
+fn questions_of_chapters_are_collected_and_marked_as_those_of_exercises_are() {
+    let temporary = folder();
+    let order = with_words_on("bearing", temporary.path());
+    let order = Order { exercises: Vec::new(), ..order };
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(told.contains("1 answer in words without points, which do not count yet"), "{told}");
+    let words = read(&order.out, "words.md");
+    assert!(
+        words.contains("## The pinhole camera and depth\n\n1 answer.\n\n### ada\n\n```text\nThe"),
+        "{words}"
+    );
+    let open = read(&order.out, "unmarked.csv");
+    assert_eq!(open, "folder,exercise,part,points,comment\nada,bearing,words,,\n");
+    let all = 10 * EXERCISES.len();
+    let book = read(&order.out, "gradebook.csv");
+    assert!(row_of(&book, "ada").starts_with(&format!("ada,,{all},{all},10,")), "{book}");
+    assert!(!read(&order.out, "submissions/ada/feedback.md").contains("pinhole"));
+
+    let order = with_marks(&order, "ada,bearing,words,\"1,5\",From which look on?\n");
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(!told.contains("in words without points"), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    assert!(book.contains(",bearing words,") && !book.contains("bearing status"), "{book}");
+    let (ada, brook) = (row_of(&book, "ada"), row_of(&book, "brook"));
+    let with_words = all as f64 + 1.5;
+    assert!(ada.starts_with(&format!("ada,,{with_words},{},", all + 2)), "{ada}");
+    assert!(ada.ends_with(&format!(",graded,1.5,,{with_words},ada,graded")), "{ada}");
+    assert!(brook.starts_with(&format!("brook,,{all},{},", all + 2)), "{brook}");
+    assert!(brook.ends_with(&format!(",graded,0,,{all},brook,graded")), "{brook}");
+    let feedback = read(&order.out, "submissions/ada/feedback.md");
+    let line = "| The pinhole camera and depth | 1.5 of 2 | in words |  |";
+    assert!(feedback.contains(line), "{feedback}");
+    assert!(feedback.contains("The answer in words earns 1.5 of 2 points."), "{feedback}");
+    assert!(feedback.contains("\nFrom which look on?\n"), "{feedback}");
+    let results = read(&order.out, "submissions/ada/results.json");
+    assert!(results.contains("The pinhole camera and depth: in words"), "{results}");
+}
+
+#[test]
+fn an_order_that_names_exercises_asks_nothing_of_chapters() {
+    let temporary = folder();
+    let order = with_words_on("bearing", temporary.path());
+    let order = with_marks(&order, "ada,bearing,words,2,\n");
+    carry_out(&order).expect("a batch");
+    assert!(!read(&order.out, "words.md").contains("pinhole"));
+    assert_eq!(read(&order.out, "unmarked.csv").lines().count(), 1);
+    assert!(row_of(&read(&order.out, "gradebook.csv"), "ada").starts_with("ada,,20,20,10,10,"));
+}
+
+#[test]
+fn a_marked_chapter_makes_no_program_of_what_has_none() {
+    let temporary = folder();
+    let order = with_words_on("bearing", temporary.path());
+    made_up::hand_in(&order.submissions[0], "ada", "cannot");
+    let order = Order { exercises: Vec::new(), ..order };
+    let order = with_marks(&order, "ada,bearing,words,2,\n");
+    carry_out(&order).expect("a batch");
+    let book = read(&order.out, "gradebook.csv");
+    assert!(row_of(&book, "ada").ends_with(",ada,could not be graded"), "{book}");
 }
 
 #[test]
@@ -156,6 +222,8 @@ fn marks_with_mistakes_are_told_with_their_line() {
         ("ada,fill_in,sentences,1,\n", "line 2: the part is `sentences`"),
         ("ada,fill_in,words,3,\n", "line 2: `3` is no number of points from 0 to 2"),
         ("ada,null_space,words,1,\n", "line 2: `1` is no number of points from 0 to 0"),
+        ("ada,bearing,words,1,\n", "line 2: `1` is no number of points from 0 to 0"),
+        ("ada,bearing,program,1,\n", "line 2: `bearing` is a chapter and has no program"),
         ("ada,fill_in,program,-1,\n", "line 2: `-1` is no number of points from 0 to 10"),
         ("ada,fill_in,program,NaN,\n", "line 2: `NaN` is no number"),
         ("ada,fill_in,words,1,\nada,fill_in,words,2,\n", "line 3: the same was marked"),

@@ -37,6 +37,18 @@ fn an_exercise_that_there_is_not_is_told_with_its_line_and_those_there_are() {
 }
 
 #[test]
+fn chapters_have_points_for_words_and_none_for_programs() {
+    let points = Points::parse(&format!("{FILE}\n[words]\nbearing = 2\n")).expect("points");
+    assert_eq!((points.of_words("bearing"), points.of("bearing")), (2.0, 0.0));
+    let said = error(&FILE.replace("[points]", "[points]\nbearing = 10"));
+    assert!(said.contains("there is no exercise `bearing`"), "{said}");
+    let said = error(&format!("{FILE}\n[words]\nbaring = 2\n"));
+    let line = FILE.lines().count() + 3;
+    assert!(said.contains(&format!("line {line}: there is no exercise `baring`")), "{said}");
+    assert!(said.contains("fill_in, ") && said.contains("in words bearing, manifold"), "{said}");
+}
+
+#[test]
 fn a_check_that_there_is_not_is_told_with_its_line_and_those_there_are() {
     let said = error(&format!("{FILE}\n[checks.left_perturbation]\nthe_adjont = 2\n"));
     let line = FILE.lines().count() + 3;

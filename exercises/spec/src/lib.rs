@@ -29,7 +29,7 @@ pub mod stereo_gauge;
 #[cfg(feature = "checks")]
 mod checking;
 #[cfg(feature = "checks")]
-pub use checking::{Exercise, answer, check, draw, picture};
+pub use checking::{Exercise, Question, answer, check, draw, picture};
 
 /// Every exercise, in the order of the book.
 #[cfg(feature = "checks")]
@@ -51,8 +51,41 @@ pub const EXERCISES: &[&Exercise] = &[
     &first_estimates::EXERCISE,
 ];
 
+/// What is asked in words by the chapters that have no exercise with a program, in the order of the book.
+#[cfg(feature = "checks")]
+pub const CHAPTERS: &[Question] = &[
+    Question { slug: "bearing", title: "The pinhole camera and depth" },
+    Question { slug: "manifold", title: "Rotations, poses and Lie groups" },
+    Question { slug: "least_squares", title: "Nonlinear least squares" },
+    Question {
+        slug: "structure_from_motion",
+        title: "Structure from motion: resection and incremental reconstruction",
+    },
+    Question { slug: "inertial", title: "Inertial sensors and strapdown integration" },
+    Question { slug: "real_flights", title: "Preintegration on real flights" },
+    Question {
+        slug: "smoother",
+        title: "Fixed-lag smoothing: filter, smoother and batch on one posterior",
+    },
+    Question { slug: "odometry", title: "A visual-inertial odometry, whole, on a real flight" },
+    Question { slug: "algorithms", title: "The algorithms at a glance" },
+    Question {
+        slug: "factrs",
+        title: "Factor-graph libraries: the same graph in factrs and GTSAM",
+    },
+    Question { slug: "loop_closure", title: "Loop closure and pose graphs" },
+    Question { slug: "systems", title: "Complete systems: VINS-Mono, ORB-SLAM3 and others" },
+];
+
 /// The exercise of a name.
 #[cfg(feature = "checks")]
 pub fn exercise(slug: &str) -> Option<&'static Exercise> {
     EXERCISES.iter().find(|exercise| exercise.slug == slug).copied()
+}
+
+/// What is asked in words under a name, by an exercise or by a chapter.
+#[cfg(feature = "checks")]
+pub fn question(slug: &str) -> Option<Question> {
+    let of_chapter = CHAPTERS.iter().find(|question| question.slug == slug).copied();
+    of_chapter.or_else(|| exercise(slug).map(Exercise::question))
 }

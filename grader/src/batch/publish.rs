@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use super::kept::Kept;
 use super::{Finished, Judging, Plan, Trouble};
 use crate::changes::Changes;
-use crate::grade::{Grade, Late, VERSION};
+use crate::grade::{ExerciseGrade, Grade, Late, Outcome, VERSION};
 use crate::items::Items;
 use crate::report::gradebook::Gradebook;
 use crate::report::markdown::{self, Summary};
@@ -59,7 +59,7 @@ pub fn publish(plan: &Plan, kept: &Kept, judge: &impl Judging) -> Result<Finishe
     if compares {
         kept.report("similarity.md", similarity.markdown().as_bytes())?;
     }
-    kept.report("words.md", collection.markdown(&plan.exercises).as_bytes())?;
+    kept.report("words.md", collection.markdown(&plan.questions).as_bytes())?;
     kept.report_by("unmarked.csv", |file| collection.rows(file))?;
     let summary = summary.finish(&mark, sandbox, differences) + &alone;
     kept.report("summary.md", summary.as_bytes())?;
@@ -124,8 +124,8 @@ fn junit_of_all(sheet: &Sheet, file: &mut dyn Write) -> std::io::Result<()> {
 fn gradebook(sheet: &Sheet, file: &mut dyn Write) -> std::io::Result<()> {
     let plan = sheet.plan;
     let roster = &plan.roster;
-    let mut words = plan.slugs();
-    words.retain(|slug| plan.points.of_words(slug) > 0.0);
+    let words = plan.questions.iter().map(|question| question.slug);
+    let words: Vec<&str> = words.filter(|slug| plan.points.of_words(slug) > 0.0).collect();
     let mut book = Gradebook::new(file, &plan.exercises, &words, roster.further())?;
     for name in plan.names() {
         let grade = sheet.grade(name).map_err(std::io::Error::other)?;
@@ -213,7 +213,13 @@ impl Sheet<'_> {
         let plan = self.plan;
         let folder = plan.handed_in(name);
         let words = self.words.get(name).cloned().unwrap_or_default();
+        let graded = |slug: &str| grade.exercises.iter().any(|it| it.exercise == slug);
+        let of_chapters = plan.questions.iter().filter(|question| !graded(question.slug));
+        let of_chapters: Vec<ExerciseGrade> = of_chapters.map(ExerciseGrade::in_words).collect();
+        grade.exercises.extend(of_chapters);
         plan.marks.lay_over(&mut grade, &[&folder, name], &words, &plan.points);
+        // What nobody has marked does not count yet.
+        grade.exercises.retain(|it| it.outcome != Outcome::InWords || it.is_marked());
         let row = plan.matches.folder(name).unwrap_or_default();
         let days = plan.roster.days_late(row).map_err(Trouble::Usage)?;
         grade.late = days.map(|days| Late { days, percent: plan.points.taken_off(days) });
@@ -222,8 +228,9 @@ impl Sheet<'_> {
 
     fn collect(&self, name: &str, grade: &Grade, collection: &mut Collection) {
         let is_open = |slug: &str| {
-            let exercise = grade.exercises.iter().find(|exercise| exercise.exercise == slug);
-            self.plan.points.of_words(slug) > 0.0 && exercise.is_some_and(|it| it.words.is_none())
+            let asked = self.plan.questions.iter().any(|question| question.slug == slug);
+            let has = |it: &ExerciseGrade| it.exercise == slug && it.words.is_some();
+            asked && self.plan.points.of_words(slug) > 0.0 && !grade.exercises.iter().any(has)
         };
         if let Some(words) = self.words.get(name) {
             collection.add(&self.plan.handed_in(name), words, is_open);

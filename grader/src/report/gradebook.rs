@@ -13,7 +13,7 @@ pub struct Gradebook<W: Write> {
     exercises: Vec<&'static str>,
     /// Names of the columns that tell what became of each exercise.
     states: Vec<String>,
-    /// Exercises whose answers in words have points.
+    /// Questions whose answers in words have points.
     words: Vec<&'static str>,
     /// How many columns of the roster are carried over.
     further: usize,
@@ -123,14 +123,14 @@ impl<W: Write> Gradebook<W> {
 
 fn status(grade: &Grade) -> String {
     let ungraded: Vec<&str> = grade.ungraded().map(|exercise| &*exercise.exercise).collect();
-    if ungraded.len() == grade.exercises.len() && !ungraded.is_empty() {
+    if ungraded.len() == grade.programs().count() && !ungraded.is_empty() {
         return "could not be graded".to_owned();
     }
     if !ungraded.is_empty() {
         return cell(&format!("could not be graded: {}", ungraded.join(" ")));
     }
     let nothing = |outcome: &Outcome| matches!(outcome, Outcome::Missing | Outcome::NotBegun);
-    let status = match grade.exercises.iter().all(|exercise| nothing(&exercise.outcome)) {
+    let status = match grade.programs().all(|exercise| nothing(&exercise.outcome)) {
         _ if grade.is_empty() => "graded: no answer in it",
         true => "graded: no answer was begun",
         false => "graded",

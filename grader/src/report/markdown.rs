@@ -133,12 +133,16 @@ fn line_of(exercise: &ExerciseGrade) -> [String; 4] {
         Outcome::Refused(_) => ["refused".to_owned(), String::new()],
         Outcome::DoesNotCompile(_) => ["does not compile".to_owned(), String::new()],
         Outcome::CouldNotGrade(_) => ["could not be graded".to_owned(), String::new()],
+        Outcome::InWords => ["in words".to_owned(), String::new()],
     };
     [escaped(&exercise.title, NAME), format!("{earned} of {of}"), public, hidden]
 }
 
 /// The name of an answer's file as code.
 fn file(exercise: &ExerciseGrade) -> String {
+    if exercise.outcome == Outcome::InWords {
+        return format!("`{}`", crate::words::FILE);
+    }
     if exercise.exercise == GRADED_FLIGHT.slug {
         return format!("`{DECLARATION}`, with the folders beside it");
     }

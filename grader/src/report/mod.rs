@@ -87,7 +87,7 @@ impl Told {
     /// What a student is told of an answer that never ran. Nothing when it did.
     pub fn of_outcome(outcome: &Outcome) -> Option<Self> {
         match outcome {
-            Outcome::Ran => None,
+            Outcome::Ran | Outcome::InWords => None,
             Outcome::Missing => Some(Self::new("There is no such file, so it earns nothing.", "")),
             Outcome::NotBegun => {
                 let sentence = "The file is as it was handed out, so it earns nothing.";
@@ -191,7 +191,7 @@ pub fn state(exercise: &ExerciseGrade) -> &'static str {
         (Outcome::NotBegun, _) => "not begun",
         (Outcome::Refused(_), _) => "refused",
         (Outcome::DoesNotCompile(_), _) => "does not compile",
-        (Outcome::Ran | Outcome::CouldNotGrade(_), _) => "graded",
+        (Outcome::Ran | Outcome::CouldNotGrade(_) | Outcome::InWords, _) => "graded",
     }
 }
 
@@ -212,7 +212,7 @@ pub fn reasons(grade: &Grade) -> Vec<(String, Vec<&str>)> {
         }
     }
     for (_, exercises) in &mut reasons {
-        if exercises.len() == grade.exercises.len() {
+        if exercises.len() == grade.programs().count() {
             exercises.clear();
         }
     }

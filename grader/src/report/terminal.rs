@@ -195,6 +195,7 @@ fn remark(exercise: &ExerciseGrade) -> String {
         Outcome::NotBegun => "not begun".to_owned(),
         Outcome::Refused(_) => "refused".to_owned(),
         Outcome::DoesNotCompile(_) => "does not compile".to_owned(),
+        Outcome::InWords => "in words".to_owned(),
         _ => {
             let names: Vec<String> = exercise.misconceptions().into_iter().map(words).collect();
             harmless_line(&names.join(", "), 160)

@@ -197,7 +197,7 @@ fn told(grade: &Grade, exercise: &ExerciseGrade) -> String {
         Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
             told.push(why.clone());
         }
-        Outcome::Ran | Outcome::Missing | Outcome::NotBegun => {}
+        Outcome::Ran | Outcome::Missing | Outcome::NotBegun | Outcome::InWords => {}
     }
     for check in exercise.checks.iter().filter(|check| check.verdict != Verdict::Passed) {
         told.push(format!("{}: {}\n{}", check.name, check.sentence, check.numbers));

@@ -136,7 +136,7 @@ pub fn hostile(text: &str) -> Grade {
             Outcome::Refused(why) | Outcome::DoesNotCompile(why) | Outcome::CouldNotGrade(why) => {
                 *why = text.to_owned();
             }
-            Outcome::Ran | Outcome::Missing | Outcome::NotBegun => {}
+            Outcome::Ran | Outcome::Missing | Outcome::NotBegun | Outcome::InWords => {}
         }
         for check in &mut exercise.checks {
             check.sentence = text.to_owned();

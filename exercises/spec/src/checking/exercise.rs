@@ -1,5 +1,6 @@
 //! What an exercise is.
 
+use super::Question;
 use super::check::{Check, Misconception};
 
 /// An exercise.
@@ -69,6 +70,11 @@ pub(crate) const FACTORIZATIONS: &[&str] = &[
 ];
 
 impl Exercise {
+    /// What it asks in words.
+    pub const fn question(&self) -> Question {
+        Question { slug: self.slug, title: self.title }
+    }
+
     /// The hints one by one. In the file each stands between `<!-- ANCHOR: N -->` and
     /// `<!-- ANCHOR_END: N -->`, so that its page can show them too.
     pub fn hint_ladder(&self) -> Vec<String> {

@@ -5,6 +5,8 @@ pub mod check;
 pub mod draw;
 mod exercise;
 pub mod picture;
+mod question;
 
 pub use exercise::Exercise;
 pub(crate) use exercise::FACTORIZATIONS;
+pub use question::Question;
