@@ -9,7 +9,7 @@ use exercise_runner::folder::Folder;
 use exercise_runner::{edition, selection};
 use exercise_spec::answer::Transport;
 use exercise_spec::check::{Check, Failure};
-use exercise_spec::{EXERCISES, Exercise};
+use exercise_spec::{CHAPTERS, EXERCISES, Exercise};
 use quote::ToTokens;
 use solutions::misconceptions::Wrong;
 use solutions::{Answers, answers};
@@ -183,18 +183,60 @@ fn no_reference_answer_calls_what_is_forbidden() {
     }
 }
 
+/// Names and titles of the chapters, in the order of the book.
+fn chapters() -> Vec<(String, String)> {
+    let summary = fs::read_to_string(root().join("src/SUMMARY.md")).expect("a table of contents");
+    let chapter = |line: &str| {
+        let (title, slug) = line.strip_prefix("- [")?.split_once("](")?;
+        Some((slug.strip_suffix(".md)")?.to_owned(), title.to_owned()))
+    };
+    summary.lines().filter_map(chapter).collect()
+}
+
 #[test]
-fn every_question_in_words_has_a_rubric() {
+fn every_chapter_has_an_exercise_or_a_question_in_words() {
+    let mut chapters = chapters();
+    let asked = |slug: &str| CHAPTERS.iter().any(|question| question.slug == slug);
+    for (slug, _) in &chapters {
+        let has = EXERCISES.iter().any(|exercise| exercise.chapter == slug);
+        assert!(has || asked(slug), "{slug} asks for no program, and nothing in words");
+    }
+    chapters.retain(|(slug, _)| asked(slug));
+    let entry = |slug: &str, title: &str| (slug.to_owned(), title.to_owned());
+    let listed = CHAPTERS.iter().map(|question| entry(question.slug, question.title));
+    assert_eq!(chapters, listed.collect::<Vec<_>>());
+}
+
+#[test]
+fn the_pages_name_the_questions_of_chapters() {
+    let page = |path: &str| fs::read_to_string(root().join("src").join(path)).expect("a page");
+    let list = page("exercises.md");
+    for slug in CHAPTERS.iter().map(|question| question.slug) {
+        let named = page(&format!("{slug}.md"))
+            .contains(&format!("**In words,** as `{slug}` in `exercises/answers.md`"));
+        assert!(named, "{slug} does not name its question");
+        assert!(list.contains(&format!("| `{slug}` | @sec:{slug} |")), "{slug} is in no list");
+    }
+}
+
+#[test]
+fn questions_in_words_stand_in_the_order_of_the_book_and_have_rubrics() {
     let answers = fs::read_to_string(root().join("exercises/answers.md")).expect("answers.md");
-    let sections = answers.lines().filter_map(|line| line.strip_prefix("## "));
-    let asked: BTreeSet<&str> = sections.collect();
-    for slug in &asked {
-        assert!(
-            exercise_spec::exercise(slug).is_some(),
-            "answers.md: no exercise is called {slug}"
-        );
-        let rubric = root().join("tests/rubrics").join(format!("{slug}.md"));
-        assert!(rubric.is_file(), "{slug} has no rubric");
+    let asked: Vec<&str> = answers.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    let mut expected = Vec::new();
+    for (chapter, _) in chapters() {
+        let own = CHAPTERS.iter().filter(|question| question.slug == chapter);
+        expected.extend(own.map(|question| question.slug));
+        let exercises = EXERCISES.iter().filter(|exercise| exercise.chapter == chapter);
+        expected.extend(exercises.map(|exercise| exercise.slug));
+    }
+    assert_eq!(asked, expected);
+    for slug in asked {
+        let path = root().join("tests/rubrics").join(format!("{slug}.md"));
+        let rubric = fs::read_to_string(path).unwrap_or_else(|_| panic!("{slug} has no rubric"));
+        for part in ["**Full marks.** ", "\n**Half.** ", "\n**None.** ", "\nIts number: "] {
+            assert!(rubric.contains(part), "the rubric of {slug} has no part {part}");
+        }
     }
 }
 
