@@ -459,3 +459,18 @@ test("the contents open and close with the keyboard, over the page on a phone", 
         await page.waitForFunction(() => getComputedStyle(document.getElementById("mdbook-sidebar")).visibility === "hidden");
     });
 });
+
+test("the formula sheet has two pages on paper, and nothing of it is cut", async () => {
+    await at("formulas.html", {}, async page => {
+        const bytes = await page.pdf({ preferCSSPageSize: true });
+        assert.equal(bytes.toString("latin1").match(/\/Type\s*\/Page\b(?!s)/g)?.length, 2);
+        // The paper between the margins of the sheet, in pixels.
+        await page.setViewportSize({ width: 710, height: 1000 });
+        await page.emulateMedia({ media: "print" });
+        const cut = await page.evaluate(() => [...document.querySelectorAll(".sheet .equation")].filter(equation => {
+            const end = equation.querySelector(".equation-number").getBoundingClientRect().left;
+            return [...equation.querySelectorAll(".katex-html .base")].some(base => base.getBoundingClientRect().right > end + 1);
+        }).map(equation => equation.textContent.trim()));
+        assert.deepEqual(cut, []);
+    });
+});

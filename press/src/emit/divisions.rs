@@ -59,8 +59,9 @@ impl Emitter<'_, '_> {
                 format!("<details class=\"reveal\"><summary>Hint: {title}</summary>\n\n{text}\n")
             }
             "note" => "<div class=\"margin note\" role=\"note\">\n".to_owned(),
+            "sheet" => "<div class=\"sheet\">\n".to_owned(),
             other => {
-                let known = "opening, predict, reveal, theorem, proof, counterexample, algorithm, hint, note";
+                let known = "opening, predict, reveal, theorem, proof, counterexample, algorithm, hint, note, sheet";
                 self.fault(
                     block.line,
                     other,
@@ -164,6 +165,12 @@ impl Emitter<'_, '_> {
         format!("<dt>Asks for</dt><dd>{road}</dd>")
     }
 
+    /// Whether this stands on a sheet for looking things up. It is no step of the main road, so it may show what is in
+    /// depth.
+    pub(super) fn on_sheet(&self) -> bool {
+        self.open.iter().any(|division| division.class == "sheet")
+    }
+
     /// What an opening or a hint says of a matter that it must not leave out.
     fn said(&mut self, line: usize, attributes: &Attributes, key: &str) -> String {
         let value = self.resolve(line, attributes.value(key));
@@ -200,7 +207,7 @@ impl Emitter<'_, '_> {
                 let algorithm = division.algorithm.unwrap_or_default();
                 self.end_algorithm(division.line, &division.id, &algorithm)
             }
-            "theorem" | "proof" | "counterexample" | "note" => "</div>".to_owned(),
+            "theorem" | "proof" | "counterexample" | "note" | "sheet" => "</div>".to_owned(),
             _ => String::new(),
         };
         self.out.push_str(&format!("\n{end}\n\n"));

@@ -146,7 +146,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     fn prose(&self, line: usize, html: bool) -> Prose<'a> {
-        Prose { page: self.page, line, html, deep: self.depth.is_some() }
+        Prose { page: self.page, line, html, deep: self.depth.is_some() || self.on_sheet() }
     }
 
     /// Writes lines with the indentation of their block, so that what stands in a list stays there.
