@@ -16,6 +16,7 @@ pub mod emit;
 pub mod engine;
 pub mod exhibits;
 pub mod fault;
+pub mod figures;
 pub mod files;
 pub mod formulas;
 pub mod guard;

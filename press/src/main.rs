@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand};
 use mdbook_preprocessor::{Preprocessor, parse_input};
 use press::accept;
 use press::fault::Faults;
+use press::figures;
 use press::guard::Guard;
 use press::make::Maker;
 use press::new;
@@ -69,6 +70,11 @@ enum Command {
     },
     /// Record the scenes in three dimensions, and put them and their viewer beside the book.
     Viewer,
+    /// Write the figures of the book that was built last for slides: SVG, PNG and their captions.
+    Figures {
+        /// A new folder.
+        folder: PathBuf,
+    },
     /// Make the files of a new chapter, all of them registered.
     New {
         /// The word that leads to everything of the chapter, as a Rust module: `loop_closure`.
@@ -123,6 +129,11 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
         }
         Command::Viewer => maker(Steps::new())?.make_viewer().map(|()| Faults::default()),
         Command::Record { name, compare } => record(&maker(Steps::new())?, name, compare),
+        Command::Figures { folder } => {
+            let number = figures::export(&maker(Steps::new())?, &folder)?;
+            println!("{number} figures and captions.md are in {}", folder.display());
+            Ok(Faults::default())
+        }
         Command::New { name, title } => {
             let layout = maker(Steps::new())?.layout;
             let written = new::chapter(&layout, &name, title.as_deref())?;

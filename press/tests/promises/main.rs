@@ -3,9 +3,11 @@
 mod algorithms;
 mod diagrams;
 mod faults;
+mod figures;
 mod library;
 mod new;
 mod parts;
 mod recordings;
 mod serve;
+mod sheets;
 mod small;
