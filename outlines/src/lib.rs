@@ -7,16 +7,18 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::{Group, Indent, Node, Options, Tree, WriteOptions, fontdb};
+use resvg::usvg::{
+    FontResolver, FontSelectionFn, Group, Indent, Node, Options, Tree, WriteOptions, fontdb,
+};
 
-/// The face of the letters in figures, by the name of the lightest of its weights. Its first file is asked first for a
-/// letter.
-const FACE: &str = "Source Sans 3 ExtraLight";
+/// Where the letters of figures have their outlines. The last file has Greek alone.
 const FILES: [&str; 3] = [
     "source-sans-3-latin-wght-normal.woff2",
     "source-sans-3-latin-ext-wght-normal.woff2",
     "source-sans-3-greek-wght-normal.woff2",
 ];
+/// How Greek letters are told apart for whoever chooses the font of a letter.
+const GREEK: &str = "Greek";
 /// How wide a picture is, in pixels: as wide as most projectors show.
 const WIDTH: f32 = 1920.0;
 /// Decimals of coordinates. A figure is a thousand wide and more.
@@ -42,9 +44,18 @@ impl Pen {
                 .map_err(|error| anyhow!("{} is no WOFF2: {error:?}", path.display()))?;
             known.load_font_data(font);
         }
-        known.set_sans_serif_family(FACE);
+        let faces: Vec<fontdb::ID> = known.faces().map(|face| face.id).collect();
+        let [latin, _, greek] = faces[..] else {
+            bail!("{} has a file that is no font", fonts.display())
+        };
+        // All files have one name, and a letter that is only missed makes words with ligatures fail.
+        let select_font: FontSelectionFn<'static> = Box::new(move |font, _| {
+            let is_greek = font.families().iter().any(|family| family.to_string().contains(GREEK));
+            Some(if is_greek { greek } else { latin })
+        });
+        let font_resolver = FontResolver { select_font, ..FontResolver::default() };
         let fontdb = Arc::new(known);
-        Ok(Pen { options: Options { fontdb, font_family: FACE.to_owned(), ..Options::default() } })
+        Ok(Pen { options: Options { fontdb, font_resolver, ..Options::default() } })
     }
 
     /// A figure with its letters drawn.
@@ -52,7 +63,7 @@ impl Pen {
     /// # Errors
     /// What is no SVG, and a letter that no font has.
     pub fn draw(&self, svg: &str) -> Result<Figure> {
-        let tree = Tree::from_str(&with_low_digits(svg), &self.options);
+        let tree = Tree::from_str(&spelled(svg), &self.options);
         let tree = tree.context("this is no SVG")?;
         if let Some(letters) = unknown(tree.root()) {
             bail!("no font of the book has “{letters}”; write it otherwise, or add a font");
@@ -61,8 +72,9 @@ impl Pen {
     }
 }
 
-/// The same with digits set low for those that Unicode has low, ₀ to ₉, which no font of the book has.
-fn with_low_digits(svg: &str) -> String {
+/// The same with Greek letters marked, and with digits set low for those that Unicode has low, ₀ to ₉, which no font of the
+/// book has.
+fn spelled(svg: &str) -> String {
     let mut written = String::with_capacity(svg.len());
     let mut in_tag = false;
     for letter in svg.chars() {
@@ -73,6 +85,9 @@ fn with_low_digits(svg: &str) -> String {
                 let low =
                     format!("<tspan baseline-shift=\"sub\" font-size=\"65%\">{digit}</tspan>");
                 written.push_str(&low);
+            }
+            'Ͱ'..='Ͽ' if !in_tag => {
+                written.push_str(&format!("<tspan font-family=\"{GREEK}\">{letter}</tspan>"));
             }
             other => written.push(other),
         }
@@ -145,7 +160,8 @@ mod tests {
 
     #[test]
     fn letters_become_paths_and_no_font_is_named() {
-        let svg = drawn(">±²µ×éδρσφ’′₀₁−").unwrap_or_else(|error| panic!("{error:#}")).svg();
+        let svg =
+            drawn(">influence ±²µ×éδρσφ’′₀₁−").unwrap_or_else(|error| panic!("{error:#}")).svg();
         assert!(svg.contains("<path"), "{svg}");
         assert!(!svg.contains("<text") && !svg.contains("font"), "{svg}");
     }
@@ -154,7 +170,7 @@ mod tests {
     fn a_low_digit_is_small_and_low() {
         let [digit, low] = [">1", ">₁"].map(|text| ink(&drawn(text).unwrap()));
         assert!(low > 0.2 * digit && low < 0.6 * digit, "{digit} {low}");
-        assert_eq!(with_low_digits("<a b=\"₁\">"), "<a b=\"₁\">");
+        assert_eq!(spelled("<a b=\"₁\">"), "<a b=\"₁\">");
     }
 
     #[test]

@@ -144,7 +144,7 @@ fn read(figure: ElementRef<'_>, id: &str, page: &Page, path: &Path) -> Option<Fi
         number: number.to_owned(),
         address: format!("{}#{id}", slashed(path)),
         caption: caption.to_owned(),
-        alternative: alternative.to_owned(),
+        alternative: alternative.split_whitespace().collect::<Vec<_>>().join(" "),
         drawing,
     })
 }
@@ -167,7 +167,7 @@ fn words(element: ElementRef<'_>) -> String {
 
 /// The drawing as a file of its own. What is only there to be pressed is not drawn.
 fn drawn(svg: ElementRef<'_>) -> String {
-    const STYLE: &str = "<style>a text { font-size: 46px } a rect { fill: none }</style>";
+    const STYLE: &str = "<style>a text { font-size: 46px; fill: currentColor } a rect { fill: none }</style>";
     let xml = svg.html().replace("&nbsp;", "\u{a0}");
     match xml.split_once('>') {
         Some((opening, inside)) => format!("{opening}>{STYLE}{inside}\n"),
@@ -265,7 +265,8 @@ mod tests {
         let colours = Colours::of(
             ":root { --fg: light-dark(#1f1d1a, #dedbd3);\n--bg: light-dark(#fdfcf9, #16181c);\n--plot-ground: var(--bg); }",
         );
-        let filled = colours.filled("<a fill=\"currentColor\" stroke=\"var(--plot-ground)\"/>").unwrap();
+        let filled =
+            colours.filled("<a fill=\"currentColor\" stroke=\"var(--plot-ground)\"/>").unwrap();
         assert_eq!(filled, "<a fill=\"#1f1d1a\" stroke=\"#ffffff\"/>");
         let error = colours.filled("<a fill=\"var(--grid)\"/>").unwrap_err();
         assert!(error.to_string().contains("the colour --grid"), "{error}");

@@ -37,7 +37,10 @@ fn a_figure_has_its_colours_and_its_caption_the_number_and_the_page() {
     assert_eq!(gathered(&book, &folder), 1);
     let svg = book.read("slides/svg/01-01-sums.svg");
     assert!(svg.starts_with("<svg viewBox=\"0 0 9 9\""), "{svg}");
-    assert!(svg.contains("fill=\"#1f1d1a\">a &lt; b\u{a0}m</text></svg>"), "{svg}");
+    assert!(
+        svg.contains("<text fill=\"#1f1d1a\" x=\"1\" y=\"2\">a &lt; b\u{a0}m</text></svg>"),
+        "{svg}"
+    );
     let captions = book.read("slides/captions.md");
     for part in [
         "# Figures of “Small”, version ",
@@ -57,7 +60,8 @@ fn the_same_book_gives_the_same_files() {
     let [one, other] = ["one", "other"].map(|name| {
         let folder = book.path(name);
         gathered(&book, &folder);
-        ["captions.md", "svg/01-01-sums.svg"].map(|file| fs::read(folder.join(file)).expect("a file"))
+        ["captions.md", "svg/01-01-sums.svg"]
+            .map(|file| fs::read(folder.join(file)).expect("a file"))
     });
     assert_eq!(one, other);
 }
@@ -66,10 +70,9 @@ fn the_same_book_gives_the_same_files() {
 fn a_folder_that_holds_something_and_a_book_that_was_not_built_are_refused() {
     let book = SmallBook::sound();
     book.write("mine/letter.txt", "Dear");
-    for (folder, said) in [
-        ("mine", "is not empty; name a new folder"),
-        ("slides", "`cargo book build` makes it"),
-    ] {
+    for (folder, said) in
+        [("mine", "is not empty; name a new folder"), ("slides", "`cargo book build` makes it")]
+    {
         let folder = book.path(folder);
         let output = book.run(&["figures", folder.to_str().expect("Unicode")]);
         let text = String::from_utf8_lossy(&output.stderr);
