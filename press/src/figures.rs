@@ -167,7 +167,8 @@ fn words(element: ElementRef<'_>) -> String {
 
 /// The drawing as a file of its own. What is only there to be pressed is not drawn.
 fn drawn(svg: ElementRef<'_>) -> String {
-    const STYLE: &str = "<style>a text { font-size: 46px; fill: currentColor } a rect { fill: none }</style>";
+    const STYLE: &str =
+        "<style>a text { font-size: 46px; fill: currentColor } a rect { fill: none }</style>";
     let xml = svg.html().replace("&nbsp;", "\u{a0}");
     match xml.split_once('>') {
         Some((opening, inside)) => format!("{opening}>{STYLE}{inside}\n"),
