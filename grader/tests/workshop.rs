@@ -406,6 +406,7 @@ fn with_a_new_exercise() -> PathBuf {
         "exercises",
         "exhibits",
         "factrs",
+        "fuzz",
         "grader",
         "press",
         "recordings",

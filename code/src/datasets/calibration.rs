@@ -144,12 +144,12 @@ impl<'a> Said<'a> {
 
     /// A value with the lines that it goes on in, until its brackets are closed.
     fn whole(&mut self, first: &str) -> String {
-        let mut value = first.to_owned();
-        let is_open = |value: &str| value.matches('[').count() > value.matches(']').count();
-        while is_open(&value) {
+        let (mut value, mut open) = (first.to_owned(), open_brackets(first));
+        while open > 0 {
             let Some(line) = self.next_line() else { break };
             value.push(' ');
             value += line;
+            open += open_brackets(line);
         }
         value
     }
@@ -187,6 +187,12 @@ impl<'a> Said<'a> {
         let transform = numbers.and_then(|numbers| transform(&numbers));
         transform.ok_or_else(|| self.fault(MOUNTING, CalibrationFault::Transform))
     }
+}
+
+/// How many brackets a text opens beyond those that it closes.
+fn open_brackets(text: &str) -> isize {
+    let count = |bracket: char| text.matches(bracket).count() as isize;
+    count('[') - count(']')
 }
 
 fn finite(text: &str) -> Option<f64> {
