@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use biblatex::{Bibliography as Parsed, ChunksExt, Entry};
+use biblatex::{Bibliography as Parsed, ChunksExt, Entry, RawBibliography, RawChunk};
 
 use crate::fault::Faults;
 
@@ -41,7 +41,14 @@ pub struct Work {
 impl Bibliography {
     /// Reads the works; what is wrong with them is noted as faults.
     pub fn parse(source: &str, faults: &mut Faults) -> Bibliography {
-        let parsed = match Parsed::parse(source) {
+        let raw = RawBibliography::parse(source);
+        if let Some((at, name)) = raw.as_ref().ok().and_then(reference) {
+            let problem = "what refers to other entries may lead back to itself, and is not read";
+            let mend = "write out what it stands for";
+            faults.add((FILE, line_at(source, at)), name, problem, mend);
+            return Bibliography::default();
+        }
+        let parsed = match raw.and_then(Parsed::from_raw) {
             Ok(parsed) => parsed,
             Err(error) => {
                 let line = line_at(source, error.span.start);
@@ -115,6 +122,21 @@ impl Bibliography {
         works.sort_by_key(|(_, work)| (work.authors.to_lowercase(), work.year.clone()));
         works
     }
+}
+
+/// The first thing in a bibliography that is to be looked up elsewhere in it, and its byte: the parser follows
+/// such references without end.
+fn reference<'a>(raw: &RawBibliography<'a>) -> Option<(usize, &'a str)> {
+    let is_abbreviation = |chunk: &RawChunk<'_>| matches!(chunk, RawChunk::Abbreviation(_));
+    let entries = raw.entries.iter().flat_map(|entry| &entry.v.fields);
+    let mut named = entries.filter(|field| {
+        ["crossref", "xdata"].iter().any(|name| field.key.v.eq_ignore_ascii_case(name))
+    });
+    let mut nested = raw
+        .abbreviations
+        .iter()
+        .filter(|field| field.value.v.iter().any(|chunk| is_abbreviation(&chunk.v)));
+    named.next().or_else(|| nested.next()).map(|field| (field.key.span.start, field.key.v))
 }
 
 /// Gives a letter to the year of each of several works that would be cited alike, in the order of the bibliography.

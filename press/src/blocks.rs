@@ -168,7 +168,7 @@ impl Reader<'_> {
         };
         let body = self.lines[first + 1..first + 1 + length]
             .iter()
-            .map(|line| line[(line.len() - line.trim_start().len()).min(indent)..].to_owned())
+            .map(|line| outdented(line, indent).to_owned())
             .collect();
         let info = open[mark.len()..].trim();
         let attributes =
@@ -305,6 +305,13 @@ impl Reader<'_> {
     }
 }
 
+/// A line without so many bytes of the white space that it begins with, or fewer where a letter of it would be cut.
+fn outdented(line: &str, indent: usize) -> &str {
+    let own = line.len() - line.trim_start().len();
+    let cut = (0..=own.min(indent)).rev().find(|at| line.is_char_boundary(*at));
+    &line[cut.unwrap_or_default()..]
+}
+
 /// The number at the start of a line, and what follows it.
 fn numbered(line: &str) -> Option<(usize, &str)> {
     let (number, text) = line.trim_start().split_once(". ")?;
@@ -312,7 +319,7 @@ fn numbered(line: &str) -> Option<(usize, &str)> {
 }
 
 /// The text between a pair of brackets at the start of `text`, and what follows the closing one.
-pub fn matching(text: &str, open: char, close: char) -> Option<(&str, &str)> {
+fn matching(text: &str, open: char, close: char) -> Option<(&str, &str)> {
     let body = text.strip_prefix(open)?;
     let mut depth = 1;
     for (at, c) in body.char_indices() {

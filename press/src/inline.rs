@@ -1,11 +1,11 @@
 //! The marks inside a paragraph: references, citations, computed values, mathematics, code.
 
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use regex::Regex;
 
 use crate::attributes::Attributes;
-use crate::blocks::matching;
 
 /// A piece of a paragraph, with the byte at which it begins.
 #[derive(Debug, PartialEq)]
@@ -58,11 +58,12 @@ pub const LABEL_KINDS: [&str; 6] = ["alg:", "eq:", "fig:", "lst:", "sec:", "thm:
 
 /// Splits a paragraph into its marks.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
+    let closings = closings(text);
     let mut tokens = Vec::new();
     let mut plain = 0;
     let mut at = 0;
     while at < text.len() {
-        let (mark, length) = match mark(text, at) {
+        let (mark, length) = match mark(text, at, &closings) {
             Some(found) => found,
             None => {
                 at += step(&text[at..]);
@@ -92,13 +93,30 @@ fn step(rest: &str) -> usize {
     }
 }
 
-fn mark(text: &str, at: usize) -> Option<(Mark<'_>, usize)> {
+/// Where each bracket that is closed is closed.
+fn closings(text: &str) -> HashMap<usize, usize> {
+    let (mut open, mut closings) = (Vec::new(), HashMap::new());
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'[' => open.push(at),
+            b']' => closings.extend(open.pop().map(|begin| (begin, at))),
+            _ => {}
+        }
+    }
+    closings
+}
+
+fn mark<'a>(
+    text: &'a str,
+    at: usize,
+    closings: &HashMap<usize, usize>,
+) -> Option<(Mark<'a>, usize)> {
     let rest = &text[at..];
     match rest.as_bytes()[0] {
         b'`' => code(rest),
         b'$' => Some(math(rest)),
         b'{' => braces(rest),
-        b'[' => bracket(rest),
+        b'[' => bracket(rest, closings.get(&at)? - at),
         b'@' if !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.') => at_sign(rest),
         _ => None,
     }
@@ -147,9 +165,10 @@ fn braces(rest: &str) -> Option<(Mark<'_>, usize)> {
     Some((mark, end + 4))
 }
 
-fn bracket(rest: &str) -> Option<(Mark<'_>, usize)> {
-    let (inside, after) = matching(rest, '[', ']')?;
-    let length = rest.len() - after.len();
+/// What begins with a bracket that is closed `end` bytes behind it.
+fn bracket(rest: &str, end: usize) -> Option<(Mark<'_>, usize)> {
+    let length = end + 1;
+    let (inside, after) = (&rest[1..end], &rest[length..]);
     if let Some(label) = inside.strip_prefix("-@") {
         return Some((Mark::Reference { label, bare: true }, length));
     }

@@ -45,5 +45,5 @@ pub mod symbols;
 pub mod theorems;
 pub mod uses;
 pub mod warnings;
-mod ways;
+pub mod ways;
 pub mod widgets;

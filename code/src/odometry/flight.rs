@@ -296,7 +296,7 @@ impl Odometry {
             return Progress::Following { used, refused };
         }
         let since = *self.contradicted.get_or_insert(picture.nanoseconds);
-        let seconds = 1e-9 * (picture.nanoseconds - since) as f64;
+        let seconds = 1e-9 * picture.nanoseconds.saturating_sub(since) as f64;
         if seconds < self.options.patience {
             return Progress::Following { used, refused };
         }

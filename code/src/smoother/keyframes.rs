@@ -9,7 +9,8 @@ impl Smoother {
     /// Whether a picture at a time, on the sensor's clock, stays when the next one comes.
     pub(super) fn is_keyframe(&self, nanoseconds: i64, picture: &Picture) -> bool {
         let Keyframes::Moved { pixels, most_seconds } = self.options.keyframes else { return true };
-        let seconds = 1e-9 * (nanoseconds - self.last_keyframe().nanoseconds) as f64;
+        let since = self.last_keyframe().nanoseconds;
+        let seconds = 1e-9 * nanoseconds.saturating_sub(since) as f64;
         seconds >= most_seconds || have_moved(&self.window.shown, &picture.features, pixels)
     }
     // ANCHOR_END: is_keyframe

@@ -110,7 +110,7 @@ impl Graded {
 
     /// Seconds of the flight at a time of the sensor's clock.
     pub fn seconds(&self, nanoseconds: i64) -> f64 {
-        1e-9 * (nanoseconds - self.begins) as f64
+        1e-9 * nanoseconds.saturating_sub(self.begins) as f64
     }
 
     /// The true state at such a time, in the world of a body that calls where it stands the origin and
