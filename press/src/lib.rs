@@ -29,6 +29,7 @@ pub mod listing;
 pub mod main_road;
 pub mod make;
 pub mod new;
+pub mod pack;
 mod packing;
 pub mod pages;
 pub mod preprocess;

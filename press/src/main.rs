@@ -14,6 +14,7 @@ use press::figures;
 use press::guard::Guard;
 use press::make::Maker;
 use press::new;
+use press::pack;
 use press::preprocess::Press;
 use press::program::DataAbsent;
 use press::serve;
@@ -75,6 +76,17 @@ enum Command {
         /// A new folder.
         folder: PathBuf,
     },
+    /// Make what can be taken along: the pages as one file that opens from a disk, and the book on paper as a PDF.
+    ///
+    /// The PDF is printed by Chromium: the one on the path, or the one that the variable CHROMIUM names.
+    Pack {
+        /// The folder of pages that are built already; without it, the book is built first.
+        #[arg(long)]
+        site: Option<PathBuf>,
+        /// The folder for both files; without it, pack/ in the folder of the book.
+        #[arg(long)]
+        into: Option<PathBuf>,
+    },
     /// Make the files of a new chapter, all of them registered.
     New {
         /// The word that leads to everything of the chapter, as a Rust module: `loop_closure`.
@@ -134,6 +146,7 @@ fn run(arguments: Arguments, warnings: Warnings) -> Result<Faults> {
             println!("{number} figures and captions.md are in {}", folder.display());
             Ok(Faults::default())
         }
+        Command::Pack { site, into } => pack(&maker(Steps::new())?, site, into),
         Command::New { name, title } => {
             let layout = maker(Steps::new())?.layout;
             let written = new::chapter(&layout, &name, title.as_deref())?;
@@ -167,6 +180,20 @@ fn root(given: Option<&Path>) -> Result<PathBuf> {
             start.display()
         )
     })
+}
+
+/// Packs pages that are there, or those of the book as it is now.
+fn pack(maker: &Maker, site: Option<PathBuf>, into: Option<PathBuf>) -> Result<Faults> {
+    let root = &maker.layout.root;
+    if site.is_none() {
+        let faults = maker.build_book()?;
+        if !faults.is_empty() {
+            return Ok(faults);
+        }
+    }
+    let site = site.unwrap_or_else(|| root.join("book"));
+    let into = into.unwrap_or_else(|| root.join("pack"));
+    pack::pack(&maker.layout, &maker.steps, &site, &into)
 }
 
 fn record(maker: &Maker, name: Option<String>, compare: bool) -> Result<Faults> {
