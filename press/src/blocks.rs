@@ -179,42 +179,38 @@ impl Reader<'_> {
         self.at = first + length + 2;
     }
 
-    /// Joins lines from the current one until `end` finds where the block ends in the joined text.
-    fn take_until<T>(&mut self, end: impl Fn(&str) -> Option<T>) -> Option<T> {
-        let mut joined = String::new();
-        for (count, line) in self.lines[self.at..].iter().enumerate() {
-            if !joined.is_empty() {
-                joined.push('\n');
-            }
-            joined.push_str(line.trim());
-            if let Some(found) = end(&joined) {
-                self.at += count + 1;
-                return Some(found);
-            }
-            if line.trim().is_empty() {
-                break;
-            }
+    /// Gives the lines from the current one to an empty one, joined, to `read`, which finds a block at their
+    /// beginning and what is left of the line that it ends on.
+    fn take<T>(&mut self, read: impl Fn(&str) -> Option<(T, &str)>) -> Option<T> {
+        let lines = self.lines[self.at..].iter().map(|line| line.trim());
+        let joined = lines.take_while(|line| !line.is_empty()).collect::<Vec<_>>().join("\n");
+        let (found, rest) = read(&joined)?;
+        let (line, _) = rest.split_once('\n').unwrap_or((rest, ""));
+        if !line.trim().is_empty() {
+            return None;
         }
-        None
+        self.at += joined[..joined.len() - rest.len()].matches('\n').count() + 1;
+        Some(found)
     }
 
     fn equation(&mut self) {
         let first = self.at;
-        let found = self.take_until(|text| {
+        let found = self.take(|text| {
             let body = text.strip_prefix("$$")?;
             let end = body.find("$$")?;
-            let after = body[end + 2..].trim_start();
-            let (attributes, length) = match after.is_empty() {
-                true => (Attributes::default(), 0),
-                false => Attributes::parse(after)?,
+            let after = &body[end + 2..];
+            let line = after.split_once('\n').map_or(after, |(line, _)| line);
+            let (attributes, rest) = match line.trim_start() {
+                "" => (Attributes::default(), after),
+                _ => {
+                    let after = after.trim_start();
+                    let (attributes, length) = Attributes::parse(after)?;
+                    (attributes, &after[length..])
+                }
             };
             let tex_line = first + 1 + usize::from(body.starts_with('\n'));
             let tex = body[..end].trim().to_owned();
-            after[length..].trim().is_empty().then_some(Kind::Equation {
-                tex,
-                attributes,
-                tex_line,
-            })
+            Some((Kind::Equation { tex, attributes, tex_line }, rest))
         });
         self.push_or_unclosed(
             first,
@@ -225,15 +221,12 @@ impl Reader<'_> {
 
     fn figure(&mut self) {
         let first = self.at;
-        let found = self.take_until(|text| {
+        let found = self.take(|text| {
             let (caption, after) = matching(text.strip_prefix('!')?, '[', ']')?;
             let (path, after) = matching(after, '(', ')')?;
             let (attributes, length) = Attributes::parse(after)?;
-            after[length..].trim().is_empty().then(|| Kind::Figure {
-                caption: caption.to_owned(),
-                path: path.to_owned(),
-                attributes,
-            })
+            let (caption, path) = (caption.to_owned(), path.to_owned());
+            Some((Kind::Figure { caption, path, attributes }, &after[length..]))
         });
         self.push_or_unclosed(
             first,
