@@ -6,6 +6,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
+use std::ops::Range;
 use std::path::Path;
 
 use tempfile::TempDir;
@@ -18,11 +19,15 @@ use crate::text::harmless_line;
 /// The largest archive that is opened, in bytes.
 const ARCHIVE: u64 = 500_000_000;
 /// As many files as it may hold. An exercises folder with all of its dependencies has a third.
-const FILES: usize = 60_000;
+const FILES: u64 = 60_000;
 /// How deep these may lie.
 const DEEP: usize = 12;
 /// What begins the entry of a file in an archive's list.
-const ENTRY: &[u8; 4] = b"PK\x01\x02";
+const ENTRY: &[u8] = b"PK\x01\x02";
+/// What begins the end of a list that may be longer than 65,535 entries.
+const LIST_END: &[u8] = b"PK\x06\x06";
+/// Where that end states their number.
+const STATED: Range<usize> = 24..32;
 
 /// What is taken out of an archive.
 #[derive(Debug, Clone, Copy)]
@@ -95,26 +100,28 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     Ok(Unpacked { folder, notices, inner })
 }
 
-/// How many entries an archive can have at most.
-fn entries(file: &File) -> io::Result<usize> {
-    let mut reader = io::BufReader::with_capacity(1 << 20, file);
-    let (mut count, mut seen) = (0, 0);
+/// How many entries an archive can have, or says that it has: room for those is made before they are looked for.
+fn entries(mut file: &File) -> io::Result<u64> {
+    let mut buffer = vec![0; 1 << 20];
+    let (mut kept, mut count, mut stated) = (0, 0, 0);
     loop {
-        let bytes = io::BufRead::fill_buf(&mut reader)?;
-        if bytes.is_empty() {
-            return Ok(count);
-        }
-        for byte in bytes {
-            seen = match *byte == ENTRY[seen] {
-                true => seen + 1,
-                false => usize::from(*byte == ENTRY[0]),
-            };
-            if seen == ENTRY.len() {
-                (count, seen) = (count + 1, 0);
+        let read = file.read(&mut buffer[kept..])?;
+        let filled = kept + read;
+        // What may go on behind the buffer is looked at with what follows.
+        let seen = if read == 0 { filled } else { filled.saturating_sub(STATED.end) };
+        for at in 0..seen {
+            let here = &buffer[at..filled];
+            count += u64::from(here.starts_with(ENTRY));
+            if let Some(number) = here.strip_prefix(LIST_END).and(here.get(STATED)) {
+                let number = number.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+                stated = stated.max(number);
             }
         }
-        let length = bytes.len();
-        io::BufRead::consume(&mut reader, length);
+        if read == 0 {
+            return Ok(count.max(stated));
+        }
+        buffer.copy_within(seen..filled, 0);
+        kept = filled - seen;
     }
 }
 

@@ -108,7 +108,24 @@ fn an_archive_of_too_many_files_is_not_opened() {
     let mut bytes = Vec::new();
     (0..60_001).for_each(|_| bytes.extend(b"PK\x01\x02                       "));
     fs::write(&path, bytes).expect("written");
-    let error = collected(&path).expect_err("too many");
+    assert_holds_too_many(&path);
+}
+
+#[test]
+fn an_archive_that_says_it_has_too_many_files_is_not_opened() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    zip(&path, &[("fill_in.rs", FILL_IN)]);
+    let mut bytes = fs::read(&path).expect("an archive");
+    let end = bytes.windows(4).rposition(|four| four == b"PK\x05\x06").expect("an end");
+    let stated = [b"PK\x06\x06".as_slice(), &[0; 20], &60_001_u64.to_le_bytes(), &[0; 24]].concat();
+    bytes.splice(end..end, stated);
+    fs::write(&path, bytes).expect("written");
+    assert_holds_too_many(&path);
+}
+
+fn assert_holds_too_many(path: &Path) {
+    let error = collected(path).expect_err("too many");
     assert!(
         error.starts_with("`ada.zip` holds more than 60000 files; ask for a ZIP file"),
         "{error}"
