@@ -171,7 +171,8 @@ impl Growing<'_> {
     /// True when all pictures have a state.
     fn extend(&mut self) -> Result<bool, BatchError> {
         let gravity = self.sensors.gravity();
-        let known = self.nanoseconds(self.last()) - self.nanoseconds(self.known.first);
+        let first = self.nanoseconds(self.known.first);
+        let known = self.nanoseconds(self.last()).saturating_sub(first);
         let span = ((1e9 * self.options.growth) as i64).max(known / GROWTH_PARTS);
         // At least to the next picture, however late it comes.
         let next = (self.last() + 1).min(self.pictures.len() - 1);

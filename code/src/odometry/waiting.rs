@@ -38,10 +38,10 @@ impl Waiting {
         let begin = &options.begin;
         let kept = (1e9 * (begin.longest() + 0.5)) as i64;
         let Some(last) = self.pictures.last().map(|picture| picture.nanoseconds) else { return };
-        if last - self.pictures[0].nanoseconds < 3 * kept {
+        if last.saturating_sub(self.pictures[0].nanoseconds) < 3 * kept {
             return;
         }
-        let from = last - kept;
+        let from = last.saturating_sub(kept);
         self.pictures.retain(|picture| picture.nanoseconds >= from);
         let rig = options.sensors.rig;
         let first = rig.imu_nanoseconds(self.pictures[0].nanoseconds);

@@ -219,7 +219,7 @@ impl Smoother {
     /// The newest state that is at least so many seconds older than the newest one, or the oldest
     /// in the window.
     pub fn ago(&self, seconds: f64) -> (i64, NavState, ImuBias) {
-        let until = self.newest().nanoseconds - (1e9 * seconds) as i64;
+        let until = self.newest().nanoseconds.saturating_sub((1e9 * seconds) as i64);
         let older = self.window.frames.iter().rev().find(|frame| frame.nanoseconds <= until);
         self.at(older.unwrap_or(&self.window.frames[0]))
     }

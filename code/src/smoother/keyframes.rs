@@ -1,6 +1,7 @@
 //! Which pictures stay in the window.
 
 use super::options::Keyframes;
+use super::window::Frame;
 use super::{Smoother, SmootherError};
 use crate::datasets::tracks::{Feature, Picture};
 
@@ -42,8 +43,8 @@ impl Smoother {
         let before = self.readings.partition_point(|reading| reading.nanoseconds <= nanoseconds);
         self.readings.drain(..before.saturating_sub(1));
         let lag = (1e9 * self.options.lag).round() as i64;
-        while self.window.frames.len() > 2 && nanoseconds - self.window.frames[1].nanoseconds >= lag
-        {
+        let is_old = |frame: &Frame| nanoseconds.saturating_sub(frame.nanoseconds) >= lag;
+        while self.window.frames.len() > 2 && is_old(&self.window.frames[1]) {
             self.forget_first()?;
         }
         Ok(())
