@@ -37,3 +37,8 @@ pub mod simulation;
 pub mod smoother;
 pub mod structure_from_motion;
 pub mod two_views;
+
+/// The examples of the first page that a registry shows.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
