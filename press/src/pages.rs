@@ -28,6 +28,16 @@ pub struct Page {
     pub blocks: Vec<Block>,
 }
 
+/// The number of a chapter, and that of a page below it: `11` and `11.A`, since `11.1` is a section.
+pub fn number_of(places: &[u32]) -> String {
+    let letter = |place: &u32| char::from_u32('A' as u32 + place.saturating_sub(1));
+    let [chapter, below @ ..] = places else { return String::new() };
+    below
+        .iter()
+        .filter_map(letter)
+        .fold(chapter.to_string(), |number, letter| format!("{number}.{letter}"))
+}
+
 impl Page {
     /// The chapters of a book that have a file, in reading order.
     pub fn all(book: &Book) -> Vec<Page> {
@@ -40,10 +50,7 @@ impl Page {
                     name: chapter.name.clone(),
                     owner: slug.clone(),
                     slug,
-                    number: chapter
-                        .number
-                        .as_ref()
-                        .map(|number| number.to_string().trim_end_matches('.').to_owned()),
+                    number: chapter.number.as_ref().map(|places| number_of(places)),
                     blocks: blocks(&chapter.content),
                     path,
                 };

@@ -24,7 +24,7 @@ use crate::index::{self, Terms};
 use crate::ledger;
 use crate::lint::Lint;
 use crate::main_road;
-use crate::pages::{Labels, Page};
+use crate::pages::{Labels, Page, number_of};
 use crate::prose::{Found, Known};
 use crate::recordings::{Recording, Recordings};
 use crate::reports::Reports;
@@ -181,6 +181,10 @@ fn press(
     book.for_each_chapter_mut(|chapter| {
         if let Some(content) = chapter.source_path.as_ref().and_then(|path| contents.remove(path)) {
             chapter.content = content;
+        }
+        // The list of chapters would call a page below one as it calls a section.
+        if let Some(places) = chapter.number.as_ref().filter(|places| places.len() > 1) {
+            chapter.name = format!("{} {}", number_of(places), chapter.name);
         }
     });
     unused(&pages, &exhibits, &mut found);
