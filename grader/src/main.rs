@@ -29,10 +29,13 @@ enum Command {
     },
     /// Grades submissions
     Run(Run),
-    /// Grades the answers in exercises/src, in the machine in which submissions run
+    /// Grades your own answers, those in exercises/src, in the machine in which submissions run
     Mine {
         /// Names of exercises; without one, all
         names: Vec<String>,
+        /// Another folder of answers: exercises/src of the repository that students work in
+        #[arg(long, value_name = "FOLDER")]
+        answers: Option<PathBuf>,
     },
     /// Flights for whole estimators: hands them out and grades what was made of them
     #[command(subcommand)]
@@ -147,7 +150,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Export { dir, no_vendor } => export::export(&dir, !no_vendor).map(|()| true),
         Command::Run(run) => return grade(run),
-        Command::Mine { names } => mine::grade(names),
+        Command::Mine { names, answers } => mine::grade(names, answers),
         Command::Fly(Fly::Export { dir, roster }) => {
             fly::export::export(&dir, &roster).map(|()| true)
         }

@@ -1,7 +1,7 @@
 //! Grades the answers of this repository, as those of somebody who hands them in.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::batch::{self, Order, Trouble};
 use crate::judge::Judge;
@@ -9,18 +9,18 @@ use crate::memory::Memory;
 use crate::report::Detail;
 use crate::repository;
 
-/// Grades answers of `exercises/src`, all of them or those that are named, and shows what would be
-/// told. Says whether all of them could be graded.
+/// Grades answers of a folder, or of `exercises/src`, all of them or those that are named, and shows
+/// what would be told. Says whether all of them could be graded.
 ///
 /// # Errors
 ///
 /// A sentence when a name is none, or nothing can be graded here.
-pub fn grade(names: Vec<String>) -> Result<bool, String> {
+pub fn grade(names: Vec<String>, answers: Option<PathBuf>) -> Result<bool, String> {
     let out = repository().join("target/grader/mine");
     // What was said of former answers goes.
     let _ = fs::remove_dir_all(&out);
     let order = Order {
-        submissions: vec![repository().join("exercises/src")],
+        submissions: vec![answers.unwrap_or_else(|| repository().join("exercises/src"))],
         single: true,
         exercises: names,
         seed: None,
