@@ -408,6 +408,7 @@ fn with_a_new_exercise() -> PathBuf {
         "factrs",
         "fuzz",
         "grader",
+        "outlines",
         "press",
         "recordings",
         "solutions",
