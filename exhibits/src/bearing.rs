@@ -16,6 +16,7 @@ use vislam::reprojection::Pinhole;
 
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, differences};
+use crate::one_flight;
 use crate::random::Random;
 use noise::Pair;
 use oracle::{calibration, image_of};
@@ -41,6 +42,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::one_picture::bearings(chapter);
 }
 
 /// Registers the chapter's records.

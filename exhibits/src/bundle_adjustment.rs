@@ -17,6 +17,7 @@ mod stereo;
 mod whole;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     points_first::exhibits(chapter);
@@ -29,6 +30,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     outliers::numbers(chapter);
     growth::numbers(chapter);
     figures::figures(chapter);
+    one_flight::many_pictures::adjusted(chapter);
 }
 
 /// Registers the chapter's records.

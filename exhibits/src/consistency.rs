@@ -19,6 +19,7 @@ mod theorem;
 mod told;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     directions::exhibits(chapter);
@@ -34,6 +35,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     real::numbers(chapter);
     exercise::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::told_apart(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

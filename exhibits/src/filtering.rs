@@ -8,7 +8,7 @@ mod digits;
 mod draws;
 mod faults;
 mod figures;
-mod flown;
+pub mod flown;
 mod forgetting;
 mod hover;
 mod iterated;
@@ -17,6 +17,7 @@ mod spot;
 mod updated;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 200;
@@ -31,6 +32,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     consistent::exhibits(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::filtered(chapter);
 }
 
 /// Registers the chapter's records.

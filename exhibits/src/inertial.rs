@@ -20,6 +20,7 @@ mod shutter;
 mod strapdown;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared, unless its oracle is costly.
 const STATES: usize = 500;
@@ -40,6 +41,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     calibration::numbers(chapter);
     conditions::counterexamples(chapter);
     figures::figures(chapter);
+    one_flight::readings::dead_reckoning(chapter);
 }
 
 /// Registers the chapter's records.

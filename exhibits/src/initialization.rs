@@ -6,10 +6,10 @@ mod batch;
 mod exact;
 mod exercise;
 mod figures;
-mod flights;
+pub mod flights;
 pub mod gtsam;
 mod gyro;
-mod judged;
+pub mod judged;
 mod linear;
 mod map;
 mod motions;
@@ -20,6 +20,7 @@ mod spectrum;
 mod sphere;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     rest::exhibits(chapter);
@@ -36,6 +37,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     gtsam::numbers(chapter);
     exercise::numbers(chapter);
     figures::figures(chapter);
+    one_flight::beginning::from_nothing(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

@@ -22,6 +22,7 @@ use vislam::manifold::{se3, so3};
 
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, differences, inverse};
+use crate::one_flight;
 use crate::random::Random;
 use oracle::{Fit, Rotated, random_covariance, twist};
 use worked::{Tape, contraction, curvature, hessian};
@@ -45,6 +46,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     numbers::numbers(chapter);
     figures::figures(chapter);
     window::numbers(chapter);
+    one_flight::one_picture::from_far_off(chapter);
 }
 
 /// Registers the chapter's records.

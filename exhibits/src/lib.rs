@@ -22,6 +22,7 @@ pub mod marginalization;
 pub mod msckf;
 pub mod observability;
 pub mod odometry;
+pub mod one_flight;
 pub mod preintegration;
 pub mod python;
 pub mod random;

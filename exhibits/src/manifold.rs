@@ -15,6 +15,7 @@ use vislam::manifold::{se3, so3};
 
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, differences};
+use crate::one_flight;
 use crate::random::Random;
 use oracle::{cross, exponential_of, small_twist, small_vector, turned, twist_of};
 use uncertainty::{Noise, sample_covariance};
@@ -41,6 +42,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::readings::turns(chapter);
 }
 
 /// A rotation vector with an angle up to `largest`, and not so small that mutants look right.

@@ -11,6 +11,7 @@ mod trees;
 mod windows;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random Gaussians at which an equation is compared.
 const STATES: usize = 200;
@@ -22,4 +23,5 @@ pub fn exhibits(chapter: &mut Chapter) {
     trees::exhibits(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::forgotten(chapter);
 }

@@ -18,6 +18,7 @@ mod track;
 mod windows;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random tracks on which an equation is compared.
 const TRACKS: usize = 100;
@@ -34,6 +35,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     outlier::numbers(chapter);
     flights::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::without_map(chapter);
 }
 
 /// Registers the chapter's records.

@@ -10,9 +10,10 @@ mod numbers;
 mod oracle;
 mod readings;
 mod symmetry;
-mod worked;
+pub mod worked;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared, unless it takes whole windows.
 const STATES: usize = 500;
@@ -24,4 +25,5 @@ pub fn exhibits(chapter: &mut Chapter) {
     certainty::exhibits(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::beginning::sure_of_scale(chapter);
 }

@@ -7,12 +7,14 @@ pub mod real;
 pub mod switches;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     switches::numbers(chapter);
     begun::numbers(chapter);
     real::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::from_nothing(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

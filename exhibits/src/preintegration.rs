@@ -6,11 +6,14 @@ pub mod speed;
 mod sums;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     sums::exhibits(chapter);
     noise::exhibits(chapter);
     speed::exhibits(chapter);
+    one_flight::readings::summed(chapter);
+    one_flight::readings::spread(chapter);
 }
 
 /// Registers the chapter's records.

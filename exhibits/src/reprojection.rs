@@ -23,6 +23,7 @@ use crate::bearing::exchanged;
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, inverse};
 use crate::manifold::oracle::twist_of;
+use crate::one_flight;
 use crate::random::Random;
 use oracle::{differences, image_of, moved_on_the_left, moved_on_the_right};
 
@@ -46,6 +47,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     counterexamples::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::one_picture::alone(chapter);
 }
 
 /// A camera, its pose, and a point in the world that it sees.

@@ -15,6 +15,7 @@ mod success;
 mod worked;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared.
 const STATES: usize = 200;
@@ -31,6 +32,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     shares::numbers(chapter);
     poselib::numbers(chapter);
     figures::figures(chapter);
+    one_flight::two_pictures::robust(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

@@ -11,6 +11,7 @@ mod orders;
 mod variants;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 pub fn exhibits(chapter: &mut Chapter) {
     lag::exhibits(chapter);
@@ -20,6 +21,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     consistency::numbers(chapter);
     divergence::numbers(chapter);
     figures::figures(chapter);
+    one_flight::followed::waited(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

@@ -11,6 +11,7 @@ mod street;
 mod survival;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared.
 const STATES: usize = 100;
@@ -22,6 +23,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     drift::exhibits(chapter);
     street::numbers(chapter);
     figures::figures(chapter);
+    one_flight::many_pictures::from_nothing(chapter);
 }
 
 pub fn records(chapter: &mut Chapter) {

@@ -27,6 +27,7 @@ use vislam::two_views::{
 
 use crate::chapter::Chapter;
 use crate::comparison::{Comparison, altered, differences};
+use crate::one_flight;
 use crate::random::Random;
 use oracle::{information, meeting_in_plane, nudged, seen};
 use worked::facing;
@@ -48,6 +49,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     conditions::counterexamples(chapter);
     numbers::numbers(chapter);
     figures::figures(chapter);
+    one_flight::two_pictures::motion(chapter);
 }
 
 fn directions(chapter: &mut Chapter) {

@@ -73,6 +73,8 @@ pub struct Moment {
     pub error: StateError,
     /// Standard deviations of yaw and of the position along x.
     pub sigmas: [f64; 2],
+    /// The covariance of the position.
+    pub place: Matrix3<f64>,
     /// What the correction would have to do to the covariance of the attitude, if that were carried to where
     /// the correction led: by which part of itself it changes a standard deviation at most.
     pub reset: f64,
@@ -284,6 +286,7 @@ impl<'a> Flown<'a> {
             whole: nees(&error, &covariance).expect("a covariance"),
             innovations: [0.0; 2],
             error: StateError::between(estimate, truth),
+            place: covariance.fixed_view::<3, 3>(6, 6).into_owned(),
             sigmas: [turn[(2, 2)].sqrt(), covariance[(6, 6)].sqrt()],
             reset: 0.0,
         }

@@ -116,10 +116,10 @@ pub fn first(pictures: &[Picture], seconds: f64) -> &[Picture] {
 }
 
 /// Every so manieth picture is used by a start in motion: five a second, as [`begin`] does.
-const THINNED: usize = 2;
+pub const THINNED: usize = 2;
 
 /// A start in motion from the first seconds of a flight.
-fn started(
+pub fn started(
     recording: &FlightRecording,
     seconds: f64,
     options: &MotionOptions,
