@@ -52,6 +52,16 @@ fn camera_from_world(picture: usize) -> Isometry3<f64> {
     recording.flight.rig.camera_from_world(&recording.truth.states[picture])
 }
 
+/// Where a camera is.
+fn centre(camera_from_world: &Isometry3<f64>) -> Vector3<f64> {
+    camera_from_world.inverse().translation.vector
+}
+
+/// Where the camera truly is in a span of seconds.
+fn camera_path(from: f64, to: f64) -> Vec<Vector3<f64>> {
+    (picture_at(from)..=picture_at(to)).map(|picture| centre(&camera_from_world(picture))).collect()
+}
+
 /// Where the landmark of a track truly is.
 fn place_of(track: usize) -> Vector3<f64> {
     let truth = &recording().truth;

@@ -49,6 +49,7 @@ fn on_map() -> &'static [Moment] {
     MOMENTS.get_or_init(|| flown::flown(&RIGHT, recording(), SEED))
 }
 
+/// Error, standard deviation and NEES of a filter that knows the map.
 pub fn filtered(chapter: &mut Chapter) {
     let moments = on_map();
     let off = moments.iter().map(|moment| 100.0 * moment.error.position.norm());
@@ -119,6 +120,7 @@ fn window() -> &'static Window {
     })
 }
 
+/// What a window holds, whatever the flight has brought.
 pub fn forgotten(chapter: &mut Chapter) {
     let Window { most_states, most_variables, .. } = window();
     chapter.number("flight_pictures", picture_at(HALF) as f64 + 1.0, "", 0);
@@ -139,6 +141,7 @@ fn kept() -> Figure {
 /// How many landmarks the filters keep whose yaw is compared.
 const KEPT: usize = 30;
 
+/// How sure of the yaw two filters are.
 pub fn told_apart(chapter: &mut Chapter) {
     let [standard, first] = [Policy::Standard, Policy::FirstEstimates].map(|policy| {
         let linearization = policy.into();
@@ -161,6 +164,7 @@ fn smoothed() -> &'static Followed {
     FOLLOWED.get_or_init(|| consistency::followed(recording(), Estimator::Smoother, SEED))
 }
 
+/// The error of the newest state, and of the same states later.
 pub fn waited(chapter: &mut Chapter) {
     let Followed { causal, delayed, .. } = smoothed();
     let truth = &recording().truth.states;
@@ -227,6 +231,7 @@ fn whole() -> &'static Whole {
     })
 }
 
+/// The flight with faults, from its beginning to its end.
 pub fn from_nothing(chapter: &mut Chapter) {
     let worlds = &whole().worlds;
     let off = |(_, truth, own): &(f64, NavState, Estimate)| {

@@ -41,7 +41,7 @@ enum Shape {
 }
 
 impl Layer {
-    /// Where the body truly was.
+    /// Where the body, or its camera, truly was.
     pub fn truth<'a>(places: impl IntoIterator<Item = &'a Vector3<f64>>) -> Self {
         let shape = Shape::Line(from_above(places));
         Self { name: "truth".to_owned(), series: None, shape }
@@ -89,8 +89,8 @@ impl Layer {
             ((place.x, place.y), covariance.fixed_view::<2, 2>(0, 0).into_owned())
         };
         let name = match times {
-            1.0 => format!("{SIGMAS} σ"),
-            _ => format!("{SIGMAS} σ, {times} times as large"),
+            1.0 => "three σ".to_owned(),
+            _ => format!("three σ, {times} times as large"),
         };
         let shape = Shape::Ellipses(times, places.into_iter().map(flat).collect());
         Self { name, series: Some(series), shape }

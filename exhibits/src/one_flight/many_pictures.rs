@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use nalgebra::{Isometry3, Vector3, Vector6};
+use nalgebra::{Vector3, Vector6};
 use vislam::bundle_adjustment::{BaReport, Camera, PosedPinhole, TinyBa};
 use vislam::least_squares::Options;
 use vislam::observability::Similarity;
@@ -14,7 +14,7 @@ use vislam::structure_from_motion::{
 };
 
 use super::from_above::{Layer, room};
-use super::{camera_from_world, path, picture_at, place_of, recording};
+use super::{camera_from_world, camera_path, centre, picture_at, place_of, recording};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::initialization::judged::root_mean_square;
@@ -34,10 +34,6 @@ const LAID: f64 = 10.0;
 /// The pictures of so many seconds, so many seconds apart.
 fn pictures(seconds: f64, step: f64) -> Vec<usize> {
     (0..=picture_at(seconds)).step_by(picture_at(step)).collect()
-}
-
-fn centre(camera_from_world: &Isometry3<f64>) -> Vector3<f64> {
-    camera_from_world.inverse().translation.vector
 }
 
 /// An adjustment of the first seconds, and the similarity that lays it upon the truth.
@@ -119,7 +115,7 @@ fn floating() -> Figure {
     let Adjusted { problem, .. } = Adjusted::of_flight();
     let cameras: Vec<Vector3<f64>> = problem.cameras.iter().map(PosedPinhole::centre).collect();
     room(&[
-        Layer::truth(path(0.0, ADJUSTED)),
+        Layer::truth(&camera_path(0.0, ADJUSTED)),
         Layer::landmarks(&Adjusted::of_flight().places),
         Layer::line("path", 0, &cameras),
         Layer::points("map", 1, &problem.points),
@@ -192,7 +188,7 @@ fn drifting() -> Figure {
     let points: Vec<Vector3<f64>> =
         map.points.iter().map(|point| upon.point(&point.place)).collect();
     room(&[
-        Layer::truth(path(0.0, GROWN)),
+        Layer::truth(&camera_path(0.0, GROWN)),
         Layer::line("path", 0, &line),
         Layer::points("map", 1, &points),
     ])

@@ -9,7 +9,7 @@ use vislam::manifold::{se3, so3};
 use vislam::structure_from_motion::resect;
 
 use super::from_above::{Layer, is_inside, room};
-use super::{camera_from_world, path, picture_at, recording, seen};
+use super::{camera_from_world, camera_path, centre, path, picture_at, recording, seen};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::initialization::judged::{median, root_mean_square};
@@ -56,7 +56,7 @@ fn rays() -> Figure {
         [place(0.0), ends.expect("the flight stays in the room")]
     };
     let rays: Vec<[Vector3<f64>; 2]> = pixels.iter().map(ray).collect();
-    let truth = Layer::truth(path(0.0, ALONE));
+    let truth = Layer::truth(&camera_path(0.0, ALONE));
     room(&[truth, Layer::landmarks(&places), Layer::rays("directions", 0, &rays)])
 }
 
@@ -112,7 +112,7 @@ fn adjusted(start: &Isometry3<f64>, max_iterations: usize) -> (Isometry3<f64>, u
 fn steps() -> Figure {
     let places: Vec<Vector3<f64>> = iterates().iter().map(centre).collect();
     room(&[
-        Layer::truth(path(0.0, ALONE)),
+        Layer::truth(&camera_path(0.0, ALONE)),
         Layer::landmarks(&seen(0).0),
         Layer::line("camera", 0, &places),
         Layer::points("after each step", 0, &places),
@@ -161,9 +161,4 @@ fn poses() -> Figure {
         Layer::line("picture by picture", 0, found.iter().map(|(place, _)| place)),
         Layer::ellipses(ENLARGED, 0, spreads),
     ])
-}
-
-/// Where a camera is.
-fn centre(camera_from_world: &Isometry3<f64>) -> Vector3<f64> {
-    camera_from_world.inverse().translation.vector
 }

@@ -10,7 +10,7 @@ use vislam::robust_two_view::{
 use vislam::two_views::{LEAST_PARALLAX, View, relative_pose, triangulate};
 
 use super::from_above::{Layer, room};
-use super::{camera_from_world, path, picture_at, place_of, recording};
+use super::{camera_from_world, camera_path, centre, picture_at, place_of, recording};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::random::Random;
@@ -113,9 +113,9 @@ fn too_small() -> Figure {
         triangulate(&[view(0, *first), view(1, *second)], LEAST_PARALLAX).ok()
     });
     let points: Vec<Vector3<f64>> = points.collect();
-    let step = cameras.map(|camera| camera.inverse().translation.vector);
+    let step = cameras.map(|camera| centre(&camera));
     room(&[
-        Layer::truth(path(0.0, APART)),
+        Layer::truth(&camera_path(0.0, APART)),
         Layer::landmarks(&pair.places),
         Layer::line("step", 0, &step),
         Layer::points("landmarks by this step", 1, &points),
@@ -154,10 +154,10 @@ fn directions() -> Figure {
     let length = pair.second_from_first.translation.vector.norm();
     let step = |motion| {
         let cameras = [camera_from_world(0), second_camera(motion, length)];
-        cameras.map(|camera| camera.inverse().translation.vector)
+        cameras.map(|camera| centre(&camera))
     };
     room(&[
-        Layer::truth(path(0.0, APART)),
+        Layer::truth(&camera_path(0.0, APART)),
         Layer::landmarks(&pair.places),
         Layer::line("step by those that agree", 0, &step(found)),
         Layer::line("step by all matches", 1, &step(all)),
