@@ -12,7 +12,7 @@ const ACROSS: [f64; 2] = [-6.6, 6.6];
 const UP: [f64; 2] = [-4.9, 6.4];
 /// Where the words begin, and how far apart their columns and lines are, in metres.
 const WORDS: [f64; 4] = [-6.3, 5.9, 6.4, 0.75];
-/// At most so many entries of each layer are in the table.
+/// At most so many rows are in the table, as many for each layer.
 const ROWS: usize = 60;
 /// How many standard deviations an ellipse reaches.
 const SIGMAS: f64 = 3.0;
@@ -138,13 +138,13 @@ impl Layer {
     }
 
     /// Its places for the table: of a ray the far end, of an ellipse the middle.
-    fn rows(&self) -> Vec<Vec<String>> {
+    fn rows(&self, most: usize) -> Vec<Vec<String>> {
         let places: Vec<At> = match &self.shape {
             Shape::Line(places) | Shape::Points(places) => places.clone(),
             Shape::Rays(rays) => rays.iter().map(|ray| ray[1]).collect(),
             Shape::Ellipses(_, places) => places.iter().map(|(at, _)| *at).collect(),
         };
-        let every = places.len().div_ceil(ROWS).max(1);
+        let every = places.len().div_ceil(most).max(1);
         let row = |(x, y): &At| vec![self.name.clone(), format!("{x:.3}"), format!("{y:.3}")];
         places.iter().step_by(every).map(row).collect()
     }
@@ -164,7 +164,11 @@ pub fn room(layers: &[Layer]) -> Figure {
         })
     });
     let columns = vec!["what is drawn", "x (m)", "y (m)"];
-    Figure { columns, rows: layers.iter().flat_map(Layer::rows).collect(), ..figure }
+    Figure {
+        columns,
+        rows: layers.iter().flat_map(|layer| layer.rows(ROWS / layers.len())).collect(),
+        ..figure
+    }
 }
 
 fn from_above<'a>(places: impl IntoIterator<Item = &'a Vector3<f64>>) -> Vec<At> {

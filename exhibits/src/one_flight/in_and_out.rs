@@ -39,12 +39,13 @@ pub fn in_and_out() -> Figure {
 /// The newest pixels, some of the readings, and what came of them.
 fn rows(tracks: &[Vec<At>], forces: &[Vec<At>; 3]) -> Vec<Vec<String>> {
     let row = |name: &str, (x, y): At| vec![name.to_owned(), format!("{x:.2}"), format!("{y:.2}")];
-    let newest = tracks.iter().filter_map(|track| Some(row("pixel", *track.last()?)));
+    let newest = tracks.iter().step_by(2).filter_map(|track| Some(row("pixel", *track.last()?)));
     let axes = ["force ahead", "force to the left", "force up"].into_iter().zip(forces);
-    let read = axes.flat_map(|(name, line)| line.iter().step_by(2).map(move |at| row(name, *at)));
+    let read = axes.flat_map(|(name, line)| line.iter().step_by(10).map(move |at| row(name, *at)));
     let (places, points) = last_known();
-    let known = places.iter().step_by(2).map(|(at, _)| row("trajectory", (at.x, at.y)));
-    let mapped = points.iter().step_by(4).map(|at| row("landmark", (at.x, at.y)));
+    let known = places.iter().step_by(EVERY).map(|(at, _)| row("trajectory", (at.x, at.y)));
+    let every = points.len().div_ceil(10).max(1);
+    let mapped = points.iter().step_by(every).map(|at| row("landmark", (at.x, at.y)));
     newest.chain(read).chain(known).chain(mapped).collect()
 }
 
