@@ -20,7 +20,7 @@ use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::files;
 use crate::formulas;
-use crate::index::{self, Terms};
+use crate::index;
 use crate::ledger;
 use crate::lint::Lint;
 use crate::main_road;
@@ -30,7 +30,6 @@ use crate::recordings::{Recording, Recordings};
 use crate::reports::Reports;
 use crate::settings::{Layout, Settings};
 use crate::sources;
-use crate::symbols::Symbols;
 use crate::theorems::Theorems;
 use crate::ways::Ways;
 use crate::widgets::Widgets;
@@ -133,22 +132,8 @@ fn press(
         accepted: &accepted,
         reports: &reports,
     };
-    let mut found = Found {
-        faults,
-        formulas: Vec::new(),
-        values: BTreeMap::new(),
-        figures: BTreeSet::new(),
-        recordings: BTreeSet::new(),
-        citations: BTreeMap::new(),
-        terms: Terms::default(),
-        symbols: Symbols::default(),
-        sayings: BTreeSet::new(),
-        printed: BTreeMap::new(),
-        algorithms: Vec::new(),
-        sources: BTreeSet::new(),
-        generated: scripts.into_iter().chain(recordings.files.clone()).collect(),
-        lint: Lint::new(&settings.allow),
-    };
+    let mut found = Found::new(faults, Lint::new(&settings.allow));
+    found.generated.extend(scripts.into_iter().chain(recordings.files.clone()));
     let mut contents = BTreeMap::new();
     for page in &pages {
         contents.insert(

@@ -89,6 +89,28 @@ pub struct Found<'a> {
     pub lint: Lint<'a>,
 }
 
+impl<'a> Found<'a> {
+    /// Nothing yet but the faults that were there before, and the permissions for typed numbers.
+    pub fn new(faults: Faults, lint: Lint<'a>) -> Self {
+        Self {
+            faults,
+            formulas: Vec::new(),
+            values: BTreeMap::new(),
+            figures: BTreeSet::new(),
+            recordings: BTreeSet::new(),
+            citations: BTreeMap::new(),
+            terms: Terms::default(),
+            symbols: Symbols::default(),
+            sayings: BTreeSet::new(),
+            printed: BTreeMap::new(),
+            algorithms: Vec::new(),
+            sources: BTreeSet::new(),
+            generated: BTreeMap::new(),
+            lint,
+        }
+    }
+}
+
 /// An algorithm that a page tells.
 pub struct Told {
     /// The page.

@@ -1,6 +1,6 @@
 //! What an author may type by mistake ends in a list of faults, and in nothing worse.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use fuzz::Trial;
 use fuzz::bounds::Bounds;
@@ -12,7 +12,7 @@ use press::emit::Emitter;
 use press::exhibits::Exhibits;
 use press::fault::Faults;
 use press::guard::guarded;
-use press::index::{self, Terms};
+use press::index;
 use press::inline::tokens;
 use press::ledger;
 use press::lint::Lint;
@@ -22,7 +22,6 @@ use press::pages::{Labels, Page};
 use press::prose::{Found, Known};
 use press::reports::Reports;
 use press::settings::{Layout, Settings};
-use press::symbols::Symbols;
 use press::theorems::Theorems;
 use press::ways::Ways;
 
@@ -188,22 +187,7 @@ fn faults(content: String, layout: &Layout) -> Faults {
         recordings: &BTreeMap::new(),
         reports: &Reports::default(),
     };
-    let mut found = Found {
-        faults,
-        formulas: Vec::new(),
-        values: BTreeMap::new(),
-        figures: BTreeSet::new(),
-        recordings: BTreeSet::new(),
-        citations: BTreeMap::new(),
-        terms: Terms::default(),
-        symbols: Symbols::default(),
-        sayings: BTreeSet::new(),
-        printed: BTreeMap::new(),
-        algorithms: Vec::new(),
-        sources: BTreeSet::new(),
-        generated: BTreeMap::new(),
-        lint: Lint::new(&[]),
-    };
+    let mut found = Found::new(faults, Lint::new(&[]));
     for page in &pages {
         let emitted = Emitter::new(page, &known, &Settings::default(), layout, &mut found).emit();
         guarded(&emitted);
