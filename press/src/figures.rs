@@ -137,7 +137,10 @@ fn read(figure: ElementRef<'_>, id: &str, page: &Page, path: &Path) -> Option<Fi
             (picture.attr("alt")?, Drawing::Picture(file))
         }
     };
-    let place: Vec<String> = number.split('.').map(|part| format!("{part:0>2}")).collect();
+    // A page below a chapter has a letter, which needs no zero to stand in order.
+    let padded =
+        |part: &str| part.parse().map_or(part.to_owned(), |part: usize| format!("{part:02}"));
+    let place: Vec<String> = number.split('.').map(padded).collect();
     let chapter = if page.number.is_none() { format!("{}-", page.slug) } else { String::new() };
     Some(Figure {
         name: format!("{chapter}{}-{label}", place.join("-")),
