@@ -198,10 +198,18 @@ fn add_product(into: &mut [f64], stride: usize, left: Part, right: Part) {
     }
 }
 
-/// The same with `N` columns on the right, three rows at a time.
+/// The same with `N` columns on the right, three rows at a time; with many rows all of them at once, for
+/// three columns on the left.
 #[inline(always)]
 fn add_product_of<const N: usize>(into: &mut [f64], stride: usize, left: Part, right: Part) {
     let rows = (left.0.len() / left.1).min(right.0.len() / right.1);
+    if rows > MANY_ROWS && left.3.is_multiple_of(3) {
+        for column in (0..left.3).step_by(3) {
+            let left = (left.0, left.1, left.2 + column, 3);
+            add_tall::<3, N>(&mut into[column * stride..], stride, left, right);
+        }
+        return;
+    }
     for row in (0..rows).step_by(3) {
         let (left, right) = (
             (&left.0[row * left.1..], left.1, left.2, left.3),
@@ -212,6 +220,32 @@ fn add_product_of<const N: usize>(into: &mut [f64], stride: usize, left: Part, r
             2 => add_rows::<2, N>(into, stride, left, right),
             _ => add_rows::<3, N>(into, stride, left, right),
         }
+    }
+}
+
+/// So many rows are added one after the other before the sums are stored.
+const MANY_ROWS: usize = 6;
+
+#[inline(always)]
+fn add_tall<const C: usize, const N: usize>(
+    into: &mut [f64],
+    stride: usize,
+    left: Part,
+    right: Part,
+) {
+    let mut sums = [[0.0; N]; C];
+    let rows = left.0.chunks_exact(left.1).zip(right.0.chunks_exact(right.1));
+    for (left_row, right_row) in rows {
+        let left: &[f64; C] = left_row[left.2..].first_chunk().expect("a row has C columns");
+        let right: &[f64; N] = right_row[right.2..].first_chunk().expect("a row has N columns");
+        for (sums, slope) in sums.iter_mut().zip(left) {
+            for (sum, entry) in sums.iter_mut().zip(right) {
+                *sum += slope * entry;
+            }
+        }
+    }
+    for (into, sums) in into.chunks_mut(stride).zip(sums) {
+        into.iter_mut().zip(sums).for_each(|(into, sum)| *into += sum);
     }
 }
 

@@ -120,16 +120,19 @@ pub struct Tree {
     pub nodes: Vec<Node>,
     /// Where the columns of each begin, and where the last one's end.
     start: Vec<usize>,
+    /// By column, the front that eliminates it.
+    front_of: Vec<usize>,
 }
 // ANCHOR_END: fronts_in_order
 
 impl Tree {
     pub fn new(nodes: Vec<Node>) -> Self {
-        let mut start = vec![0];
-        for node in &nodes {
-            start.push(start[start.len() - 1] + node.own.len() * (node.width() + 1));
+        let (mut start, mut front_of) = (vec![0], Vec::new());
+        for (front, node) in nodes.iter().enumerate() {
+            start.push(start[front] + node.own.len() * (node.width() + 1));
+            front_of.resize(node.own.end, front);
         }
-        Self { nodes, start }
+        Self { nodes, start, front_of }
     }
 
     /// How many numbers the columns of all fronts have.
@@ -144,7 +147,7 @@ impl Tree {
 
     /// Which front eliminates a column.
     pub fn front_of(&self, column: usize) -> usize {
-        self.nodes.partition_point(|node| node.own.end <= column)
+        self.front_of[column]
     }
 
     /// Where the entry of a column stands that belongs to a later one, or to itself.

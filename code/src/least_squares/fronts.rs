@@ -77,7 +77,9 @@ impl Fronts {
         let columns = problem.columns_to_solve()?;
         let (blocks, place) = ordered_blocks(problem, &columns, order)?;
         let segments = Segments::of(problem, &columns, &place);
-        let block_with = |segment: &Segment| blocks.partition_point(|b| b.end <= segment.column);
+        let mut block_of = Vec::with_capacity(columns.count);
+        blocks.iter().enumerate().for_each(|(number, block)| block_of.resize(block.end, number));
+        let block_with = |segment: &Segment| block_of[segment.column];
         let couplings = segments.of_each().map(|of_factor| of_factor.iter().map(block_with));
         let tree = Tree::new(elimination_tree(&blocks, couplings));
         self.assembly.arrange(&segments, &tree);

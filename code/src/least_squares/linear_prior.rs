@@ -10,7 +10,7 @@ use super::linearized::Linearized;
 use super::problem::{Buffer, Problem};
 use super::solver::SolveError;
 use super::sparse_rows::SparseRows;
-use super::square_root::{eliminate, eliminate_fronts};
+use super::square_root::{Turned, eliminate_fronts};
 use super::{Columns, ProblemError, Values};
 
 // ANCHOR: linear_prior
@@ -78,16 +78,17 @@ impl LinearPrior {
                 },
             )
         })?;
-        let (_, rest) = eliminate_fronts(rows.by_first_column().iter(), &together(&sizes));
-        let (named, rows) = rest.by_first_column().dense();
+        let (_, left) = eliminate_fronts(&mut rows, &together(&sizes));
+        let (named, rows) = rows.dense(&left);
         // A last row, in which nothing but a residual stands, is a constant.
-        let (rows, _) = eliminate(rows, named.len().saturating_sub(1));
+        let rows = Turned::of(rows, named.len().saturating_sub(1)).into_own();
         let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();
         Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rows))))
     }
     // ANCHOR_END: marginalize
 
-    /// The prior of rows that name these columns of a problem, and behind them the residual.
+    /// The prior of rows, each of them a column here, that name these columns of a problem, and behind them
+    /// the residual.
     fn of_rows(
         problem: &Problem,
         at: Point,
@@ -103,10 +104,10 @@ impl LinearPrior {
             leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
         let whole = variables.iter().flat_map(|variable| coordinates(*variable));
         let whole: Vec<Option<usize>> = whole.map(place).collect();
-        let root = DMatrix::from_fn(rows.nrows(), whole.len(), |row, at| {
-            whole[at].map_or(0.0, |column| rows[(row, column)])
+        let root = DMatrix::from_fn(rows.ncols(), whole.len(), |row, at| {
+            whole[at].map_or(0.0, |column| rows[(column, row)])
         });
-        let mut offset = DVector::from_fn(rows.nrows(), |row, _| rows[(row, named.len())]);
+        let mut offset = DVector::from_fn(rows.ncols(), |row, _| rows[(named.len(), row)]);
         // The rows are slopes at the linearization point, and their residuals stand at the values.
         if let Some(frozen) = at.frozen {
             let moved = frozen.local(values);

@@ -55,8 +55,9 @@ impl Triangle {
             *column = place[*column];
         }
         let sizes: Vec<usize> = order.iter().map(|block| sizes[*block]).collect();
-        let regular: Vec<_> = (0..columns.count).map(|column| (column, REGULAR)).collect();
-        let (pieces, _) = eliminate_fronts(rows.iter().chain(regular.chunks(1)), &sizes);
+        let mut regular = rows.clone();
+        (0..columns.count).for_each(|column| regular.push([(column, REGULAR)]));
+        let (pieces, _) = eliminate_fronts(&mut regular, &sizes);
         Ok(Self { rows, scale, place, pieces })
     }
 
@@ -131,18 +132,18 @@ impl Triangle {
     /// Solves RᵀR x = b in place, forward through the pieces and back.
     fn solve(&self, vector: &mut DVector<f64>) {
         for Piece { columns, rows } in &self.pieces {
-            for own in 0..rows.nrows() {
+            for own in 0..rows.ncols() {
                 let value = vector[columns[own]] / rows[(own, own)];
                 vector[columns[own]] = value;
                 for at in own + 1..columns.len() {
-                    vector[columns[at]] -= rows[(own, at)] * value;
+                    vector[columns[at]] -= rows[(at, own)] * value;
                 }
             }
         }
         for Piece { columns, rows } in self.pieces.iter().rev() {
-            for own in (0..rows.nrows()).rev() {
+            for own in (0..rows.ncols()).rev() {
                 let later = own + 1..columns.len();
-                let known: f64 = later.map(|at| rows[(own, at)] * vector[columns[at]]).sum();
+                let known: f64 = later.map(|at| rows[(at, own)] * vector[columns[at]]).sum();
                 vector[columns[own]] = (vector[columns[own]] - known) / rows[(own, own)];
             }
         }

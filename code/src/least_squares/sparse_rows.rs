@@ -44,24 +44,16 @@ impl<T: RealField + Copy> SparseRows<T> {
         &mut self.entries
     }
 
-    /// The same rows, those whose first column comes first before others: a triangle beside another one is
-    /// then turned as a triangle.
-    pub fn by_first_column(&self) -> Self {
-        let first = |row: &[(usize, T)]| row.iter().map(|(column, _)| *column).min();
-        let firsts: Vec<Option<usize>> = self.iter().map(first).collect();
-        let mut numbers: Vec<usize> = (0..self.len()).collect();
-        numbers.sort_by_key(|number| firsts[*number]);
-        let mut sorted = Self {
-            entries: Vec::with_capacity(self.entries.len()),
-            ends: Vec::with_capacity(self.len()),
-        };
-        numbers.iter().for_each(|number| sorted.push(self.row(*number).iter().copied()));
-        sorted
+    /// The first column that a row names.
+    pub fn first_column(&self, number: usize) -> Option<usize> {
+        self.row(number).iter().map(|(column, _)| *column).min()
     }
 
-    /// The columns that rows name, ascending, and the rows with these alone.
-    pub fn dense(&self) -> (Vec<usize>, DMatrix<T>) {
-        let named = || self.entries.iter().map(|(column, _)| *column);
+    /// The columns that some rows name, ascending, and the rows with these alone, each of them a column of
+    /// the matrix: so its numbers follow each other in memory.
+    pub fn dense(&self, numbers: &[usize]) -> (Vec<usize>, DMatrix<T>) {
+        let rows = || numbers.iter().map(|number| self.row(*number));
+        let named = || rows().flatten().map(|(column, _)| *column);
         let first = named().min().unwrap_or_default();
         let mut places = vec![usize::MAX; named().max().map_or(0, |last| last + 1 - first)];
         named().for_each(|column| places[column - first] = 0);
@@ -70,11 +62,9 @@ impl<T: RealField + Copy> SparseRows<T> {
             *place = columns.len();
             columns.push(column);
         }
-        let mut dense = DMatrix::zeros(self.len(), columns.len());
-        for (number, row) in self.iter().enumerate() {
-            for (column, slope) in row {
-                dense[(number, places[column - first])] = *slope;
-            }
+        let mut dense = DMatrix::zeros(columns.len(), numbers.len());
+        for (mut entries, row) in dense.column_iter_mut().zip(rows()) {
+            row.iter().for_each(|(column, slope)| entries[places[column - first]] = *slope);
         }
         (columns, dense)
     }

@@ -1,8 +1,9 @@
 //! Elimination in square-root form: rows are turned, and nothing is squared.
 
+use std::array::from_fn;
 use std::mem::take;
 
-use nalgebra::{DMatrix, DVector, RealField};
+use nalgebra::{DMatrix, RealField};
 
 use super::sparse_rows::SparseRows;
 use crate::registers::wide;
@@ -17,69 +18,131 @@ pub fn eliminate<T: RealField + Copy>(
     rows: DMatrix<T>,
     columns: usize,
 ) -> (DMatrix<T>, DMatrix<T>) {
-    wide(
-        #[inline(always)]
-        || turned(rows, columns),
-    )
-}
-
-// ANCHOR: eliminate_rows
-#[inline(always)]
-fn turned<T: RealField + Copy>(mut rows: DMatrix<T>, columns: usize) -> (DMatrix<T>, DMatrix<T>) {
     let columns = columns.min(rows.ncols());
-    let lost = T::default_epsilon() * nalgebra::convert(rows.nrows() as f64);
-    let mut axis = DVector::zeros(rows.nrows());
-    let mut own = 0;
-    for column in 0..columns {
-        let lost = lost * rows.column(column).norm();
-        if own < rows.nrows() && rows.view_range(own.., column).norm() > lost {
-            reflect(&mut rows, own, column, &mut axis);
-            own += 1;
-        } else {
-            rows.view_range_mut(own.., column).fill(T::zero());
-        }
-    }
-    let end = rows.nrows().min(own + rows.ncols() - columns);
-    for (row, column) in (own..end).zip(columns..) {
-        reflect(&mut rows, row, column, &mut axis);
-    }
-    (rows.rows(0, own).into_owned(), rows.view_range(own..end, columns..).into_owned())
+    let turned = Turned::of(rows.transpose(), columns);
+    let Turned { rows, own, end } = &turned;
+    (rows.columns(0, *own).transpose(), rows.view_range(columns.., *own..*end).transpose())
 }
-// ANCHOR_END: eliminate_rows
 
-// ANCHOR: reflect
-/// Mirrors the rows from `own` on so that this column keeps a number in the first of them alone
-/// (Householder). The columns before it are zero there and stay so, and so do rows below the last
-/// one in which this column is not zero: they are left alone.
-#[inline(always)]
-fn reflect<T: RealField + Copy>(
-    rows: &mut DMatrix<T>,
+/// Rows that are turned, each of them a column here, so that its numbers follow each other in memory.
+pub(crate) struct Turned<T> {
+    rows: DMatrix<T>,
+    /// So many name the columns that are eliminated.
     own: usize,
-    column: usize,
-    memory: &mut DVector<T>,
-) {
-    let below = rows.view_range(own.., column);
-    let last = below.iter().rposition(|entry| *entry != T::zero());
-    let Some(last) = last.filter(|last| *last > 0) else { return };
-    let turned = own..=own + last;
-    let mut axis = memory.rows_range_mut(turned.clone());
-    axis.copy_from(&rows.view_range(turned.clone(), column));
-    // In this unit no square is too small to be a number.
-    let unit = axis.amax();
-    axis.unscale_mut(unit);
-    let length = axis.norm().copysign(-axis[0]);
-    // Of the two mirrors, the one that does not subtract.
-    axis[0] -= length;
-    axis.normalize_mut();
-    for later in column + 1..rows.ncols() {
-        let mut turned = rows.view_range_mut(turned.clone(), later);
-        let along = axis.dot(&turned);
-        turned.axpy(-(along + along), &axis, T::one());
-    }
-    rows.view_range_mut(turned, column).fill(T::zero());
-    rows[(own, column)] = length * unit;
+    /// Those from here on are zero.
+    end: usize,
 }
-// ANCHOR_END: reflect
+
+impl<T: RealField + Copy> Turned<T> {
+    /// Eliminates the first columns of some rows, each of them a column here.
+    pub(crate) fn of(rows: DMatrix<T>, columns: usize) -> Self {
+        wide(
+            #[inline(always)]
+            || Self::each_column(rows, columns),
+        )
+    }
+
+    /// Those that name the columns that are eliminated.
+    pub(crate) fn into_own(self) -> DMatrix<T> {
+        let width = self.rows.nrows();
+        let mut entries: Vec<T> = self.rows.data.into();
+        entries.truncate(width * self.own);
+        DMatrix::from_vec(width, self.own, entries)
+    }
+
+    /// The others, with zeros where those columns are.
+    pub(crate) fn rest(&self) -> impl Iterator<Item = &[T]> {
+        let rows = self.rows.as_slice().chunks_exact(self.rows.nrows().max(1));
+        rows.take(self.end).skip(self.own)
+    }
+
+    // ANCHOR: eliminate_rows
+    #[inline(always)]
+    fn each_column(rows: DMatrix<T>, columns: usize) -> Self {
+        let (width, height) = rows.shape();
+        let lost = T::default_epsilon() * nalgebra::convert(height as f64);
+        let mut turned = Self { rows, own: 0, end: height };
+        let mut memory = (vec![T::zero(); height], vec![T::zero(); width]);
+        for column in 0..columns {
+            let lost = lost * turned.rows.row(column).norm();
+            if turned.own < height && turned.rows.view_range(column, turned.own..).norm() > lost {
+                turned.reflect(turned.own, column, &mut memory);
+                turned.own += 1;
+            } else {
+                turned.rows.view_range_mut(column, turned.own..).fill(T::zero());
+            }
+        }
+        turned.end = height.min(turned.own + width - columns);
+        for (row, column) in (turned.own..turned.end).zip(columns..) {
+            turned.reflect(row, column, &mut memory);
+        }
+        turned
+    }
+    // ANCHOR_END: eliminate_rows
+
+    // ANCHOR: reflect
+    /// Mirrors the rows from `own` on so that this column keeps a number in the first of them alone
+    /// (Householder). The columns before it are zero there and stay so, and so do rows below the last
+    /// one in which this column is not zero: they are left alone.
+    #[inline(always)]
+    fn reflect(&mut self, own: usize, column: usize, (axis, along): &mut (Vec<T>, Vec<T>)) {
+        let below = self.rows.view_range(column, own..);
+        let last = below.iter().rposition(|entry| *entry != T::zero());
+        let Some(last) = last.filter(|last| *last > 0) else { return };
+        axis.clear();
+        axis.extend(below.iter().take(last + 1));
+        let axis = axis.as_mut_slice();
+        // In this unit no square is too small to be a number.
+        let unit = axis.iter().fold(T::zero(), |most, entry| most.max(entry.abs()));
+        scale(axis, T::one() / unit);
+        let length = squared(axis).sqrt().copysign(-axis[0]);
+        // Of the two mirrors, the one that does not subtract.
+        axis[0] -= length;
+        scale(axis, T::one() / squared(axis).sqrt());
+        let width = self.rows.nrows();
+        let turned = &mut self.rows.as_mut_slice()[own * width..][..axis.len() * width];
+        let along = &mut along[column + 1..];
+        along.fill(T::zero());
+        let mut fours = turned.chunks_exact(4 * width);
+        let (parts, last) = axis.as_chunks::<4>();
+        for (four, parts) in fours.by_ref().zip(parts) {
+            add_four(along, parts, from_fn(|row| &four[row * width..][column + 1..width]));
+        }
+        for (row, part) in fours.remainder().chunks_exact(width).zip(last) {
+            add_scaled(along, *part, &row[column + 1..]);
+        }
+        for (row, part) in turned.chunks_exact_mut(width).zip(&*axis) {
+            add_scaled(&mut row[column + 1..], -(*part + *part), along);
+            row[column] = T::zero();
+        }
+        turned[column] = length * unit;
+    }
+    // ANCHOR_END: reflect
+}
+
+#[inline(always)]
+fn add_scaled<T: RealField + Copy>(sums: &mut [T], by: T, numbers: &[T]) {
+    sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += by * *number);
+}
+
+/// The same with four rows, so that the sums are loaded and stored once.
+#[inline(always)]
+fn add_four<T: RealField + Copy>(sums: &mut [T], by: &[T; 4], rows: [&[T]; 4]) {
+    let [a, b, c, d] = rows.map(|row| &row[..sums.len()]);
+    for (at, sum) in sums.iter_mut().enumerate() {
+        *sum += (by[0] * a[at] + by[1] * b[at]) + (by[2] * c[at] + by[3] * d[at]);
+    }
+}
+
+#[inline(always)]
+fn scale<T: RealField + Copy>(numbers: &mut [T], by: T) {
+    numbers.iter_mut().for_each(|number| *number *= by);
+}
+
+#[inline(always)]
+fn squared<T: RealField + Copy>(numbers: &[T]) -> T {
+    numbers.iter().fold(T::zero(), |sum, number| sum + *number * *number)
+}
 
 /// For each number its sum with all before it.
 fn running_sums(numbers: &[usize]) -> Vec<usize> {
@@ -95,38 +158,45 @@ fn running_sums(numbers: &[usize]) -> Vec<usize> {
 pub(crate) struct Piece<T> {
     /// The columns of the block that rows name, then later ones.
     pub(crate) columns: Vec<usize>,
-    /// As many rows as the block has directions that are seen.
+    /// As many rows as the block has directions that are seen, each of them a column here.
     pub(crate) rows: DMatrix<T>,
 }
 
 /// Eliminates blocks of the first columns, of these sizes, front by front: all rows that name the next
 /// block are turned until only as many name it as it has columns. Those are its piece of the
-/// triangle; the others wait for the next block that they name.
+/// triangle; the others join the rows and wait for the next block that they name.
 ///
-/// Gives the pieces, and the rows that are left: they name columns behind those of all blocks.
+/// Gives the pieces, and the numbers of the rows that are left: they name columns behind those of all
+/// blocks. Rows whose first column comes first stand before others, so that a triangle beside another
+/// one is turned as a triangle.
 // ANCHOR: eliminate_fronts
-pub(crate) fn eliminate_fronts<'a, T: RealField + Copy>(
-    rows: impl IntoIterator<Item = &'a [(usize, T)]>,
+pub(crate) fn eliminate_fronts<T: RealField + Copy>(
+    rows: &mut SparseRows<T>,
     sizes: &[usize],
-) -> (Vec<Piece<T>>, SparseRows<T>) {
+) -> (Vec<Piece<T>>, Vec<usize>) {
     let ends = running_sums(sizes);
-    let front_of = |first: usize| ends.partition_point(|end| *end <= first);
-    let mut fronts: Vec<SparseRows<T>> = vec![SparseRows::default(); sizes.len() + 1];
-    for row in rows {
-        let first = row.iter().map(|(column, _)| *column).min().unwrap_or(usize::MAX);
-        fronts[front_of(first)].push(row.iter().copied());
+    let front_of =
+        |first: Option<usize>| ends.partition_point(|end| *end <= first.unwrap_or(usize::MAX));
+    let mut fronts = vec![Vec::new(); sizes.len() + 1];
+    for number in 0..rows.len() {
+        fronts[front_of(rows.first_column(number))].push(number);
     }
     let mut pieces = Vec::with_capacity(sizes.len());
     for (number, end) in ends.iter().enumerate() {
-        let (columns, dense) = take(&mut fronts[number]).dense();
+        let mut front = take(&mut fronts[number]);
+        front.sort_by_cached_key(|row| rows.first_column(*row));
+        let (columns, dense) = rows.dense(&front);
         let named = columns.partition_point(|column| column < end);
-        let (rows, rest) = eliminate(dense, named);
-        for (number, row) in rest.row_iter().enumerate() {
-            let entries = columns[named..].iter().copied().zip(row.iter().copied());
-            fronts[front_of(columns[named + number])].push(entries.skip(number));
+        let turned = Turned::of(dense, named);
+        for (number, row) in turned.rest().enumerate() {
+            let (columns, row) = (&columns[named + number..], &row[named + number..]);
+            fronts[front_of(Some(columns[0]))].push(rows.len());
+            rows.push(columns.iter().copied().zip(row.iter().copied()));
         }
-        pieces.push(Piece { columns, rows });
+        pieces.push(Piece { columns, rows: turned.into_own() });
     }
-    (pieces, fronts.pop().unwrap_or_default())
+    let mut left = fronts.pop().unwrap_or_default();
+    left.sort_by_cached_key(|row| rows.first_column(*row));
+    (pieces, left)
 }
 // ANCHOR_END: eliminate_fronts

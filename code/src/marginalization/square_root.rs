@@ -98,18 +98,19 @@ impl<T: RealField + Copy> SquareRoot<T> {
         let (gone, first) = self.blocks.select(names)?;
         let (blocks, then) = self.blocks.select(&survivors)?;
         let sizes: Vec<usize> = gone.ranges().map(|range| range.len()).collect();
-        let (pieces, rest) =
-            eliminate_fronts(self.sparse_rows(&[first, then].concat()).iter(), &sizes);
+        let mut all = self.sparse_rows(&[first, then].concat());
+        let (pieces, left) = eliminate_fronts(&mut all, &sizes);
         for (piece, range) in pieces.iter().zip(gone.ranges()) {
-            if piece.rows.nrows() < range.len() {
+            if piece.rows.ncols() < range.len() {
                 let name = gone.name_at(range.start);
                 return Err(MarginalizationError::Singular { name, pivot: 0.0 });
             }
         }
         let (before, width) = (gone.dimension(), blocks.dimension());
-        let mut rows = DMatrix::zeros(rest.len(), width + 1);
-        for (number, row) in rest.iter().enumerate() {
-            row.iter().for_each(|(column, slope)| rows[(number, column - before)] = *slope);
+        let mut rows = DMatrix::zeros(left.len(), width + 1);
+        for (at, number) in left.into_iter().enumerate() {
+            let entries = all.row(number).iter();
+            entries.for_each(|(column, slope)| rows[(at, column - before)] = *slope);
         }
         // A last row, in which nothing but a residual stands, is a constant.
         let (rows, _) = eliminate(rows, width);
