@@ -78,8 +78,9 @@ impl LinearPrior {
                 },
             )
         })?;
-        let (_, left) = eliminate_fronts(&mut rows, &together(&sizes));
-        let (named, rows) = rows.dense(&left);
+        let all = rows.by_first_column((0..rows.len()).collect());
+        let (_, left) = eliminate_fronts(&mut rows, all, &together(&sizes));
+        let (named, rows) = rows.dense(&rows.by_first_column(left));
         // A last row, in which nothing but a residual stands, is a constant.
         let rows = Turned::of(rows, named.len().saturating_sub(1)).into_own();
         let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();

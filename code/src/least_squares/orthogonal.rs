@@ -57,7 +57,8 @@ impl Triangle {
         let sizes: Vec<usize> = order.iter().map(|block| sizes[*block]).collect();
         let mut regular = rows.clone();
         (0..columns.count).for_each(|column| regular.push([(column, REGULAR)]));
-        let (pieces, _) = eliminate_fronts(&mut regular, &sizes);
+        let numbers = 0..regular.len();
+        let (pieces, _) = eliminate_fronts(&mut regular, numbers, &sizes);
         Ok(Self { rows, scale, place, pieces })
     }
 

@@ -44,6 +44,13 @@ impl<T: RealField + Copy> SparseRows<T> {
         &mut self.entries
     }
 
+    /// These numbers, rows whose first column comes first before others: a triangle beside another one is then
+    /// turned as a triangle.
+    pub fn by_first_column(&self, mut numbers: Vec<usize>) -> Vec<usize> {
+        numbers.sort_by_cached_key(|number| self.first_column(*number));
+        numbers
+    }
+
     /// The first column that a row names.
     pub fn first_column(&self, number: usize) -> Option<usize> {
         self.row(number).iter().map(|(column, _)| *column).min()

@@ -94,11 +94,11 @@ impl<T: RealField + Copy> Turned<T> {
         let axis = axis.as_mut_slice();
         // In this unit no square is too small to be a number.
         let unit = axis.iter().fold(T::zero(), |most, entry| most.max(entry.abs()));
-        scale(axis, T::one() / unit);
+        divide(axis, unit);
         let length = squared(axis).sqrt().copysign(-axis[0]);
         // Of the two mirrors, the one that does not subtract.
         axis[0] -= length;
-        scale(axis, T::one() / squared(axis).sqrt());
+        divide(axis, squared(axis).sqrt());
         let width = self.rows.nrows();
         let turned = &mut self.rows.as_mut_slice()[own * width..][..axis.len() * width];
         let along = &mut along[column + 1..];
@@ -135,8 +135,8 @@ fn add_four<T: RealField + Copy>(sums: &mut [T], by: &[T; 4], rows: [&[T]; 4]) {
 }
 
 #[inline(always)]
-fn scale<T: RealField + Copy>(numbers: &mut [T], by: T) {
-    numbers.iter_mut().for_each(|number| *number *= by);
+fn divide<T: RealField + Copy>(numbers: &mut [T], by: T) {
+    numbers.iter_mut().for_each(|number| *number /= by);
 }
 
 #[inline(always)]
@@ -162,30 +162,28 @@ pub(crate) struct Piece<T> {
     pub(crate) rows: DMatrix<T>,
 }
 
-/// Eliminates blocks of the first columns, of these sizes, front by front: all rows that name the next
-/// block are turned until only as many name it as it has columns. Those are its piece of the
-/// triangle; the others join the rows and wait for the next block that they name.
+/// Eliminates blocks of the first columns, of these sizes, front by front from rows of these numbers: all
+/// that name the next block are turned until only as many name it as it has columns. Those are its piece
+/// of the triangle; the others join the rows and wait for the next block that they name.
 ///
 /// Gives the pieces, and the numbers of the rows that are left: they name columns behind those of all
-/// blocks. Rows whose first column comes first stand before others, so that a triangle beside another
-/// one is turned as a triangle.
+/// blocks.
 // ANCHOR: eliminate_fronts
 pub(crate) fn eliminate_fronts<T: RealField + Copy>(
     rows: &mut SparseRows<T>,
+    numbers: impl IntoIterator<Item = usize>,
     sizes: &[usize],
 ) -> (Vec<Piece<T>>, Vec<usize>) {
     let ends = running_sums(sizes);
     let front_of =
         |first: Option<usize>| ends.partition_point(|end| *end <= first.unwrap_or(usize::MAX));
     let mut fronts = vec![Vec::new(); sizes.len() + 1];
-    for number in 0..rows.len() {
+    for number in numbers {
         fronts[front_of(rows.first_column(number))].push(number);
     }
     let mut pieces = Vec::with_capacity(sizes.len());
     for (number, end) in ends.iter().enumerate() {
-        let mut front = take(&mut fronts[number]);
-        front.sort_by_cached_key(|row| rows.first_column(*row));
-        let (columns, dense) = rows.dense(&front);
+        let (columns, dense) = rows.dense(&take(&mut fronts[number]));
         let named = columns.partition_point(|column| column < end);
         let turned = Turned::of(dense, named);
         for (number, row) in turned.rest().enumerate() {
@@ -195,8 +193,6 @@ pub(crate) fn eliminate_fronts<T: RealField + Copy>(
         }
         pieces.push(Piece { columns, rows: turned.into_own() });
     }
-    let mut left = fronts.pop().unwrap_or_default();
-    left.sort_by_cached_key(|row| rows.first_column(*row));
-    (pieces, left)
+    (pieces, fronts.pop().unwrap_or_default())
 }
 // ANCHOR_END: eliminate_fronts

@@ -99,7 +99,8 @@ impl<T: RealField + Copy> SquareRoot<T> {
         let (blocks, then) = self.blocks.select(&survivors)?;
         let sizes: Vec<usize> = gone.ranges().map(|range| range.len()).collect();
         let mut all = self.sparse_rows(&[first, then].concat());
-        let (pieces, left) = eliminate_fronts(&mut all, &sizes);
+        let numbers = 0..all.len();
+        let (pieces, left) = eliminate_fronts(&mut all, numbers, &sizes);
         for (piece, range) in pieces.iter().zip(gone.ranges()) {
             if piece.rows.ncols() < range.len() {
                 let name = gone.name_at(range.start);
