@@ -77,7 +77,8 @@ pub fn elimination_tree(
         later
             .retain(|block| *block > number && replace(&mut counted[*block], number + 1) <= number);
         later.sort_unstable();
-        let rest: Vec<usize> = later.iter().flat_map(|block| blocks[*block].clone()).collect();
+        let mut rest = Vec::with_capacity(later.iter().map(|block| blocks[*block].len()).sum());
+        later.iter().for_each(|block| rest.extend(blocks[*block].clone()));
         let parent = later.first().copied();
         if let Some(parent) = parent {
             coupled_with[parent].append(&mut later);

@@ -161,15 +161,13 @@ impl<F: Factor<R>, const R: usize> FactorGroup for FactorSet<F, R> {
         for (place, &index) in factors.iter().enumerate() {
             let factor = &self.factors[index as usize];
             let keys = factor.variables();
-            let here = F::Variables::pick(lists, &keys);
-            let linear = match frozen {
-                None => factor.linearize(here),
-                Some(lists) => factor
-                    .residual(here)
-                    .zip(factor.linearize(F::Variables::pick(lists, &keys)))
-                    .map(|(residual, (_, jacobians))| (residual, jacobians)),
-            };
-            let (residual, jacobians) = linear.ok_or(Undefined { factor: index as usize })?;
+            let point = F::Variables::pick(frozen.unwrap_or(lists), &keys);
+            let undefined = Undefined { factor: index as usize };
+            let (mut residual, jacobians) = factor.linearize(point).ok_or(undefined)?;
+            if frozen.is_some() {
+                let here = F::Variables::pick(lists, &keys);
+                residual = factor.residual(here).ok_or(undefined)?;
+            }
             let squared = residual.norm_squared();
             let root_weight = self.kernel.root_weight_of_square(squared);
             into.cost += self.kernel.cost_of_square(squared);

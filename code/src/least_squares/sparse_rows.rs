@@ -17,6 +17,12 @@ impl<T> Default for SparseRows<T> {
 }
 
 impl<T: RealField + Copy> SparseRows<T> {
+    /// Takes memory for so many rows with so many entries in all.
+    pub fn reserve(&mut self, rows: usize, entries: usize) {
+        self.ends.reserve(rows);
+        self.entries.reserve(entries);
+    }
+
     pub fn push(&mut self, row: impl IntoIterator<Item = (usize, T)>) {
         self.entries.extend(row);
         self.ends.push(self.entries.len());

@@ -186,6 +186,8 @@ pub(crate) fn eliminate_fronts<T: RealField + Copy>(
         let (columns, dense) = rows.dense(&take(&mut fronts[number]));
         let named = columns.partition_point(|column| column < end);
         let turned = Turned::of(dense, named);
+        let (width, height) = (columns.len() - named, turned.end - turned.own);
+        rows.reserve(height, width * height);
         for (number, row) in turned.rest().enumerate() {
             let (columns, row) = (&columns[named + number..], &row[named + number..]);
             fronts[front_of(Some(columns[0]))].push(rows.len());
