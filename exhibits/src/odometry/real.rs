@@ -16,7 +16,7 @@ use crate::smoother::followed::Followed;
 
 const SCRIPT: &str = "odometry_isam2.py";
 /// Of so many runs the one in the middle is timed.
-const TIMED_RUNS: usize = 9;
+const TIMED_RUNS: usize = 5;
 /// Pictures from a state to the next; the first is meant where nothing is said.
 const EVERY: [usize; 3] = [2, 1, 4];
 /// How far off a pixel may be: of the smoother in standard deviations, of ISAM2 in pixels. The first is meant where
