@@ -152,16 +152,19 @@ fn read(figure: ElementRef<'_>, id: &str, page: &Page, path: &Path) -> Option<Fi
     })
 }
 
-/// What is read aloud of an element: its text, and each formula once.
+/// What is read aloud of an element: its text, and each formula once, without what only a page can do.
 fn words(element: ElementRef<'_>) -> String {
     fn add(element: ElementRef<'_>, text: &mut String) {
         for child in element.children() {
             match (child.value().as_text(), ElementRef::wrap(child)) {
                 (Some(part), _) => text.push_str(part),
-                (_, Some(inner)) if inner.attr("aria-hidden") != Some("true") => add(inner, text),
+                (_, Some(inner)) if is_said(inner) => add(inner, text),
                 _ => {}
             }
         }
+    }
+    fn is_said(element: ElementRef<'_>) -> bool {
+        element.attr("aria-hidden") != Some("true") && element.attr("class") != Some("screen")
     }
     let mut text = String::new();
     add(element, &mut text);
@@ -282,5 +285,13 @@ mod tests {
             "<figcaption><p>The <span><math><mi>S</mi></math><span aria-hidden=\"true\">S</span></span>,\nbright.</p></figcaption>",
         );
         assert_eq!(words(html.select(&CAPTION).next().unwrap()), "The S, bright.");
+    }
+
+    #[test]
+    fn what_only_a_screen_can_do_is_no_part_of_a_caption() {
+        let html = Html::parse_fragment(
+            "<figcaption>A flight. <span class=\"screen\">Take hold of it.</span></figcaption>",
+        );
+        assert_eq!(words(html.select(&CAPTION).next().unwrap()), "A flight.");
     }
 }

@@ -7,6 +7,11 @@ use mdbook_preprocessor::book::Book;
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 use regex::{Captures, Regex};
 
+/// What KaTeX begins each part of a formula with; a line may end between two of them.
+const PART: &str = "<span class=\"base\">";
+/// The end of the only element that it writes.
+const END: &str = "</span>";
+
 /// Runs after KaTeX and keeps the Markdown parser away from what it made.
 pub struct Guard;
 
@@ -48,18 +53,35 @@ pub fn guarded(content: &str) -> String {
         out.push_str(&rest[..start]);
         let formula = ANNOTATION.replace_all(&rest[start..end], "");
         let formula = TEXT.replace_all(&formula, escape);
-        let (tied, after) = rest[end..].split_at(punctuation(&rest[end..]));
-        // A formula of several parts may be broken between them; one of one part takes its full stop along.
-        if !tied.is_empty() && formula.matches("class=\"base\"").count() == 1 {
-            out.push_str(&format!("<span class=\"tied\">{formula}{tied}</span>"));
-        } else {
+        rest = &rest[end..];
+        let (before, closed) = enclosing(&out, rest);
+        let marks = punctuation(&rest[closed..]);
+        if marks == 0 {
             out.push_str(&formula);
-            out.push_str(tied);
+            continue;
         }
+        let (tied, after) = rest.split_at(closed + marks);
+        out.insert_str(before, "<span class=\"tied\">");
+        out.push_str(&format!("{}{tied}</span>", in_parts(&formula)));
         rest = after;
     }
     out.push_str(rest);
     out
+}
+
+/// Where in `before` the span begins that encloses a formula alone, and the length of its end in `after`.
+fn enclosing(before: &str, after: &str) -> (usize, usize) {
+    let tag = before.rfind('<').filter(|tag| before[*tag..].starts_with("<span "));
+    match tag.filter(|_| before.ends_with('>') && after.starts_with(END)) {
+        Some(tag) => (tag, END.len()),
+        None => (before.len(), 0),
+    }
+}
+
+/// The formula with a place between any two of its parts where a line may end although it is tied to what follows.
+fn in_parts(formula: &str) -> String {
+    let next = format!("<wbr>{PART}");
+    formula.replace(PART, &next).replacen(&next, PART, 1)
 }
 
 /// The length of what must not begin a line.
@@ -75,10 +97,10 @@ fn span_length(html: &str) -> usize {
         at += found;
         if html[at..].starts_with("<span") {
             depth += 1;
-        } else if html[at..].starts_with("</span>") {
+        } else if html[at..].starts_with(END) {
             depth -= 1;
             if depth == 0 {
-                return at + "</span>".len();
+                return at + END.len();
             }
         }
         at += 1;
@@ -91,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_formula_of_one_part_keeps_its_punctuation_on_its_line() {
+    fn a_formula_keeps_its_punctuation_on_its_line_and_may_be_broken_between_its_parts() {
         let part = r#"<span class="base">x</span>"#;
         let one = format!(r#"<span class="katex">{part}</span>"#);
         assert_eq!(
@@ -99,8 +121,24 @@ mod tests {
             format!(r#"<span class="tied">{one}),</span> so"#)
         );
         let two = format!(r#"<span class="katex">{part}{part}</span>."#);
-        assert_eq!(guarded(&two), two);
-        assert_eq!(guarded(&format!("{one} so")), format!("{one} so"));
+        assert_eq!(
+            guarded(&two),
+            format!(r#"<span class="tied"><span class="katex">{part}<wbr>{part}</span>.</span>"#)
+        );
+        for loose in [format!("{one} so"), format!("<i>{one}</i>, so"), format!("{one}</span>, so")]
+        {
+            assert_eq!(guarded(&loose), loose);
+        }
+    }
+
+    #[test]
+    fn a_formula_in_a_span_of_its_own_is_tied_to_what_stands_behind_the_span() {
+        let letter =
+            r#"<span id="symbol:x"><span class="katex"><span class="base">x</span></span></span>"#;
+        assert_eq!(
+            guarded(&format!("say {letter}. So")),
+            format!(r#"say <span class="tied">{letter}.</span> So"#)
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use regex::{Regex, escape as literally};
 
 use crate::blocks::Kind;
@@ -107,11 +107,27 @@ fn printed(here: &Page, known: &Known<'_>, found: &Found<'_>) -> Markup {
             @for (path, places) in &found.printed {
                 @if let Some(item) = known.library.item(path) {
                     li {
-                        (item_link(here, known.library, item, html! { code { (path) } })) ", "
+                        (item_link(here, known.library, item, html! { code { (in_words(path)) } })) ", "
                         (listed(places.iter().map(place)))
                     } "\n"
                 }
             }
         } }
+    }
+}
+
+/// A path that may be broken between its words, and not inside of one.
+fn in_words(path: &str) -> Markup {
+    PreEscaped(path.replace("::", "::<wbr>").replace('_', "_<wbr>"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_broken_behind_colons_and_underscores() {
+        let words = in_words("filter::Msckf::is_lost").into_string();
+        assert_eq!(words, "filter::<wbr>Msckf::<wbr>is_<wbr>lost");
     }
 }

@@ -507,6 +507,10 @@ impl One<'_> {
                 true => format!("<span class=\"condition\">{inside}</span>"),
                 false => inside,
             },
+            [class] if class == "screen" => match self.prose.html {
+                true => format!("<span class=\"screen\">{inside}</span>"),
+                false => String::new(),
+            },
             [class] if TERMS.contains(&class.as_str()) => match self.prose.html {
                 true => format!("<span class=\"term {class}\">{inside}</span>"),
                 false => inside,
@@ -517,7 +521,7 @@ impl One<'_> {
                     classes.join(" "),
                     "a span has no class that the book knows",
                     format!(
-                        "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, a statement with an address of its own is a saying, and a pointer into depth is further",
+                        "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, a statement with an address of its own is a saying, what only a screen can do is screen, and a pointer into depth is further",
                         TERMS.join(", ")
                     ),
                 );

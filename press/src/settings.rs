@@ -27,6 +27,8 @@ pub struct Settings {
     pub longest_main_road: usize,
     /// At most this share of a chapter's numbered equations may be definitions.
     pub definition_share: f64,
+    /// What may be done with the book, as its first page on paper says it, a line each.
+    pub licences: Vec<String>,
     /// Numbers with a unit that may stand in prose as they are.
     pub allow: Vec<Allowed>,
 }
@@ -54,6 +56,7 @@ impl Default for Settings {
             longest_listing: 25,
             longest_main_road: 45_000,
             definition_share: 0.25,
+            licences: Vec::new(),
             allow: Vec::new(),
         }
     }

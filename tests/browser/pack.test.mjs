@@ -31,6 +31,11 @@ after(async () => {
     if (folder) fs.rmSync(folder, { recursive: true });
 });
 
+/** Why the letters of the PDF cannot be read. */
+function noText() {
+    return spawnSync("pdftotext", ["-v"]).error !== undefined && "there is no pdftotext";
+}
+
 /** Opens a page from the disk, and complains of all that a page on a server is complained of. */
 async function at(file, options, body) {
     const page = await browser.page(options);
@@ -125,20 +130,41 @@ test("the PDF has tags, an outline and its letters, and its links lead into it o
     assert.deepEqual([...new Set(text.match(/\/URI \((?!https?:|mailto:)[^)]*/g) ?? [])], []);
 });
 
-test("a page number in the PDF is that of the page where its target stands", context => {
-    if (spawnSync("pdftotext", ["-v"]).error !== undefined) {
-        context.skip("there is no pdftotext");
-        return;
+test("in the outline of the PDF an exercise stands below its chapter, and a title has its spaces", () => {
+    const text = fs.readFileSync(made("pdf")).toString("latin1");
+    const entries = new Map([...text.matchAll(/\n(\d+) 0 obj\n<<\/Title \((.*)\)\n\/Dest .*\n\/Parent (\d+) 0 R/g)]
+        .map(([, number, title, parent]) => [number, { title, parent }]));
+    const below = [...entries.values()].filter(({ title }) => /^\d+\.[A-Z] /.test(title));
+    assert.ok(below.length > 10, `${below.length} pages below chapters`);
+    for (const { title, parent } of below) {
+        assert.equal(entries.get(parent)?.title.split(" ")[0], title.split(".")[0], title);
     }
+    const shown = new Set([...read("print.html").matchAll(/<h1 id="[^"]*"><a[^>]*>(\d[^<]+)<\/a>/g)].map(([, title]) => title.trim()));
+    const titles = new Set([...entries.values()].map(({ title }) => title));
+    assert.deepEqual([...shown].filter(title => !titles.has(title)), []);
+});
+
+test("the first page says who wrote the book, which release it is and what may be done with it", { skip: noText() }, () => {
+    const first = execFileSync("pdftotext", ["-l", "1", made("pdf"), "-"]).toString();
+    const changelog = fs.readFileSync(path.join(root, "CHANGELOG.md"), "utf8");
+    const [, version, year] = changelog.match(/^## \[(\d\S+)\] - (\d+)/m);
+    for (const said of [/authors/, `Version ${version}, `, year, "CC BY 4.0", "MIT or Apache-2.0"]) {
+        assert.match(first, new RegExp(said), `${said} is not on the first page`);
+    }
+});
+
+test("a page number in the PDF is that of the page where its target stands", { skip: noText() }, () => {
     const all = execFileSync("pdftotext", ["-layout", made("pdf"), "-"], { maxBuffer: 1 << 28 }).toString().split("\f");
     const titles = [...read("print.html").matchAll(/<h1 id="[^"]*"><a[^>]*>(\d+ [^<]+)<\/a>/g)].map(([, title]) => title.trim());
     assert.ok(titles.length > 15, `${titles.length} chapters`);
     const squeeze = text => text.replace(/\s+/g, " ");
+    // A line may end inside of a title behind a hyphen.
+    const unbroken = text => text.replace(/\s+/g, "");
     const contents = all.slice(0, 20).map(squeeze).join(" ");
     for (const title of titles) {
         const escaped = title.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
         const number = Number(contents.match(new RegExp(`${escaped} (\\d+)`))?.[1]);
-        assert.ok(squeeze(all[number - 1] ?? "").includes(title), `“${title}” is not on page ${number}`);
+        assert.ok(unbroken(all[number - 1] ?? "").includes(unbroken(title)), `“${title}” is not on page ${number}`);
         assert.match(all[number - 1].trimEnd(), new RegExp(`\\s${number}$`), `page ${number} has another number`);
     }
 });

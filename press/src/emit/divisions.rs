@@ -40,7 +40,7 @@ impl Emitter<'_, '_> {
             }
             "reveal" => {
                 self.open.last_mut().into_iter().for_each(|division| division.reveals += 1);
-                "<details class=\"reveal\"><summary>Reveal the answer</summary>\n".to_owned()
+                "<details class=\"reveal\"><summary><span class=\"screen\">Reveal the </span>answer</summary>\n".to_owned()
             }
             "theorem" => {
                 self.labelled(block.line, attributes, "thm:", "a theorem");

@@ -5,6 +5,7 @@
 mod archive;
 mod browser;
 mod document;
+mod imprint;
 mod paper;
 mod syntax;
 
@@ -12,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
+use self::imprint::Imprint;
 use crate::fault::Faults;
 use crate::files;
 use crate::settings::Layout;
@@ -34,8 +36,9 @@ pub fn pack(layout: &Layout, steps: &Steps, site: &Path, into: &Path) -> Result<
     let archive = steps.step("pages in one file", || archive::of(site, NAME))?;
     let files = vec![(format!("{NAME}.zip"), archive)];
     write(steps, into, &files)?;
+    let imprint = Imprint::read(&layout.root)?;
     let profile = layout.work().join("browser");
-    let printed = paper::print(steps, site, &profile);
+    let printed = paper::print(steps, site, &imprint, &profile);
     files::remove(&profile)?;
     let printed = printed.context("the PDF was not made")?;
     if printed.faults.is_empty() {

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::browser::Browser;
 use super::document::{Document, without_time};
+use super::imprint::Imprint;
 use crate::fault::Faults;
 use crate::steps::Steps;
 
@@ -36,9 +37,10 @@ pub struct Printed {
 ///
 /// # Errors
 /// No browser, or one that does not print as expected.
-pub fn print(steps: &Steps, site: &Path, profile: &Path) -> Result<Printed> {
+pub fn print(steps: &Steps, site: &Path, imprint: &Imprint, profile: &Path) -> Result<Printed> {
     let mut browser = Browser::start(profile)?;
-    let mut faults = steps.step("pages for paper", || prepare(&mut browser, &site.join(PAGE)))?;
+    let page = site.join(PAGE);
+    let mut faults = steps.step("pages for paper", || prepare(&mut browser, &page, imprint))?;
     let mut known = BTreeMap::new();
     for round in 1..=ROUNDS {
         let bytes = steps.step(&format!("paper, round {round}"), || browser.pdf())?;
@@ -66,7 +68,7 @@ pub fn print(steps: &Steps, site: &Path, profile: &Path) -> Result<Printed> {
 }
 
 /// Opens the page as it is on paper. Gives what is wider than that.
-fn prepare(browser: &mut Browser, page: &Path) -> Result<Faults> {
+fn prepare(browser: &mut Browser, page: &Path, imprint: &Imprint) -> Result<Faults> {
     // It asks for a printer as soon as it is there.
     let quiet = json!({ "source": "window.print = () => {};" });
     browser.call("Page.addScriptToEvaluateOnNewDocument", quiet)?;
@@ -75,7 +77,7 @@ fn prepare(browser: &mut Browser, page: &Path) -> Result<Faults> {
     let size = json!({ "width": WIDTH, "height": 840, "deviceScaleFactor": 1, "mobile": false });
     browser.call("Emulation.setDeviceMetricsOverride", size)?;
     browser.open(page)?;
-    let cut = browser.evaluate(SCRIPT)?;
+    let cut = browser.evaluate(&format!("({SCRIPT})({})", json!(imprint)))?;
     let mut faults = Faults::default();
     for place in cut.as_array().into_iter().flatten().filter_map(|place| place.as_str()) {
         faults.add(

@@ -6,6 +6,7 @@ mod faults;
 mod figures;
 mod library;
 mod new;
+mod paper;
 mod parts;
 mod recordings;
 mod serve;
