@@ -364,7 +364,8 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let submissions = at.path().join("submissions");
     let answer = at.path().join("work");
     write(&of_truth(&Graded::all(&key, "ada")), &answer);
-    fs::write(answer.join("text.md"), "It integrates, and I do not trust it.\n").unwrap();
+    let text = "It integrates.\n".repeat(600) + "I do not trust it.\n";
+    fs::write(answer.join("text.md"), &text).unwrap();
     fs::create_dir_all(&submissions).unwrap();
     zipped(&at.path().join("work"), &submissions.join("ada.zip"));
     write(&of_truth(&Graded::all(&key, "bob")), &submissions.join("bob/inner"));
@@ -375,7 +376,7 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let order = Order { points: Some(points), ..order(at.path(), "grades") };
     assert_eq!(run_in(at.path(), &order).graded, 3);
     let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
-    assert!(read("words.md").contains("I do not trust it"));
+    assert!(read("words.md").contains(&text), "a text of nine thousand characters is shown whole");
     assert!(
         read("unmarked.csv").contains("ada.zip,graded_flight,words,,"),
         "{}",

@@ -95,7 +95,9 @@ fn questions_of_chapters_are_collected_and_marked_as_those_of_exercises_are() {
     assert!(told.contains("1 answer in words without points, which do not count yet"), "{told}");
     let words = read(&order.out, "words.md");
     assert!(
-        words.contains("## The pinhole camera and depth\n\n1 answer.\n\n### ada\n\n```text\nThe"),
+        words.contains(
+            "## The pinhole camera and depth\n\n1 answer to `bearing`.\n\n### ada\n\n```text\nThe"
+        ),
         "{words}"
     );
     let open = read(&order.out, "unmarked.csv");
