@@ -15,6 +15,7 @@ use grader::fly::flights::{FLIGHTS, Graded};
 use grader::fly::judge::Course;
 use grader::fly::key::{Exported, Key};
 use grader::fly::run::run_quietly;
+use grader::marks::COLUMNS;
 use grader::report::Detail;
 use grader::roster::Roster;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -390,7 +391,7 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let before = earned_in(&read("gradebook.csv"), "ada");
     assert!(before > 0.0, "{}", read("gradebook.csv"));
     assert_eq!(earned_in(&read("gradebook.csv"), "bob"), before);
-    run_in(at.path(), &Order { marks: Some(marks), ..order });
+    run_in(at.path(), &Order { marks: Some(marks.clone()), ..order.clone() });
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
     assert!(read("submissions/ada.zip/feedback.md").contains("well said"));
 }
@@ -399,6 +400,14 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
 fn earned_in(book: &str, name: &str) -> f64 {
     let row = book.lines().find(|line| line.starts_with(name)).expect("a row");
     row.split(',').nth(2).and_then(|sum| sum.parse().ok()).expect("points")
+
+    // Marks may call an archive as the roster does.
+    let roster = at.path().join("roster.csv");
+    fs::write(&roster, "folder,name\nada,Ada\nbob,Bob\ncem,Cem\n").unwrap();
+    fs::write(&marks, format!("{}\nada,graded_flight,words,12,\n", COLUMNS.join(","))).unwrap();
+    let order = Order { marks: Some(marks), roster: Some(roster), ..order };
+    assert!(!run_in(at.path(), &order).told.contains("these marks"));
+    assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
 }
 
 /// Packs a folder.
