@@ -61,10 +61,10 @@ fn folders(order: &Order, exported: &Exported) -> Result<BTreeMap<String, String
     Ok(found.iter().filter_map(folder).collect())
 }
 
-/// What was handed in, read as an answer.
-fn answer(path: &Path, flights: &[Graded]) -> Result<Answer, NoAnswer> {
-    let handed = Handed::find(path).map_err(|why| NoAnswer::Refused(vec![why]))?;
-    Answer::read(handed.root(), flights)
+/// What was handed in, read as an answer, or why an archive cannot be looked into: then nobody knows what is in it.
+fn answer(path: &Path, flights: &[Graded]) -> Result<Result<Answer, NoAnswer>, String> {
+    let handed = Handed::find(path)?;
+    Ok(Answer::read(handed.root(), flights))
 }
 
 /// Flies the flights of whoever handed something in, and judges.
@@ -138,7 +138,7 @@ impl Judging for Pilot {
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
-        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)))
+        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)?))
     }
 
     fn collected(&self, submission: &Submission) -> Collected {
@@ -151,9 +151,9 @@ impl Judging for Pilot {
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
-        let read = self.flights(submission).map(|flights| {
-            let read = answer(&submission.path, &flights);
-            (self.key_of(&read), self.graded(read, flights))
+        let read = self.flights(submission).and_then(|flights| {
+            let read = answer(&submission.path, &flights)?;
+            Ok((self.key_of(&read), self.graded(read, flights)))
         });
         let (key, graded) = read.unwrap_or_else(|why| (String::new(), Err(why)));
         let graded =
