@@ -270,6 +270,10 @@ fn the_answer_of_another_student_is_known_by_its_times() {
     let others = Graded::all(&Key::of(9), "bob");
     let sentences = refused(|at| write(&of_truth(&others), at));
     assert_eq!(sentences.len(), FLIGHTS);
+    assert!(
+        sentences[0].starts_with("`flight-1/trajectory.txt`: there are times"),
+        "{sentences:?}"
+    );
     assert!(sentences[0].contains("that of another student"), "{sentences:?}");
 }
 
@@ -396,12 +400,6 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     run_in(at.path(), &Order { marks: Some(marks.clone()), ..order.clone() });
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
     assert!(read("submissions/ada.zip/feedback.md").contains("well said"));
-}
-
-/// The sum of points of a row.
-fn earned_in(book: &str, name: &str) -> f64 {
-    let row = book.lines().find(|line| line.starts_with(name)).expect("a row");
-    row.split(',').nth(2).and_then(|sum| sum.parse().ok()).expect("points")
 
     // Marks may call an archive as the roster does.
     let roster = at.path().join("roster.csv");
@@ -410,6 +408,12 @@ fn earned_in(book: &str, name: &str) -> f64 {
     let order = Order { marks: Some(marks), roster: Some(roster), ..order };
     assert!(!run_in(at.path(), &order).told.contains("these marks"));
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
+}
+
+/// The sum of points of a row.
+fn earned_in(book: &str, name: &str) -> f64 {
+    let row = book.lines().find(|line| line.starts_with(name)).expect("a row");
+    row.split(',').nth(2).and_then(|sum| sum.parse().ok()).expect("points")
 }
 
 /// Packs a folder.
