@@ -13,6 +13,7 @@ use super::judge::{Course, unread};
 use super::key::{Exported, Key};
 use super::{GRADED_FLIGHT, canary};
 use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
+use crate::compile;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome};
 use crate::points::Points;
 use crate::roster::Roster;
@@ -107,7 +108,7 @@ impl Pilot {
     fn key_of(&self, read: &Result<Answer, NoAnswer>) -> String {
         let digest = Sha256::new()
             .chain_update(self.key.fingerprint().to_be_bytes())
-            .chain_update(env!("CARGO_PKG_VERSION"))
+            .chain_update(compile::edition())
             .chain_update(format!("{read:?}, {}", self.points.of(GRADED_FLIGHT.slug)))
             .finalize();
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
