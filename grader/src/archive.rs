@@ -65,7 +65,7 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     let name = harmless_line(&path.file_name().unwrap_or_default().to_string_lossy(), 60);
     let told = |why: String| {
         format!(
-            "`{name}` {why}; ask for a ZIP file of the answers alone, without `target` and `vendor`"
+            "`{name}` {why}; ask for a ZIP file of the answers alone, of exercises without `target` and `vendor`"
         )
     };
     let unreadable = |error: &dyn std::fmt::Display| {

@@ -8,7 +8,7 @@ use exercise_spec::{CHAPTERS, Question};
 
 use crate::fly::GRADED_FLIGHT;
 use crate::points;
-use crate::report::markdown::{block, counted, escaped};
+use crate::report::markdown::{counted, escaped, fenced};
 use crate::repository;
 use crate::text::harmless;
 
@@ -108,9 +108,10 @@ impl Collection {
         for question in questions {
             let Some(answers) = self.answers.get(question.slug) else { continue };
             let title = escaped(question.title, 80);
-            let _ = write!(text, "\n## {title}\n\n{}.\n", counted(answers.len(), "answer"));
+            let count = counted(answers.len(), "answer");
+            let _ = write!(text, "\n## {title}\n\n{count} to `{}`.\n", question.slug);
             for (folder, answer) in answers {
-                let _ = write!(text, "\n### {}\n\n{}", escaped(folder, 80), block(answer, ""));
+                let _ = write!(text, "\n### {}\n\n{}", escaped(folder, 80), fenced(answer, ""));
             }
         }
         text

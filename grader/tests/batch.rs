@@ -409,7 +409,7 @@ fn two_batches_do_not_write_to_one_folder() {
     let temporary = folder();
     let order = order(&submissions(temporary.path(), THREE), &temporary.path().join("grades"));
     carry_out_with(&order, |points, seed, exercises| {
-        assert!(usage(&order).contains("another `cargo grade run` writes to"));
+        assert!(usage(&order).contains("another batch writes to"));
         Ok(StandIn::new(points, seed, exercises))
     })
     .expect("the first batch");

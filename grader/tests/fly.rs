@@ -15,6 +15,7 @@ use grader::fly::flights::{FLIGHTS, Graded};
 use grader::fly::judge::Course;
 use grader::fly::key::{Exported, Key};
 use grader::fly::run::run_quietly;
+use grader::marks::COLUMNS;
 use grader::report::Detail;
 use grader::roster::Roster;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -269,6 +270,10 @@ fn the_answer_of_another_student_is_known_by_its_times() {
     let others = Graded::all(&Key::of(9), "bob");
     let sentences = refused(|at| write(&of_truth(&others), at));
     assert_eq!(sentences.len(), FLIGHTS);
+    assert!(
+        sentences[0].starts_with("`flight-1/trajectory.txt`: there are times"),
+        "{sentences:?}"
+    );
     assert!(sentences[0].contains("that of another student"), "{sentences:?}");
 }
 
@@ -364,7 +369,8 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let submissions = at.path().join("submissions");
     let answer = at.path().join("work");
     write(&of_truth(&Graded::all(&key, "ada")), &answer);
-    fs::write(answer.join("text.md"), "It integrates, and I do not trust it.\n").unwrap();
+    let text = "It integrates.\n".repeat(600) + "I do not trust it.\n";
+    fs::write(answer.join("text.md"), &text).unwrap();
     fs::create_dir_all(&submissions).unwrap();
     zipped(&at.path().join("work"), &submissions.join("ada.zip"));
     write(&of_truth(&Graded::all(&key, "bob")), &submissions.join("bob/inner"));
@@ -373,15 +379,17 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let file = include_str!("../points.toml");
     fs::write(&points, format!("{file}\n[words]\ngraded_flight = 20\n")).unwrap();
     let order = Order { points: Some(points), ..order(at.path(), "grades") };
-    assert_eq!(run_in(at.path(), &order).graded, 3);
+    let finished = run_in(at.path(), &order);
+    assert_eq!((finished.graded, finished.ungraded), (2, 1), "a broken archive is no zero");
     let read = |name: &str| fs::read_to_string(at.path().join("grades").join(name)).unwrap();
-    assert!(read("words.md").contains("I do not trust it"));
+    assert!(read("words.md").contains(&text), "a text of nine thousand characters is shown whole");
     assert!(
         read("unmarked.csv").contains("ada.zip,graded_flight,words,,"),
         "{}",
         read("unmarked.csv")
     );
-    assert!(read("submissions/cem.zip/feedback.md").contains("cannot be unpacked"));
+    assert!(read("summary.md").contains("cannot be unpacked"));
+    assert!(read("submissions/cem.zip/feedback.md").contains("it is no zero"));
     assert!(!at.path().join("grades/similarity.md").exists());
     let marks = at.path().join("marks.csv");
     let rows = read("unmarked.csv").replace("words,,", "words,15,well said");
@@ -389,9 +397,17 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let before = earned_in(&read("gradebook.csv"), "ada");
     assert!(before > 0.0, "{}", read("gradebook.csv"));
     assert_eq!(earned_in(&read("gradebook.csv"), "bob"), before);
-    run_in(at.path(), &Order { marks: Some(marks), ..order });
+    run_in(at.path(), &Order { marks: Some(marks.clone()), ..order.clone() });
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 15.0);
     assert!(read("submissions/ada.zip/feedback.md").contains("well said"));
+
+    // Marks may call an archive as the roster does.
+    let roster = at.path().join("roster.csv");
+    fs::write(&roster, "folder,name\nada,Ada\nbob,Bob\ncem,Cem\n").unwrap();
+    fs::write(&marks, format!("{}\nada,graded_flight,words,12,\n", COLUMNS.join(","))).unwrap();
+    let order = Order { marks: Some(marks), roster: Some(roster), ..order };
+    assert!(!run_in(at.path(), &order).told.contains("these marks"));
+    assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
 }
 
 /// The sum of points of a row.

@@ -150,7 +150,7 @@ impl Kept {
     fn save(&self) -> Result<(), Trouble> {
         let text = toml::to_string(&self.state)
             .map_err(|error| Trouble::CouldNotGrade(format!("{STATE}: {error}")))?;
-        let head = "# The batch in this folder. `cargo grade run` with the same --out goes on \
+        let head = "# The batch in this folder. The same command with the same --out goes on \
                     with it, or grades it again.\n";
         write(&self.out.join(STATE), format!("{head}{text}").as_bytes())
     }
@@ -305,7 +305,7 @@ fn locked(out: &Path) -> Result<File, Trouble> {
     while let Err(TryLockError::WouldBlock) = lock.try_lock() {
         if begun.elapsed() > PATIENCE {
             return Err(Trouble::Usage(format!(
-                "another `cargo grade run` writes to {}; wait for it, or choose another folder \
+                "another batch writes to {}; wait for it, or choose another folder \
                  with --out",
                 out.display()
             )));

@@ -182,12 +182,23 @@ fn by_person(plan: &Plan, collection: &Collection) -> String {
             "",
         );
     }
-    let known =
-        |folder: &str| plan.names().any(|name| name == folder || plan.handed_in(name) == folder);
+    let known = |folder: &str| {
+        plan.names().any(|name| {
+            name == folder
+                || plan.handed_in(name) == folder
+                || plan.matches.folder(name) == Some(folder)
+        })
+    };
     let strangers = plan.marks.strangers(known);
     if !strangers.is_empty() {
         let names = strangers.join(", ");
-        text += &wrapped(&format!("No submission has the folder of these marks: {names}."), "");
+        text += &wrapped(
+            &format!(
+                "No submission has the folder of these marks, so they do not count: {names}; write \
+                 folders as the column `folder` of gradebook.csv does."
+            ),
+            "",
+        );
     }
     text
 }
@@ -217,11 +228,12 @@ impl Sheet<'_> {
         let of_chapters = plan.questions.iter().filter(|question| !graded(question.slug));
         let of_chapters: Vec<ExerciseGrade> = of_chapters.map(ExerciseGrade::in_words).collect();
         grade.exercises.extend(of_chapters);
-        plan.marks.lay_over(&mut grade, &[&folder, name], &words, &plan.points);
+        let row = plan.matches.folder(name);
+        let folders = [&*folder, name, row.unwrap_or(name)];
+        plan.marks.lay_over(&mut grade, &folders, &words, &plan.points);
         // What nobody has marked does not count yet.
         grade.exercises.retain(|it| it.outcome != Outcome::InWords || it.is_marked());
-        let row = plan.matches.folder(name).unwrap_or_default();
-        let days = plan.roster.days_late(row).map_err(Trouble::Usage)?;
+        let days = plan.roster.days_late(row.unwrap_or_default()).map_err(Trouble::Usage)?;
         grade.late = days.map(|days| Late { days, percent: plan.points.taken_off(days) });
         Ok(grade)
     }

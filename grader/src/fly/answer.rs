@@ -127,18 +127,18 @@ fn flight_of(root: &Path, number: usize, flight: &Graded) -> Result<Vec<Line>, S
     }
     let [trajectory, covariance] = [TRAJECTORY, COVARIANCE].map(|name| format!("{folder}/{name}"));
     let poses =
-        numbers(&text_of(root, &trajectory)?, 8).map_err(|why| format!("{trajectory}: {why}"))?;
-    let spreads =
-        numbers(&text_of(root, &covariance)?, 22).map_err(|why| format!("{covariance}: {why}"))?;
+        numbers(&text_of(root, &trajectory)?, 8).map_err(|why| format!("`{trajectory}`: {why}"))?;
+    let spreads = numbers(&text_of(root, &covariance)?, 22)
+        .map_err(|why| format!("`{covariance}`: {why}"))?;
     let mut lines = Vec::new();
     for (line, row) in &poses {
-        let pose = pose(row).map_err(|why| format!("{trajectory}: line {line}: {why}"))?;
+        let pose = pose(row).map_err(|why| format!("`{trajectory}`: line {line}: {why}"))?;
         lines.push(pose);
     }
-    in_time(&lines, flight).map_err(|why| format!("{trajectory}: {why}"))?;
+    in_time(&lines, flight).map_err(|why| format!("`{trajectory}`: {why}"))?;
     if poses.len() != spreads.len() {
         return Err(format!(
-            "{covariance} has {} lines and {trajectory} has {}; give one covariance for each pose",
+            "`{covariance}` has {} lines and `{trajectory}` has {}; give one covariance for each pose",
             spreads.len(),
             poses.len()
         ));
@@ -147,7 +147,7 @@ fn flight_of(root: &Path, number: usize, flight: &Graded) -> Result<Vec<Line>, S
         let off = (row[0] - 1e-9 * pose.nanoseconds as f64).abs();
         if off > ROUNDING[1] {
             return Err(format!(
-                "{covariance}: line {line}: its time is not that of the pose in the same place; \
+                "`{covariance}`: line {line}: its time is not that of the pose in the same place; \
                  give the same times in the same order"
             ));
         }

@@ -179,10 +179,16 @@ impl Judged {
         let name = BLOCKS[block];
         match (above, below) {
             (true, _) => {
-                format!("the {name} is more wrong than its covariance says, over all flights")
+                format!(
+                    "the {name} is more wrong than its covariance says, in the mean over the flights \
+                     without a gap"
+                )
             }
             (_, true) => {
-                format!("the {name} is less wrong than its covariance says, over all flights")
+                format!(
+                    "the {name} is less wrong than its covariance says, in the mean over the flights \
+                     without a gap"
+                )
             }
             _ => format!("the {name} has no error that a covariance could be held against"),
         }

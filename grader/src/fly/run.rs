@@ -13,6 +13,7 @@ use super::judge::{Course, unread};
 use super::key::{Exported, Key};
 use super::{GRADED_FLIGHT, canary};
 use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
+use crate::compile;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome};
 use crate::points::Points;
 use crate::roster::Roster;
@@ -61,10 +62,10 @@ fn folders(order: &Order, exported: &Exported) -> Result<BTreeMap<String, String
     Ok(found.iter().filter_map(folder).collect())
 }
 
-/// What was handed in, read as an answer.
-fn answer(path: &Path, flights: &[Graded]) -> Result<Answer, NoAnswer> {
-    let handed = Handed::find(path).map_err(|why| NoAnswer::Refused(vec![why]))?;
-    Answer::read(handed.root(), flights)
+/// What was handed in, read as an answer, or why an archive cannot be looked into: then nobody knows what is in it.
+fn answer(path: &Path, flights: &[Graded]) -> Result<Result<Answer, NoAnswer>, String> {
+    let handed = Handed::find(path)?;
+    Ok(Answer::read(handed.root(), flights))
 }
 
 /// Flies the flights of whoever handed something in, and judges.
@@ -107,7 +108,7 @@ impl Pilot {
     fn key_of(&self, read: &Result<Answer, NoAnswer>) -> String {
         let digest = Sha256::new()
             .chain_update(self.key.fingerprint().to_be_bytes())
-            .chain_update(env!("CARGO_PKG_VERSION"))
+            .chain_update(compile::edition())
             .chain_update(format!("{read:?}, {}", self.points.of(GRADED_FLIGHT.slug)))
             .finalize();
         digest.iter().map(|byte| format!("{byte:02x}")).collect()
@@ -138,7 +139,7 @@ impl Judging for Pilot {
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
-        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)))
+        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)?))
     }
 
     fn collected(&self, submission: &Submission) -> Collected {
@@ -151,9 +152,9 @@ impl Judging for Pilot {
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
-        let read = self.flights(submission).map(|flights| {
-            let read = answer(&submission.path, &flights);
-            (self.key_of(&read), self.graded(read, flights))
+        let read = self.flights(submission).and_then(|flights| {
+            let read = answer(&submission.path, &flights)?;
+            Ok((self.key_of(&read), self.graded(read, flights)))
         });
         let (key, graded) = read.unwrap_or_else(|why| (String::new(), Err(why)));
         let graded =

@@ -55,8 +55,12 @@ fn sentence(text: &str) -> String {
 }
 
 /// Text in a block of code that it cannot leave, indented as a part of a list.
-pub(crate) fn block(text: &str, indent: &str) -> String {
-    let text = harmless(text.trim_end(), PAGE);
+fn block(text: &str, indent: &str) -> String {
+    fenced(&harmless(text.trim_end(), PAGE), indent)
+}
+
+/// The same of harmless text, whatever its length.
+pub(crate) fn fenced(text: &str, indent: &str) -> String {
     let mut longest = 0;
     let mut run = 0;
     for letter in text.chars() {
