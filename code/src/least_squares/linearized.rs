@@ -140,11 +140,13 @@ impl Linearized {
 
     /// The first factor with a number that is not finite.
     pub fn not_finite(&self) -> Option<usize> {
-        // All are asked at once, and only where one is none, which: so many are asked together.
+        // Without a place to stop at, many numbers are asked in one instruction.
         let is_any = |numbers: &[f64]| numbers.iter().fold(false, |any, n| any | !n.is_finite());
         let first = |numbers: &[f64], each: usize| {
-            let wrong = is_any(numbers).then_some(numbers)?;
-            Some(wrong.iter().position(|number| !number.is_finite())? / each.max(1))
+            if !is_any(numbers) {
+                return None;
+            }
+            Some(numbers.iter().position(|number| !number.is_finite())? / each.max(1))
         };
         (0..self.slots)
             .filter_map(|slot| first(self.jacobian(slot), self.rows * self.columns(slot)))
