@@ -27,57 +27,48 @@ async function headingWord(page) {
     return words.reduce((a, b) => (b.length > a.length ? b : a));
 }
 
-/** Opens a page of the book in a context of its own, and closes it when the body has run. */
+/** Opens a page of the book in a context of its own, and closes it when the body has run with all that it asked for. */
 async function at(file, options, body) {
     const page = await browser.page(options);
+    const answers = [];
+    page.on("response", answer => answers.push(answer));
     try {
         await open(page, server.url + file);
-        await body(page);
+        await body(page, answers);
         assert.deepEqual(page.complaints, [], file);
     } finally {
         await page.context().close();
     }
 }
 
-/** What the first view of a page asks for, in kilobytes as a server sends them that compresses: by file. */
-async function weights(file) {
-    const page = await browser.page({});
-    const answers = [];
-    page.on("response", response => answers.push(response));
-    await open(page, server.url + file);
-    await page.evaluate(() => document.fonts.ready);
-    await page.waitForLoadState("networkidle");
-    const loaded = new Map();
-    for (const answer of answers) {
+/** The kilobytes of answers as a server sends them that compresses, by file, the heaviest first. */
+async function weights(answers) {
+    const weight = async answer => {
         const bytes = await answer.body();
-        const name = new URL(answer.url()).pathname.split("/").pop();
-        loaded.set(name, Math.min(bytes.length, gzipSync(bytes).length) / 1000);
-    }
-    await page.context().close();
-    return loaded;
+        return [new URL(answer.url()).pathname.split("/").pop(), Math.min(bytes.length, gzipSync(bytes).length) / 1000];
+    };
+    const loaded = new Map(await Promise.all(answers.map(weight)));
+    return [...loaded].sort((a, b) => b[1] - a[1]);
 }
 
-test("no page needs more than 500 kB for its first view", async () => {
+test("every page loads under a sub-path with an empty console, no failed or foreign request, and no more than 500 kB for its first view", async () => {
     const heavy = [];
     for (const file of pages()) {
-        const loaded = [...await weights(file)].sort((a, b) => b[1] - a[1]);
-        const total = loaded.reduce((sum, [, weight]) => sum + weight, 0);
-        assert.ok(total > 20, `${file} weighs nothing: ${total}`);
-        const most = loaded.slice(0, 4).map(([name, weight]) => `${name} ${weight.toFixed(0)}`).join(", ");
-        if (total > 500) heavy.push(`${file} weighs ${total.toFixed(0)} kB: ${most}`);
-    }
-    assert.deepEqual(heavy, [], "divide the page, or show less of a figure");
-});
-
-test("every page loads under a sub-path with an empty console and no failed or foreign request", async () => {
-    for (const file of pages()) {
-        await at(file, {}, async page => {
+        await at(file, {}, async (page, answers) => {
             assert.ok((await page.locator("main").innerText()).length > 100, `${file} is empty`);
             assert.ok(await page.evaluate(() => document.title && document.documentElement.lang), `${file} has no title or language`);
+            await page.evaluate(() => document.fonts.ready);
             const faces = await page.evaluate(() => [...document.fonts].filter(face => face.status === "error").length);
             assert.equal(faces, 0, `${file}: fonts that did not load`);
+            await page.waitForLoadState("networkidle");
+            const loaded = await weights(answers);
+            const total = loaded.reduce((sum, [, weight]) => sum + weight, 0);
+            assert.ok(total > 20, `${file} weighs nothing: ${total}`);
+            const most = loaded.slice(0, 4).map(([name, weight]) => `${name} ${weight.toFixed(0)}`).join(", ");
+            if (total > 500) heavy.push(`${file} weighs ${total.toFixed(0)} kB: ${most}`);
         });
     }
+    assert.deepEqual(heavy, [], "divide the page, or show less of a figure");
 });
 
 test("a page of the library asks no other host, shows its equation, and leads to the chapter and back", async () => {
