@@ -197,7 +197,7 @@ fn a_start_in_mid_air_is_no_stand() {
 
 #[test]
 fn pixels_that_are_worse_than_they_are_said_to_be_do_not_begin() {
-    let recording = flown(&flight());
+    let recording = flown(&Flight { seconds: 3.0, ..flight() });
     let readings_and_pictures = (&recording.readings[..], &recording.pictures[..]);
     let begun = |pixel_sigma: f64| {
         let sensors = Sensors { pixel_sigma, ..Sensors::of_flight(&recording.flight) };

@@ -148,10 +148,10 @@ export const overhang = page => page.evaluate(() => {
     return `${over}px: ${names.join("; ")}`;
 });
 
-/** Violations of serious or critical impact, one line each. */
-export async function axe(page) {
+/** Violations of serious or critical impact, one line each, in all of a page or in what a selector includes or leaves. */
+export async function axe(page, { include = "html", exclude = [] } = {}) {
     await page.addScriptTag({ path: axeScript });
-    const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    const { violations } = await page.evaluate(part => window.axe.run(part, { resultTypes: ["violations"] }), { include, exclude });
     return violations
         .filter(({ impact }) => impact === "serious" || impact === "critical")
         .flatMap(({ id, nodes }) => nodes.slice(0, 4).map(node => `${id}: ${node.target.join(" ")}: ${node.failureSummary}`));

@@ -17,7 +17,7 @@ let browser, server;
 
 before(async () => {
     server = await serve("/some/where/");
-    browser = await launch({ graphics: true });
+    browser = await launch({ graphics: opens });
 });
 
 after(async () => {
@@ -47,7 +47,7 @@ for (const { file, id, name } of scenes) {
             assert.equal(await button.count(), opens && page.scripted ? 1 : 0);
             if (page.scripted) {
                 assert.equal(await overhang(page), null);
-                assert.deepEqual(await axe(page), []);
+                assert.deepEqual(await axe(page, { include: `[id="${id}"]` }), []);
             }
             assert.deepEqual(asked.filter(url => /recordings\/.*\.js|\.wasm/.test(url)), [], "nothing of the viewer is loaded before the click");
             assert.deepEqual(page.complaints, []);

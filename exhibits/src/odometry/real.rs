@@ -62,6 +62,7 @@ pub fn numbers(chapter: &mut Chapter) {
     let within = each().filter(|(line, aim, from)| beside(line, *from) <= *aim).count();
     chapter.number("aims", each().count() as f64, "", 0);
     chapter.number("aims_reached", within as f64, "", 0);
+    chapter.number("timed_runs", TIMED_RUNS as f64, "", 0);
     for (name, line, aim) in [
         ("worst_causal", LINES[0].0, "aim_smoother"),
         ("worst_delayed", LINES[1].0, ""),

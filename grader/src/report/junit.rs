@@ -129,7 +129,7 @@ fn case(exercise: &ExerciseGrade, check: &CheckGrade, mut told: Told) -> TestCas
 /// An error and not a failure: it says nothing about the answer.
 fn ungraded(name: &str, exercise: &ExerciseGrade) -> TestCase {
     let sentence = format!(
-        "could not be graded, which is the grader's fault and no zero: {} ({} points are open)",
+        "could not be graded, which is no zero: {} ({} points are open)",
         why_not(exercise),
         points(exercise.of())
     );

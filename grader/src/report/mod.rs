@@ -23,9 +23,9 @@ pub enum Detail {
     None,
 }
 
-/// What a student reads where the grader failed.
-pub const COULD_NOT_GRADE: &str = "This could not be graded. The fault is the grader's and costs \
-                                   nothing: it is no zero. Your instructor will look at it.";
+/// What a student reads where the grader failed, or where an archive cannot be unpacked.
+pub const COULD_NOT_GRADE: &str = "This could not be graded, and it is no zero. Your instructor \
+                                   will look at it.";
 
 /// How the machine begins to say why it stopped an answer.
 const STOPPED: &str = "the call was stopped: ";
