@@ -181,7 +181,9 @@ pub fn waited(chapter: &mut Chapter) {
     let truth = &recording().truth.states;
     let newest = rmse(causal.iter().map(|(at, own)| (*at, &own.state)), truth);
     let later = rmse(delayed.iter().map(|(at, state)| (*at, state)), truth);
+    let sigma = causal.iter().map(|(_, own)| 100.0 * place_of(own).1.trace().sqrt());
     chapter.number("flight_newest", 100.0 * newest, "cm", 1);
+    chapter.number("flight_sigma", root_mean_square(sigma), "cm", 1);
     chapter.number("flight_later", 100.0 * later, "cm", 1);
     chapter.figure("one_flight", smooth);
 }
