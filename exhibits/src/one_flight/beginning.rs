@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::Vector3;
 use vislam::inertial::NavState;
 use vislam::initialization::{MotionOptions, Started};
+use vislam::least_squares::Problem;
 use vislam::observability::{BiasAssumption, Similarity, Window};
 use vislam::simulation::Flight;
 
@@ -56,6 +57,27 @@ fn begun() -> &'static (Started, f64) {
             .find_map(|found| found)
             .expect("it bends")
     })
+}
+
+/// How sure a start is of its newest position, in metres, with all that it began with, and when all older states and
+/// the landmarks are marginalized.
+pub fn newest_alone() -> [f64; 2] {
+    let (_, seconds) = begun();
+    let started = started(recording(), *seconds, &MotionOptions::default()).expect("it begins");
+    let Started { batch, values, .. } = started;
+    let (newest, last) = (batch.states[batch.states.len() - 1], batch.states.len() - 1);
+    let landmarks = batch.landmarks.values().map(|key| key.index());
+    let older = batch.states[..last].iter().map(|key| key.index());
+    let older = older.chain(batch.biases[..last].iter().map(|key| key.index()));
+    let gone: Vec<usize> = landmarks.chain(older).collect();
+    let mut problem = batch.problem;
+    let sigma = |problem: &Problem| {
+        let covariance = problem.covariance(&values).expect("it is determined");
+        covariance.of(newest).expect("of a state").fixed_view::<3, 3>(6, 6).trace().sqrt()
+    };
+    let before = sigma(&problem);
+    problem.marginalize(&values, &gone).expect("they can go");
+    [before, sigma(&problem)]
 }
 
 /// The states of the beginning in the world of the truth, with the true ones.

@@ -11,6 +11,7 @@ use vislam::odometry::{Estimate, Estimator, Odometry, Progress};
 use vislam::simulation::{Flight, FlightRecording};
 use vislam::smoother::Smoother;
 
+use super::beginning::newest_alone;
 use super::from_above::{Layer, room};
 use super::in_and_out::in_and_out;
 use super::{SECONDS, SEED, path, picture_at, recording};
@@ -94,6 +95,8 @@ struct Window {
     most_variables: usize,
     states: Vec<Vector3<f64>>,
     points: Vec<Vector3<f64>>,
+    /// The newest state and its covariance.
+    newest: Place,
 }
 
 fn window() -> &'static Window {
@@ -116,16 +119,24 @@ fn window() -> &'static Window {
         }
         let states = smoother.states().map(|(_, state)| state.position).collect();
         let points = smoother.points().map(|(_, point)| point).collect();
-        Window { most_states, most_variables, states, points }
+        let covariance = smoother.covariance().fixed_view::<3, 3>(6, 6).into_owned();
+        let newest = (smoother.state().1.position, covariance);
+        Window { most_states, most_variables, states, points, newest }
     })
 }
 
 /// What a window holds, whatever the flight has brought.
 pub fn forgotten(chapter: &mut Chapter) {
-    let Window { most_states, most_variables, .. } = window();
+    let Window { most_states, most_variables, newest: (place, covariance), .. } = window();
+    let off = place - recording().truth.states[picture_at(HALF)].position;
+    let [all, newest] = newest_alone();
     chapter.number("flight_pictures", picture_at(HALF) as f64 + 1.0, "", 0);
     chapter.number("flight_states", *most_states as f64, "", 0);
     chapter.number("flight_variables", *most_variables as f64, "", 0);
+    chapter.number("flight_off", 100.0 * off.norm(), "cm", 1);
+    chapter.number("flight_sigma", 100.0 * covariance.trace().sqrt(), "cm", 1);
+    chapter.number("flight_before", 100.0 * all, "cm", 4);
+    chapter.number("flight_after", 100.0 * newest, "cm", 4);
     chapter.figure("one_flight", kept);
 }
 
@@ -170,7 +181,9 @@ pub fn waited(chapter: &mut Chapter) {
     let truth = &recording().truth.states;
     let newest = rmse(causal.iter().map(|(at, own)| (*at, &own.state)), truth);
     let later = rmse(delayed.iter().map(|(at, state)| (*at, state)), truth);
+    let sigma = causal.iter().map(|(_, own)| 100.0 * place_of(own).1.trace().sqrt());
     chapter.number("flight_newest", 100.0 * newest, "cm", 1);
+    chapter.number("flight_sigma", root_mean_square(sigma), "cm", 1);
     chapter.number("flight_later", 100.0 * later, "cm", 1);
     chapter.figure("one_flight", smooth);
 }

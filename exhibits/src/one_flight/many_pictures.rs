@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use nalgebra::{Vector3, Vector6};
-use vislam::bundle_adjustment::{BaReport, Camera, PosedPinhole, TinyBa};
+use nalgebra::{Cholesky, DMatrix, Matrix3, SMatrix, Vector3, Vector6};
+use vislam::bundle_adjustment::{BaReport, Camera, PosedPinhole, Solver, TinyBa};
 use vislam::least_squares::Options;
+use vislam::manifold::so3;
 use vislam::observability::Similarity;
 use vislam::reprojection::ReprojFactor;
 use vislam::structure_from_motion::{
@@ -179,7 +180,77 @@ pub fn from_nothing(chapter: &mut Chapter) {
     chapter.number("flight_seconds", GROWN, "s", 0);
     chapter.number("flight_early", root_mean_square(early), "cm", 1);
     chapter.number("flight_late", known(map).last().map_or(f64::NAN, |at| missed(&at)), "cm", 0);
+    chapter.number("flight_late_sigma", 100.0 * late_sigma(), "cm", 0);
     chapter.figure("one_flight", drifting);
+}
+
+/// The map that is grown as an adjustment, and for each of its cameras the number of its picture.
+fn as_adjustment(map: &Reconstruction) -> (TinyBa<PosedPinhole, 6>, Vec<usize>) {
+    let flight = &recording().flight;
+    let posed = map.cameras.iter().enumerate().filter_map(|(at, camera)| {
+        let camera_from_world = *camera.as_ref().ok()?;
+        Some((PosedPinhole { intrinsics: flight.camera, camera_from_world }, at))
+    });
+    let (cameras, numbers): (Vec<_>, Vec<usize>) = posed.unzip();
+    let pictures = pictures(GROWN, GROWN_STEP);
+    let sightings = map.points.iter().enumerate();
+    let sightings = sightings.flat_map(|(at, point)| point.sightings.iter().map(move |s| (at, s)));
+    let factors = sightings.map(|(point, [picture, keypoint])| {
+        let camera = numbers.binary_search(picture).expect("it has a pose");
+        let pixel = recording().pictures[pictures[*picture]].features[*keypoint].pixel;
+        ReprojFactor::new(camera, point, pixel, flight.pixel_sigma).expect("a pixel")
+    });
+    let factors = factors.collect();
+    let points = map.points.iter().map(|point| point.place).collect();
+    (TinyBa::new(cameras, points, factors), numbers)
+}
+
+/// How sure the map is of the place of its last camera, in metres, when it is laid upon the truth by its first seconds.
+///
+/// What a similarity changes at the first cameras is taken from the last one as well. No pixel minds a similarity, so
+/// any information may be added about it.
+fn late_sigma() -> f64 {
+    let (map, upon) = grown();
+    let (problem, numbers) = as_adjustment(map);
+    let solver = Solver::new(&problem, &Options::default()).expect("a problem");
+    let (information, _) = solver.schur_complement(0.0).expect("each point has parallax");
+    let centres: Vec<Vector3<f64>> = problem.cameras.iter().map(PosedPinhole::centre).collect();
+    let last = centres.len() - 1;
+    // The twist (ρ, φ) moves the centre c by c × φ - ρ, and a growth moves it by c.
+    let by_twist = |camera: usize| {
+        let mut moved = SMatrix::<f64, 3, 6>::zeros();
+        moved.fixed_view_mut::<3, 3>(0, 0).copy_from(&-Matrix3::identity());
+        moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&so3::hat(&centres[camera]));
+        moved
+    };
+    let by_similarity = |camera: usize| {
+        let mut moved = SMatrix::<f64, 3, 7>::zeros();
+        moved.fixed_view_mut::<3, 6>(0, 0).copy_from(&by_twist(camera));
+        moved.set_column(6, &centres[camera]);
+        moved
+    };
+    let first = (LAID / GROWN_STEP) as usize;
+    let laid = numbers.iter().take_while(|at| **at <= first).count();
+    let normal: SMatrix<f64, 7, 7> =
+        (0..laid).map(|camera| by_similarity(camera).tr_mul(&by_similarity(camera))).sum();
+    let normal = Cholesky::new(normal).expect("a path that bends");
+    let mut end = DMatrix::zeros(information.nrows(), 3);
+    let mut free = DMatrix::zeros(information.nrows(), 7);
+    for (camera, centre) in centres.iter().enumerate() {
+        let row = 6 * camera;
+        if camera < laid {
+            let fitted = normal.solve(&by_similarity(camera).tr_mul(&by_twist(camera)));
+            end.view_mut((row, 0), (6, 3)).copy_from(&-(by_similarity(last) * fitted).transpose());
+        }
+        free.view_mut((row, 0), (6, 6)).fill_with_identity();
+        free.view_mut((row, 6), (3, 1)).copy_from(&-centre);
+    }
+    let mut own = end.view_mut((6 * last, 0), (6, 3));
+    own += by_twist(last).transpose();
+    let weight = information.trace() / free.norm_squared();
+    let fixed = Cholesky::new(information + weight * &free * free.transpose());
+    let variances = end.tr_mul(&fixed.expect("seven directions are free").solve(&end));
+    upon.scale * variances.trace().sqrt()
 }
 
 fn drifting() -> Figure {

@@ -1,6 +1,6 @@
 //! What one picture says, and each picture alone.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, SMatrix, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, SMatrix, Vector2, Vector3};
 use vislam::bearing::{back_project, bearing};
 use vislam::bundle_adjustment::PosedPinhole;
 use vislam::factors::{MovingCamera, PixelByCamera};
@@ -12,7 +12,7 @@ use super::from_above::{Layer, is_inside, room};
 use super::{camera_from_world, camera_path, centre, path, picture_at, recording, seen};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
-use crate::initialization::judged::{median, root_mean_square};
+use crate::initialization::judged::root_mean_square;
 
 /// How far the rays of a picture are drawn at most, and a step along them, in metres along the axis of the camera.
 const FARTHEST: f64 = 12.0;
@@ -34,12 +34,27 @@ pub fn bearings(chapter: &mut Chapter) {
         places.iter().map(|place| se3::transform(&camera_from_world(0), place)).collect();
     let off = pixels.iter().zip(&in_camera);
     let off = off.map(|(pixel, place)| bearing(camera, pixel).angle(place));
+    let sigma = pixels.iter().map(direction_sigma);
+    let across = pixels.iter().zip(&in_camera);
+    let across = across.map(|(pixel, place)| direction_sigma(pixel) * place.norm());
     chapter.number("flight_seen", places.len() as f64, "", 0);
-    chapter.number("flight_angle", 1e3 * median(off), "mrad", 1);
+    chapter.number("flight_angle", 1e3 * root_mean_square(off), "mrad", 1);
+    chapter.number("flight_sigma", 1e3 * root_mean_square(sigma), "mrad", 1);
+    chapter.number("flight_across", 100.0 * root_mean_square(across), "cm", 1);
     let depths = || in_camera.iter().map(|place| place.z);
     chapter.number("flight_nearest", depths().fold(f64::INFINITY, f64::min), "m", 1);
     chapter.number("flight_farthest", depths().fold(0.0, f64::max), "m", 1);
     chapter.figure("one_flight", rays);
+}
+
+/// The standard deviation of a pixel's direction, across and along the image together, in radians.
+fn direction_sigma(pixel: &Vector2<f64>) -> f64 {
+    let flight = &recording().flight;
+    let ray = back_project(&flight.camera, pixel, 1.0);
+    let direction = bearing(&flight.camera, pixel).into_inner();
+    let across = (Matrix3::identity() - direction * direction.transpose()) / ray.norm();
+    let by_pixel = [across.column(0) / flight.camera.fx, across.column(1) / flight.camera.fy];
+    flight.pixel_sigma * by_pixel[0].norm().hypot(by_pixel[1].norm())
 }
 
 fn rays() -> Figure {

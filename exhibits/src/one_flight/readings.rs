@@ -43,6 +43,12 @@ pub fn turns(chapter: &mut Chapter) {
     chapter.number("flight_turns", turns.len() as f64, "", 0);
     chapter.number("flight_added", off(&added), "°", 0);
     chapter.number("flight_multiplied", off(&multiplied), "°", 2);
+    chapter.number("flight_sigma", turn_sigma(TURNS).to_degrees(), "°", 2);
+}
+
+/// The standard deviation of the turn of the first seconds by the noise of the readings, in radians.
+fn turn_sigma(seconds: f64) -> f64 {
+    sums(0.0, seconds).covariance().fixed_view::<3, 3>(0, 0).trace().sqrt()
 }
 
 /// Where the readings lead from the true start, reading by reading.

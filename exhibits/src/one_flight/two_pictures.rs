@@ -66,6 +66,16 @@ impl Pair {
         GeneralMotion(&matches).refined(&start, &all, Effort::Converge).expect("a minimum")
     }
 
+    /// The standard deviations of the turn and of the direction of the step of that motion, in degrees.
+    fn sigmas(&self, motion: &RelativeMotion) -> [f64; 2] {
+        let (matches, all) = (self.matches(), (0..self.pixels.len()).collect::<Vec<_>>());
+        let covariance = GeneralMotion(&matches).covariance(motion, &all).expect("a minimum");
+        [0..3, 3..5].map(|part| {
+            let variances = covariance.diagonal().rows_range(part).sum();
+            variances.sqrt().to_degrees()
+        })
+    }
+
     /// By how many degrees the direction of a step is wrong.
     fn direction_off(&self, motion: &RelativeMotion) -> f64 {
         motion.direction.angle(&self.second_from_first.translation.vector).to_degrees()
@@ -86,6 +96,9 @@ pub fn motion(chapter: &mut Chapter) {
     chapter.number("flight_shared", pair.pixels.len() as f64, "", 0);
     chapter.number("flight_turn", pair.turn_off(&found), "°", 2);
     chapter.number("flight_direction", pair.direction_off(&found), "°", 2);
+    let [turn_sigma, direction_sigma] = pair.sigmas(&found);
+    chapter.number("flight_turn_sigma", turn_sigma, "°", 2);
+    chapter.number("flight_direction_sigma", direction_sigma, "°", 2);
     chapter.number("flight_assumed", ASSUMED, "m", 0);
     chapter.number("flight_step", pair.second_from_first.translation.vector.norm(), "m", 2);
     chapter.figure("one_flight", too_small);

@@ -3,11 +3,13 @@
 use plotters::chart::ChartBuilder;
 use plotters::element::Rectangle;
 use plotters::style::Color;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use vislam::consistency::Policy;
 
 use crate::consistency::map::{Cell, PIXELS, SENSORS, STARTS, band};
 use crate::figure::{
-    Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around, letters_right_of,
+    Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around, letters_of,
+    letters_right_of,
 };
 
 /// What is drawn of each cell: the title, the series, the policy, and what of it.
@@ -21,14 +23,19 @@ const SHOWN: [([&str; 2], usize, Policy, &str); 4] = [
 /// dark.
 const WORSE: f64 = 0.05;
 /// Where the cells begin, behind what is said of their row.
-const LEFT: f64 = -5.2;
+const LEFT: f64 = -5.5;
+/// Between the fields of what is shown and those of what is shown next.
+const GAP: f64 = 0.35;
+/// Height of the numbers in the fields, of which the longest has three digits.
+const NUMBERS: f64 = 32.0;
+const CENTRE: Pos = Pos { h_pos: HPos::Center, v_pos: VPos::Center };
 
 /// A sensor: a row for each number of kept landmarks, length of tracks and window, and in it for each
 /// thing that is shown a field for each noise of the pixels.
 fn panel(drawing: &Drawing, (sensor, start): (&str, &str)) -> Drawn {
     let cells: Vec<Cell> = shown(start).filter(|cell| cell.sensor == sensor).collect();
     let rows = cells.len() / PIXELS.len();
-    let group = (PIXELS.len() as f64) + 0.5;
+    let group = PIXELS.len() as f64 + GAP;
     let (width, above) = (SHOWN.len() as f64 * group, rows as f64);
     let mut chart =
         ChartBuilder::on(drawing).margin(10).build_cartesian_2d(LEFT..width, -0.3..above + 3.2)?;
@@ -62,13 +69,12 @@ fn panel(drawing: &Drawing, (sensor, start): (&str, &str)) -> Drawn {
                 (!band().contains(value), format!("{value:.digits$}"))
             } else {
                 let percent = (100.0 * (value - 1.0)).round() as i64;
-                let text = if percent == 0 { "0".into() } else { format!("{percent:+}") };
-                (value > 1.0 + WORSE, text.replace('-', "−"))
+                (value > 1.0 + WORSE, percent.to_string().replace('-', "−"))
             };
             let corners = [(left + 0.03, row + 0.06), (left + 0.97, row + 0.94)];
             let shade = SERIES[*series].mix(if is_bad { 0.55 } else { 0.12 });
             chart.draw_series([Rectangle::new(corners, shade.filled())])?;
-            chart.write(&text, (left + 0.5, row + 0.5), letters_around(INK))?;
+            chart.write(&text, (left + 0.5, row + 0.5), letters_of(NUMBERS, INK).pos(CENTRE))?;
         }
     }
     Ok(())

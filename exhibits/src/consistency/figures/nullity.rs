@@ -13,8 +13,9 @@ const FIRST: usize = 3;
 /// So many of the smallest singular values are shown.
 const SHOWN: usize = 6;
 const SEED: u64 = 3;
-/// All that is below this is shown here.
+/// All that is below this is shown here, and the axis begins lower, so that no mark lies on its numbers.
 const LEAST: f64 = -18.0;
+const AXIS: f64 = -20.0;
 
 const CASES: [(&str, Case); 2] = [
     ("first estimates", Case { chart: Chart::Separate, points: Points::First, known: false }),
@@ -40,7 +41,7 @@ fn spectra(case: Case) -> Vec<Vec<f64>> {
 fn panel(drawing: &Drawing, series: usize, spectra: &[Vec<f64>], x_title: &str) -> Drawn {
     let (name, _) = CASES[series];
     let x_axis = (x_title, FIRST as f64 - 0.5..PICTURES as f64 + 0.5, PICTURES + 1 - FIRST);
-    let mut chart = figure::axes(drawing, x_axis, ("power of ten", LEAST..2.0, 5))?;
+    let mut chart = figure::axes(drawing, x_axis, ("power of ten", AXIS..2.0, 5))?;
     for index in 0..SHOWN {
         let points = spectra
             .iter()
@@ -52,7 +53,7 @@ fn panel(drawing: &Drawing, series: usize, spectra: &[Vec<f64>], x_title: &str) 
     }
     let zeros = spectra.iter().map(|values| values.iter().filter(|value| **value < 1e-12).count());
     for (number, zeros) in zeros.enumerate() {
-        let at = ((FIRST + number) as f64 + 0.08, -10.5);
+        let at = ((FIRST + number) as f64 + 0.08, -12.5);
         chart.write(&format!("{zeros}"), at, letters_right_of(INK))?;
     }
     chart.write(name, (FIRST as f64 - 0.4, 1.0), letters_right_of(SERIES[series]))?;

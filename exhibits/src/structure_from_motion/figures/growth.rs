@@ -1,10 +1,30 @@
 //! A map that grows camera by camera, from above.
 
-use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, letters_right_of, plain};
+use plotters::style::TextStyle;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, letters_of, plain};
 use crate::structure_from_motion::street::{centre, shown};
 
 /// One point in so many is drawn.
 const POINTS: usize = 3;
+/// Height of the numbers, small enough for every second one to stand on one side of the way.
+const NUMBERS: f64 = 28.0;
+/// How far from the way they stand, in metres.
+const ASIDE: f64 = 1.5;
+
+fn numbers() -> TextStyle<'static> {
+    letters_of(NUMBERS, INK).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+/// Where the number of a camera stands: across the way, on the other side than those of its neighbours.
+fn beside(way: &[(f64, f64)], camera: usize) -> (f64, f64) {
+    let (before, after) = (way[camera.saturating_sub(1)], way[(camera + 1).min(way.len() - 1)]);
+    let (along_x, along_z) = (after.0 - before.0, after.1 - before.1);
+    let side = if camera.is_multiple_of(2) { ASIDE } else { -ASIDE } / along_x.hypot(along_z);
+    let (x, z) = way[camera];
+    (x - side * along_z, z + side * along_x)
+}
 
 pub fn growth() -> Figure {
     let shown = shown();
@@ -28,16 +48,11 @@ pub fn growth() -> Figure {
         let points = points.map(|point| shown.laid.point(&point.place));
         chart.dots(points.map(|place| (place.x, place.z)), 2, GRID)?;
         let way: Vec<(f64, f64)> = (0..joined.len()).map(place).collect();
-        chart.line(way, SERIES[0], 2)?;
+        chart.line(way.iter().copied(), SERIES[0], 2)?;
         chart.marks(joined.iter().take(2).map(|one| place(one.picture)), 1)?;
         for (at, one) in joined.iter().enumerate() {
-            let (x, z) = place(one.picture);
-            let above = if at % 2 == 0 { 1.0 } else { -1.0 };
-            chart.write(
-                &(at + 1).to_string(),
-                (x - 0.4, z - 1.2 * above),
-                letters_right_of(INK),
-            )?;
+            let number = (at + 1).to_string();
+            chart.write(&number, beside(&way, one.picture), numbers())?;
         }
         Ok(())
     })
