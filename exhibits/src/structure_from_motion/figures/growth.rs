@@ -21,9 +21,10 @@ fn numbers() -> TextStyle<'static> {
 fn beside(way: &[(f64, f64)], camera: usize) -> (f64, f64) {
     let (before, after) = (way[camera.saturating_sub(1)], way[(camera + 1).min(way.len() - 1)]);
     let (along_x, along_z) = (after.0 - before.0, after.1 - before.1);
-    let side = if camera.is_multiple_of(2) { ASIDE } else { -ASIDE } / along_x.hypot(along_z);
+    let side = if camera.is_multiple_of(2) { ASIDE } else { -ASIDE };
+    let aside = side / along_x.hypot(along_z);
     let (x, z) = way[camera];
-    (x - side * along_z, z + side * along_x)
+    (x - aside * along_z, z + aside * along_x)
 }
 
 pub fn growth() -> Figure {
