@@ -37,6 +37,7 @@ pub mod smoother;
 pub mod structure_from_motion;
 pub mod systems;
 pub mod two_views;
+pub mod your_own_data;
 
 use std::path::Path;
 
@@ -72,6 +73,7 @@ pub const CHAPTERS: &[(&str, Register, Register)] = &[
     ("factrs", factrs::exhibits, factrs::records),
     ("loop_closure", loop_closure::exhibits, loop_closure::records),
     ("systems", systems::exhibits, no_records),
+    ("your_own_data", your_own_data::exhibits, your_own_data::records),
 ];
 
 fn no_records(_chapter: &mut Chapter) {}
