@@ -1,6 +1,5 @@
 //! What some factors have said, kept when they and some of their variables are gone.
 
-use std::mem::take;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -37,13 +36,6 @@ pub struct LinearPrior {
 }
 // ANCHOR_END: linear_prior
 
-/// Memory for rows while variables are taken out.
-#[derive(Debug, Default)]
-pub(super) struct Room {
-    rows: SparseRows<f64>,
-    buffer: Buffer,
-}
-
 impl LinearPrior {
     /// Takes variables out of a problem: eliminates them, in this order, from all factors that name one
     /// of them, as these are linearized at `values`, and keeps what they say of their other variables.
@@ -56,17 +48,8 @@ impl LinearPrior {
     ///
     /// [`SolveError::NoSuchVariable`] when a variable does not exist, [`SolveError::WrongValues`], and what
     /// linearizing at `values` gives.
-    pub fn marginalize(
-        problem: &Problem,
-        values: &Values,
-        variables: &[usize],
-    ) -> Result<Self, SolveError> {
-        Self::marginalize_in(&mut Room::default(), problem, values, variables)
-    }
-
     // ANCHOR: marginalize
-    fn marginalize_in(
-        Room { rows, buffer }: &mut Room,
+    pub fn marginalize(
         problem: &Problem,
         values: &Values,
         variables: &[usize],
@@ -74,7 +57,7 @@ impl LinearPrior {
         problem.check_values(values)?;
         let columns = problem.columns();
         let (place, sizes) = first(&columns, values, variables)?;
-        rows.clear();
+        let mut rows = SparseRows::default();
         let is_first = |column: &usize| place[*column] < columns.count;
         let goes = |variable| {
             let coordinates = values.coordinates_of(variable).unwrap_or_default();
@@ -86,7 +69,7 @@ impl LinearPrior {
                 |variable| goes[variable],
                 at,
                 &columns,
-                buffer,
+                &mut Buffer::default(),
                 |row| {
                     let named = row.entries.iter().filter(|(_, slope)| *slope != 0.0);
                     let named = named.map(|(column, slope)| (place[*column], *slope));
@@ -96,7 +79,7 @@ impl LinearPrior {
             )
         })?;
         let all = rows.by_first_column((0..rows.len()).collect());
-        let (_, left) = eliminate_fronts(rows, all, &together(&sizes));
+        let (_, left) = eliminate_fronts(&mut rows, all, &together(&sizes));
         let (named, rows) = rows.dense(&rows.by_first_column(left));
         // A last row, in which nothing but a residual stands, is a constant.
         let rows = Turned::of(rows, named.len().saturating_sub(1)).into_own();
@@ -343,16 +326,12 @@ impl FactorGroup for LinearPrior {
                 for (column, by_step) in by_step.chunks_exact(part.len()).enumerate() {
                     // At the anchor this is a column of the identity.
                     let used = nonzero(by_step);
-                    let columns = part.start + used.start..part.start + used.end;
-                    let root = self.root.view_range(..filled, columns);
-                    match by_step[used] {
-                        [by] => into.write_column(slot, column, root.iter().map(|s| s * by)),
-                        ref by_step => {
-                            let by = by_step.iter().enumerate();
-                            let slope = |row| by.clone().map(|(at, by)| root[(row, at)] * by).sum();
-                            into.write_column(slot, column, (0..filled).map(slope));
-                        }
-                    }
+                    let root =
+                        self.root.columns_range(part.start + used.start..part.start + used.end);
+                    let by_step = &by_step[used];
+                    let slope =
+                        |row| by_step.iter().enumerate().map(|(at, by)| root[(row, at)] * by).sum();
+                    into.write_column(slot, column, (0..filled).map(slope));
                 }
             }
         });
@@ -375,10 +354,7 @@ impl Problem {
         values: &Values,
         variables: &[usize],
     ) -> Result<Vec<usize>, SolveError> {
-        let mut room = take(self.room());
-        let prior = LinearPrior::marginalize_in(&mut room, self, values, variables);
-        *self.room() = room;
-        let prior = prior?;
+        let prior = LinearPrior::marginalize(self, values, variables)?;
         let named = prior.variables().to_vec();
         self.set_values(values.clone())?;
         self.forget(variables);

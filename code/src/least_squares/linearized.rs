@@ -89,8 +89,9 @@ impl Linearized {
     /// Writes the first rows of a column of the derivatives by the variables in a slot.
     pub fn write_column(&mut self, slot: usize, column: usize, rows: impl Iterator<Item = f64>) {
         let Slot { columns, entries, .. } = &mut self.jacobians[slot];
-        let places = entries[column..].iter_mut().step_by(*columns);
-        places.zip(rows).for_each(|(place, slope)| *place = slope);
+        for (row, slope) in rows.enumerate() {
+            entries[row * *columns + column] = slope;
+        }
     }
 
     /// How many factors there are.

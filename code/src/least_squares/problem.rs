@@ -8,7 +8,6 @@ use thiserror::Error;
 
 use super::group::{FactorGroup, FactorSet, Point, Undefined};
 use super::kernel::{Kernel, KernelError};
-use super::linear_prior::Room;
 use super::linearized::Linearized;
 use super::solver::SolveError;
 use super::{Factor, Jacobians, Key, LinearPrior, Manifold, Values, Variables};
@@ -31,8 +30,6 @@ pub struct Problem {
     groups: Vec<Group>,
     /// The number of the next factor.
     factors: usize,
-    /// Memory for variables that are taken out.
-    room: Room,
 }
 // ANCHOR_END: problem
 
@@ -279,11 +276,6 @@ impl Problem {
     /// Whether a variable takes steps of its own: it is not tied to another.
     pub fn leads(&self, variable: usize) -> bool {
         self.leader.get(variable) == Some(&variable)
-    }
-
-    /// Memory for variables that are taken out.
-    pub(super) fn room(&mut self) -> &mut Room {
-        &mut self.room
     }
 
     /// What has been kept of factors that are gone.

@@ -17,12 +17,6 @@ impl<T> Default for SparseRows<T> {
 }
 
 impl<T: RealField + Copy> SparseRows<T> {
-    /// No rows, in the memory that is there.
-    pub fn clear(&mut self) {
-        self.entries.clear();
-        self.ends.clear();
-    }
-
     /// Takes memory for so many rows with so many entries in all.
     pub fn reserve(&mut self, rows: usize, entries: usize) {
         self.ends.reserve(rows);
