@@ -344,7 +344,12 @@ pub fn letters_right_of(colour: RGBColor) -> TextStyle<'static> {
 
 /// Text with its place in the middle.
 pub fn letters_around(colour: RGBColor) -> TextStyle<'static> {
-    letters(colour).pos(Pos::new(HPos::Center, VPos::Center))
+    letters_around_of(LETTERS, colour)
+}
+
+/// Text of this height with its place in the middle.
+pub fn letters_around_of(height: f64, colour: RGBColor) -> TextStyle<'static> {
+    letters_of(height, colour).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
 /// A filled mark around the origin in the colour of a series. Each of the four series has a shape

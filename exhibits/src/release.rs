@@ -6,14 +6,24 @@ use crate::data::NotMade;
 
 /// What a program prints in a release build; `program` tells cargo which one.
 pub fn said(program: &[&str], arguments: &[&str]) -> Result<String, NotMade> {
-    let failed = |what: String| {
-        NotMade::Failed(format!("{} {}: {what}", program.join(" "), arguments.join(" ")))
+    cargo(&[&["run", "--release"], program].concat(), arguments)
+}
+
+/// What a test of the workspace prints when it passes.
+pub fn tested(test: &[&str]) -> Result<String, NotMade> {
+    cargo(&[&["test"], test].concat(), &["--nocapture", "--test-threads", "16"])
+}
+
+fn cargo(what: &[&str], arguments: &[&str]) -> Result<String, NotMade> {
+    let failed = |why: &str| {
+        NotMade::Failed(format!("cargo {} -- {}: {why}", what.join(" "), arguments.join(" ")))
     };
     let mut cargo = Command::new("cargo");
-    cargo.args(["run", "--quiet", "--locked", "--release"]).args(program).arg("--").args(arguments);
-    let output = cargo.output().map_err(|error| failed(error.to_string()))?;
+    cargo.args(what).args(["--quiet", "--locked", "--"]).args(arguments);
+    let output = cargo.output().map_err(|error| failed(&error.to_string()))?;
+    let said = String::from_utf8_lossy(&output.stdout);
     if !output.status.success() {
-        return Err(failed(String::from_utf8_lossy(&output.stderr).into_owned()));
+        return Err(failed(&format!("{said}{}", String::from_utf8_lossy(&output.stderr))));
     }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    Ok(said.into_owned())
 }

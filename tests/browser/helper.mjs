@@ -148,10 +148,14 @@ export const overhang = page => page.evaluate(() => {
     return `${over}px: ${names.join("; ")}`;
 });
 
-/** Violations of serious or critical impact, one line each, in all of a page or in what a selector includes or leaves. */
+/**
+ * Violations of serious or critical impact, one line each, in all of a page or in what a selector includes or leaves.
+ * EVERY=1 looks at the page around what is included as well.
+ */
 export async function axe(page, { include = "html", exclude = [] } = {}) {
     await page.addScriptTag({ path: axeScript });
-    const { violations } = await page.evaluate(part => window.axe.run(part, { resultTypes: ["violations"] }), { include, exclude });
+    const part = { include: process.env.EVERY ? "html" : include, exclude };
+    const { violations } = await page.evaluate(part => window.axe.run(part, { resultTypes: ["violations"] }), part);
     return violations
         .filter(({ impact }) => impact === "serious" || impact === "critical")
         .flatMap(({ id, nodes }) => nodes.slice(0, 4).map(node => `${id}: ${node.target.join(" ")}: ${node.failureSummary}`));

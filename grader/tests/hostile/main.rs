@@ -2,8 +2,8 @@
 //! leaves anything behind, and each is told something it can act on.
 //!
 //! Every third of them is graded at every change, and all before a chapter is called done:
-//! `cargo test -p grader --test hostile -- --ignored`. `HOSTILE=words` grades those alone whose names
-//! have these words.
+//! `cargo test -p grader --test hostile -- --ignored`. `HOSTILE=words` before that command grades
+//! those alone whose names have these words.
 
 mod cheating;
 mod corpus;
@@ -60,9 +60,7 @@ fn there_are_many_and_each_is_another() {
 
 #[test]
 fn none_of_a_third_earns_what_it_has_not_earned_and_each_is_told_what_to_do() {
-    let all = corpus();
-    let each = if std::env::var_os("HOSTILE").is_some() { 1 } else { 3 };
-    none_earns_what_it_has_not_earned(all.into_iter().step_by(each).collect());
+    none_earns_what_it_has_not_earned(corpus().into_iter().step_by(3).collect());
 }
 
 #[test]

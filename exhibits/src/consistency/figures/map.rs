@@ -3,12 +3,11 @@
 use plotters::chart::ChartBuilder;
 use plotters::element::Rectangle;
 use plotters::style::Color;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 use vislam::consistency::Policy;
 
 use crate::consistency::map::{Cell, PIXELS, SENSORS, STARTS, band};
 use crate::figure::{
-    Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around, letters_of,
+    Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_around, letters_around_of,
     letters_right_of,
 };
 
@@ -28,7 +27,6 @@ const LEFT: f64 = -5.5;
 const GAP: f64 = 0.35;
 /// Height of the numbers in the fields, of which the longest has three digits.
 const NUMBERS: f64 = 32.0;
-const CENTRE: Pos = Pos { h_pos: HPos::Center, v_pos: VPos::Center };
 
 /// A sensor: a row for each number of kept landmarks, length of tracks and window, and in it for each
 /// thing that is shown a field for each noise of the pixels.
@@ -74,7 +72,7 @@ fn panel(drawing: &Drawing, (sensor, start): (&str, &str)) -> Drawn {
             let corners = [(left + 0.03, row + 0.06), (left + 0.97, row + 0.94)];
             let shade = SERIES[*series].mix(if is_bad { 0.55 } else { 0.12 });
             chart.draw_series([Rectangle::new(corners, shade.filled())])?;
-            chart.write(&text, (left + 0.5, row + 0.5), letters_of(NUMBERS, INK).pos(CENTRE))?;
+            chart.write(&text, (left + 0.5, row + 0.5), letters_around_of(NUMBERS, INK))?;
         }
     }
     Ok(())

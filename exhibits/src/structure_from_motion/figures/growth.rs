@@ -1,9 +1,6 @@
 //! A map that grows camera by camera, from above.
 
-use plotters::style::TextStyle;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, letters_of, plain};
+use crate::figure::{self, Draw, Figure, GRID, INK, SERIES, letters_around_of, plain};
 use crate::structure_from_motion::street::{centre, shown};
 
 /// One point in so many is drawn.
@@ -12,10 +9,6 @@ const POINTS: usize = 3;
 const NUMBERS: f64 = 28.0;
 /// How far from the way they stand, in metres.
 const ASIDE: f64 = 1.5;
-
-fn numbers() -> TextStyle<'static> {
-    letters_of(NUMBERS, INK).pos(Pos::new(HPos::Center, VPos::Center))
-}
 
 /// Where the number of a camera stands: across the way, on the other side than those of its neighbours.
 fn beside(way: &[(f64, f64)], camera: usize) -> (f64, f64) {
@@ -53,7 +46,7 @@ pub fn growth() -> Figure {
         chart.marks(joined.iter().take(2).map(|one| place(one.picture)), 1)?;
         for (at, one) in joined.iter().enumerate() {
             let number = (at + 1).to_string();
-            chart.write(&number, beside(&way, one.picture), numbers())?;
+            chart.write(&number, beside(&way, one.picture), letters_around_of(NUMBERS, INK))?;
         }
         Ok(())
     })
