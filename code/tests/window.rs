@@ -32,6 +32,9 @@ fn exactly() -> Options {
     Options { decrease_tolerance: 1e-15, gradient_tolerance: 1e-10, ..Options::default() }
 }
 
+/// A cost of a thousand has no digits for less than √(2 · 10³ ε) = 7e-7 of a standard deviation.
+const SAME: f64 = 5e-6;
+
 /// The values at the minimum. A cost decides between two of them only to the root of its last digit,
 /// so the last steps are taken whatever it says.
 fn solved(problem: &mut Problem, system: impl LinearSystem + Clone) -> Values {
@@ -108,7 +111,7 @@ impl Reference {
     fn assert_same(&self, problem: &mut Problem, system: impl LinearSystem + Clone) {
         let moved = self.values.local(&solved(problem, system.clone()));
         let covariance = problem.covariance_with(system, &self.values).unwrap();
-        assert_alike(&moved, 1e-6, [&self.covariance, &covariance], &self.values, self.least);
+        assert_alike(&moved, SAME, [&self.covariance, &covariance], &self.values, self.least);
     }
 }
 

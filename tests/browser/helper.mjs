@@ -142,8 +142,10 @@ export const overhang = page => page.evaluate(() => {
     const width = document.documentElement.clientWidth;
     const over = document.documentElement.scrollWidth - width;
     if (over <= 0) return null;
+    const isClipped = node => node && node.tagName !== "MAIN"
+        && (node.matches("details:not([open])") || getComputedStyle(node).overflowX !== "visible" || isClipped(node.parentElement));
     const names = [...document.querySelectorAll("main *")]
-        .filter(node => node.getBoundingClientRect().right > width + 1 && !node.closest(".katex-mathml"))
+        .filter(node => node.getBoundingClientRect().right > width + 1 && !node.closest(".katex-mathml") && !isClipped(node.parentElement))
         .slice(0, 5).map(node => `${node.tagName.toLowerCase()}.${node.className} “${node.textContent.slice(0, 40)}”`);
     return `${over}px: ${names.join("; ")}`;
 });

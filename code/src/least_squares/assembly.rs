@@ -191,10 +191,12 @@ fn add_product(into: &mut [f64], stride: usize, left: Part, right: Part) {
         6 => add_product_of::<6>(into, stride, left, right),
         4 => add_product_of::<4>(into, stride, left, right),
         3 => add_product_of::<3>(into, stride, left, right),
-        _ => (0..right.3).for_each(|column| {
-            let right = (right.0, right.1, right.2 + column, 1);
-            add_product_of::<1>(&mut into[column..], stride, left, right);
-        }),
+        _ => {
+            for column in 0..right.3 {
+                let right = (right.0, right.1, right.2 + column, 1);
+                add_product_of::<1>(&mut into[column..], stride, left, right);
+            }
+        }
     }
 }
 
@@ -262,10 +264,11 @@ fn add_rows<const R: usize, const N: usize>(
     });
     for (column, into) in into.chunks_mut(stride).take(columns).enumerate() {
         let slopes = left.map(|row| row[column]);
-        for (at, sum) in into.iter_mut().take(N).enumerate() {
-            for (slope, row) in slopes.iter().zip(right) {
-                *sum += slope * row[at];
-            }
+        let into = into.first_chunk_mut::<N>().expect("a column has N more rows");
+        let mut sums = *into;
+        for (slope, row) in slopes.iter().zip(right) {
+            sums = from_fn(|at| sums[at] + slope * row[at]);
         }
+        *into = sums;
     }
 }

@@ -18,10 +18,32 @@ use super::elimination_tree::{Node, Tree};
 /// The first column whose pivot is not above its entry of `smallest`.
 #[inline(always)]
 pub fn factorize(panel: &mut [f64], order: usize, smallest: &[f64]) -> Result<(), usize> {
+    for (block, smallest) in smallest.chunks(COLUMNS).enumerate() {
+        let first = COLUMNS * block;
+        let (done, own) = panel.split_at_mut(first * order);
+        let starts: [usize; COLUMNS] = from_fn(|column| column * order + first);
+        subtract_products(own, &starts[..smallest.len()], (done, order), first..order, first);
+        factorize_block(own, order, first, smallest).map_err(|column| first + column)?;
+    }
+    Ok(())
+}
+
+/// The same for a few columns from which the products with all before them have been subtracted.
+#[inline(always)]
+fn factorize_block(
+    panel: &mut [f64],
+    order: usize,
+    first: usize,
+    smallest: &[f64],
+) -> Result<(), usize> {
     for (column, smallest) in smallest.iter().enumerate() {
         let (done, own) = panel.split_at_mut(column * order);
-        let own = &mut own[column..order];
-        subtract_products(own, done, order, column..order, column);
+        let own = &mut own[first + column..order];
+        for done in done.chunks_exact(order) {
+            let done = &done[first + column..];
+            let by = done[0];
+            own.iter_mut().zip(done).for_each(|(entry, other)| *entry -= by * other);
+        }
         let pivot = own[0];
         if pivot.is_nan() || pivot <= *smallest {
             return Err(column);
@@ -138,124 +160,95 @@ impl Run {
 impl Update<'_> {
     /// Subtracts the products of the front's eliminated columns from a later front's.
     #[inline(always)]
-    pub fn apply(&self, (done, order): (&[f64], usize), (into, into_order): (&mut [f64], usize)) {
+    pub fn apply(&self, done: (&[f64], usize), (into, into_order): (&mut [f64], usize)) {
         for run in self.runs {
             let columns = self.columns.start..self.columns.end.min(run.from.end);
-            let column = |place: usize| {
-                place * into_order + run.to..place * into_order + run.to + run.from.len()
-            };
-            for (row, pair) in columns.step_by(2).zip(self.places.chunks(2)) {
-                match *pair {
-                    [first, next] if row + 1 < self.columns.end => {
-                        let (left, right) = into.split_at_mut(next * into_order);
-                        let (first, next) = (&mut left[column(first)], &mut right[column(0)]);
-                        subtract_from_pair((first, next), done, order, run.from.clone(), row);
-                    }
-                    _ => subtract_products(
-                        &mut into[column(pair[0])],
-                        done,
-                        order,
-                        run.from.clone(),
-                        row,
-                    ),
+            let by = columns.clone().step_by(COLUMNS);
+            for (by, places) in by.zip(self.places[..columns.len()].chunks(COLUMNS)) {
+                let mut starts = [0; COLUMNS];
+                for (start, place) in starts.iter_mut().zip(places) {
+                    *start = place * into_order + run.to;
                 }
+                subtract_products(into, &starts[..places.len()], done, run.from.clone(), by);
             }
         }
     }
 }
 // ANCHOR_END: update
 
+/// So many columns are changed at once, for coordinates come in threes,
+const COLUMNS: usize = 3;
+/// and so many rows: their sums stay in registers.
+const ROWS: usize = 12;
+
 // ANCHOR: subtract
-/// Subtracts from a part of a column, that of these rows, its products with columns that have been
-/// eliminated: four at a time, so that nothing is loaded and stored more often than it must be.
+/// Subtracts from parts of some columns, which begin at `starts`, the products of these rows of a front
+/// with as many others, from `by` on, summed over the columns that have been eliminated.
 #[inline(always)]
 fn subtract_products(
-    column: &mut [f64],
-    done: &[f64],
-    order: usize,
+    into: &mut [f64],
+    starts: &[usize],
+    done: (&[f64], usize),
     rows: Range<usize>,
     by: usize,
 ) {
-    let mut fours = done.chunks_exact(4 * order);
-    for four in &mut fours {
-        subtract::<4>(column, four, order, &rows, by);
+    if let Some(starts) = starts.as_array::<COLUMNS>() {
+        return subtract_rows(into, *starts, done, rows, by);
     }
-    let left = fours.remainder();
-    match left.len() / order {
-        3 => subtract::<3>(column, left, order, &rows, by),
-        2 => subtract::<2>(column, left, order, &rows, by),
-        1 => subtract::<1>(column, left, order, &rows, by),
-        _ => {}
+    for (start, by) in starts.iter().zip(by..) {
+        subtract_rows(into, [*start], done, rows.clone(), by);
     }
 }
 
+/// The same, many rows at a time, and then as many as a coordinate has.
 #[inline(always)]
-fn subtract<const N: usize>(
-    column: &mut [f64],
-    done: &[f64],
-    order: usize,
-    rows: &Range<usize>,
-    by: usize,
-) {
-    let others: [&[f64]; N] = from_fn(|k| &done[k * order..][rows.clone()]);
-    let by: [f64; N] = from_fn(|k| done[k * order + by]);
-    let len = rows.len();
-    let (column, others) = (&mut column[..len], others.map(|other| &other[..len]));
-    for at in 0..len {
-        column[at] -= sum::<N>(from_fn(|k| by[k] * others[k][at]));
-    }
-}
-
-/// The same for two columns, that of row `by` and the next one.
-#[inline(always)]
-fn subtract_from_pair(
-    (first, next): (&mut [f64], &mut [f64]),
-    done: &[f64],
-    order: usize,
+fn subtract_rows<const C: usize>(
+    into: &mut [f64],
+    starts: [usize; C],
+    done: (&[f64], usize),
     rows: Range<usize>,
     by: usize,
 ) {
-    let mut fours = done.chunks_exact(4 * order);
-    for four in &mut fours {
-        subtract_pair::<4>(first, next, four, order, &rows, by);
+    let mut row = rows.start;
+    while row + ROWS <= rows.end {
+        subtract_tile::<ROWS, C>(into, starts.map(|start| start + row - rows.start), done, row, by);
+        row += ROWS;
     }
-    let left = fours.remainder();
-    match left.len() / order {
-        3 => subtract_pair::<3>(first, next, left, order, &rows, by),
-        2 => subtract_pair::<2>(first, next, left, order, &rows, by),
-        1 => subtract_pair::<1>(first, next, left, order, &rows, by),
-        _ => {}
+    while row + COLUMNS <= rows.end {
+        subtract_tile::<COLUMNS, C>(
+            into,
+            starts.map(|start| start + row - rows.start),
+            done,
+            row,
+            by,
+        );
+        row += COLUMNS;
+    }
+    while row < rows.end {
+        subtract_tile::<1, C>(into, starts.map(|start| start + row - rows.start), done, row, by);
+        row += 1;
     }
 }
 
 #[inline(always)]
-fn subtract_pair<const N: usize>(
-    first: &mut [f64],
-    next: &mut [f64],
-    done: &[f64],
-    order: usize,
-    rows: &Range<usize>,
+fn subtract_tile<const R: usize, const C: usize>(
+    into: &mut [f64],
+    starts: [usize; C],
+    (done, order): (&[f64], usize),
+    row: usize,
     by: usize,
 ) {
-    let others: [&[f64]; N] = from_fn(|k| &done[k * order..][rows.clone()]);
-    let [one, two]: [[f64; N]; 2] = [by, by + 1].map(|row| from_fn(|k| done[k * order + row]));
-    let len = rows.len();
-    let (first, next) = (&mut first[..len], &mut next[..len]);
-    let others = others.map(|other| &other[..len]);
-    for at in 0..len {
-        let others: [f64; N] = from_fn(|k| others[k][at]);
-        first[at] -= sum::<N>(from_fn(|k| one[k] * others[k]));
-        next[at] -= sum::<N>(from_fn(|k| two[k] * others[k]));
+    let mut sums = [[0.0; R]; C];
+    for column in done.chunks_exact(order) {
+        let rows: &[f64; R] = column[row..].first_chunk().expect("a front has these rows");
+        let by: &[f64; C] = column[by..].first_chunk().expect("a front has these rows");
+        for (sums, by) in sums.iter_mut().zip(by) {
+            sums.iter_mut().zip(rows).for_each(|(sum, entry)| *sum += by * entry);
+        }
     }
-}
-
-/// A sum of up to four numbers, of which none waits for more than one other.
-#[inline(always)]
-fn sum<const N: usize>(numbers: [f64; N]) -> f64 {
-    match *numbers.as_slice() {
-        [a, b, c, d] => (a + b) + (c + d),
-        [a, b, c] => (a + b) + c,
-        _ => numbers.iter().sum(),
+    for (start, sums) in starts.iter().zip(sums) {
+        let into = into[*start..].first_chunk_mut::<R>().expect("a column has these rows");
+        *into = from_fn(|row| into[row] - sums[row]);
     }
 }
 // ANCHOR_END: subtract

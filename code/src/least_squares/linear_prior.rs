@@ -82,9 +82,9 @@ impl LinearPrior {
         let (_, left) = eliminate_fronts(&mut rows, all, &together(&sizes));
         let (named, rows) = rows.dense(&rows.by_first_column(left));
         // A last row, in which nothing but a residual stands, is a constant.
-        let rows = Turned::of(rows, named.len().saturating_sub(1)).into_own();
+        let turned = Turned::of(rows, named.len().saturating_sub(1));
         let stays: Vec<usize> = named.iter().map(|place| place - columns.count).collect();
-        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, rows))))
+        Ok(problem.at(values, |at| Self::of_rows(problem, at, &columns, (&stays, turned))))
     }
     // ANCHOR_END: marginalize
 
@@ -94,7 +94,7 @@ impl LinearPrior {
         problem: &Problem,
         at: Point,
         columns: &Columns,
-        (named, rows): (&[usize], DMatrix<f64>),
+        (named, Turned { rows, own, .. }): (&[usize], Turned<f64>),
     ) -> Self {
         let values = at.values;
         let coordinates = |variable| values.coordinates_of(variable).unwrap_or_default();
@@ -105,10 +105,10 @@ impl LinearPrior {
             leaders.filter(|variable| coordinates(*variable).any(|c| place(c).is_some())).collect();
         let whole = variables.iter().flat_map(|variable| coordinates(*variable));
         let whole: Vec<Option<usize>> = whole.map(place).collect();
-        let root = DMatrix::from_fn(rows.ncols(), whole.len(), |row, at| {
-            whole[at].map_or(0.0, |column| rows[(column, row)])
+        let root = DMatrix::from_fn(own, whole.len(), |row, at| {
+            whole[at].map_or(0.0, |column| rows.at(row, column))
         });
-        let mut offset = DVector::from_fn(rows.ncols(), |row, _| rows[(named.len(), row)]);
+        let mut offset = DVector::from_fn(own, |row, _| rows.at(row, named.len()));
         // The rows are slopes at the linearization point, and their residuals stand at the values.
         if let Some(frozen) = at.frozen {
             let moved = frozen.local(values);

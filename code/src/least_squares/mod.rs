@@ -30,6 +30,7 @@ mod landmarks;
 mod linear_prior;
 mod linearized;
 mod manifold;
+mod mirrors;
 mod normal_equations;
 mod null_space;
 mod ordering;

@@ -132,20 +132,20 @@ impl Triangle {
     // ANCHOR: solve_twice
     /// Solves RᵀR x = b in place, forward through the pieces and back.
     fn solve(&self, vector: &mut DVector<f64>) {
-        for Piece { columns, rows } in &self.pieces {
-            for own in 0..rows.ncols() {
-                let value = vector[columns[own]] / rows[(own, own)];
+        for Piece { columns, rows, own } in &self.pieces {
+            for own in 0..*own {
+                let value = vector[columns[own]] / rows.at(own, own);
                 vector[columns[own]] = value;
                 for at in own + 1..columns.len() {
-                    vector[columns[at]] -= rows[(at, own)] * value;
+                    vector[columns[at]] -= rows.at(own, at) * value;
                 }
             }
         }
-        for Piece { columns, rows } in self.pieces.iter().rev() {
-            for own in (0..rows.ncols()).rev() {
+        for Piece { columns, rows, own } in self.pieces.iter().rev() {
+            for own in (0..*own).rev() {
                 let later = own + 1..columns.len();
-                let known: f64 = later.map(|at| rows[(at, own)] * vector[columns[at]]).sum();
-                vector[columns[own]] = (vector[columns[own]] - known) / rows[(own, own)];
+                let known: f64 = later.map(|at| rows.at(own, at) * vector[columns[at]]).sum();
+                vector[columns[own]] = (vector[columns[own]] - known) / rows.at(own, own);
             }
         }
     }

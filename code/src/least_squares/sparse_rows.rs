@@ -1,6 +1,8 @@
 //! Rows of a matrix of which each names few columns.
 
-use nalgebra::{DMatrix, RealField};
+use nalgebra::RealField;
+
+use super::mirrors::Rows;
 
 /// Rows as lists of columns and entries, one list behind the other.
 #[derive(Debug, Clone)]
@@ -62,9 +64,8 @@ impl<T: RealField + Copy> SparseRows<T> {
         self.row(number).iter().map(|(column, _)| *column).min()
     }
 
-    /// The columns that some rows name, ascending, and the rows with these alone, each of them a column of
-    /// the matrix: so its numbers follow each other in memory.
-    pub fn dense(&self, numbers: &[usize]) -> (Vec<usize>, DMatrix<T>) {
+    /// The columns that some rows name, ascending, and the rows with these alone.
+    pub fn dense(&self, numbers: &[usize]) -> (Vec<usize>, Rows<T>) {
         let rows = || numbers.iter().map(|number| self.row(*number));
         let named = || rows().flatten().map(|(column, _)| *column);
         let first = named().min().unwrap_or_default();
@@ -75,9 +76,12 @@ impl<T: RealField + Copy> SparseRows<T> {
             *place = columns.len();
             columns.push(column);
         }
-        let mut dense = DMatrix::zeros(columns.len(), numbers.len());
-        for (mut entries, row) in dense.column_iter_mut().zip(rows()) {
-            row.iter().for_each(|(column, slope)| entries[places[column - first]] = *slope);
+        let mut dense = Rows::zeros(numbers.len(), columns.len());
+        for (number, row) in rows().enumerate() {
+            let mut put = |(column, slope): &(usize, T)| {
+                dense.put(number, places[column - first], *slope);
+            };
+            row.iter().for_each(&mut put);
         }
         (columns, dense)
     }

@@ -1,10 +1,10 @@
 //! Elimination in square-root form: rows are turned, and nothing is squared.
 
-use std::array::from_fn;
 use std::mem::take;
 
 use nalgebra::{DMatrix, RealField};
 
+use super::mirrors::{LANES, Mirrors, Rows};
 use super::sparse_rows::SparseRows;
 use crate::registers::wide;
 
@@ -18,130 +18,59 @@ pub fn eliminate<T: RealField + Copy>(
     rows: DMatrix<T>,
     columns: usize,
 ) -> (DMatrix<T>, DMatrix<T>) {
-    let columns = columns.min(rows.ncols());
-    let turned = Turned::of(rows.transpose(), columns);
-    let Turned { rows, own, end } = &turned;
-    (rows.columns(0, *own).transpose(), rows.view_range(columns.., *own..*end).transpose())
+    let (width, columns) = (rows.ncols(), columns.min(rows.ncols()));
+    let Turned { rows, own, end } = Turned::of(Rows::of(&rows), columns);
+    (rows.part(0..own, 0..width), rows.part(own..end, columns..width))
 }
 
-/// Rows that are turned, each of them a column here, so that its numbers follow each other in memory.
+/// Rows that have been turned.
 pub(crate) struct Turned<T> {
-    rows: DMatrix<T>,
+    pub(crate) rows: Rows<T>,
     /// So many name the columns that are eliminated.
-    own: usize,
+    pub(crate) own: usize,
     /// Those from here on are zero.
     end: usize,
 }
 
 impl<T: RealField + Copy> Turned<T> {
-    /// Eliminates the first columns of some rows, each of them a column here.
-    pub(crate) fn of(rows: DMatrix<T>, columns: usize) -> Self {
+    /// Eliminates the first columns of some rows.
+    pub(crate) fn of(rows: Rows<T>, columns: usize) -> Self {
         wide(
             #[inline(always)]
             || Self::each_column(rows, columns),
         )
     }
 
-    /// Those that name the columns that are eliminated.
-    pub(crate) fn into_own(self) -> DMatrix<T> {
-        let width = self.rows.nrows();
-        let mut entries: Vec<T> = self.rows.data.into();
-        entries.truncate(width * self.own);
-        DMatrix::from_vec(width, self.own, entries)
-    }
-
-    /// The others, with zeros where those columns are.
-    pub(crate) fn rest(&self) -> impl Iterator<Item = &[T]> {
-        let rows = self.rows.as_slice().chunks_exact(self.rows.nrows().max(1));
-        rows.take(self.end).skip(self.own)
-    }
-
     // ANCHOR: eliminate_rows
+    /// Lane by lane. Behind the columns that are eliminated every column has a row, until there is none.
     #[inline(always)]
-    fn each_column(rows: DMatrix<T>, columns: usize) -> Self {
-        let (width, height) = rows.shape();
+    fn each_column(mut rows: Rows<T>, columns: usize) -> Self {
+        let (height, width) = rows.shape();
         let lost = T::default_epsilon() * nalgebra::convert(height as f64);
-        let mut turned = Self { rows, own: 0, end: height };
-        let mut memory = (vec![T::zero(); height], vec![T::zero(); width]);
-        for column in 0..columns {
-            let lost = lost * turned.rows.row(column).norm();
-            if turned.own < height && turned.rows.view_range(column, turned.own..).norm() > lost {
-                turned.reflect(turned.own, column, &mut memory);
-                turned.own += 1;
-            } else {
-                turned.rows.view_range_mut(column, turned.own..).fill(T::zero());
+        let (mut own, mut row) = (0, 0);
+        let mut mirrors = Mirrors::new();
+        for first in (0..width).step_by(LANES) {
+            let (lane, behind) = rows.lane(first);
+            mirrors.clear();
+            for column in first..width.min(first + LANES) {
+                if row == height {
+                    break;
+                }
+                if column < columns {
+                    own += usize::from(mirrors.add(lane, row, column - first, lost));
+                    row = own;
+                } else {
+                    mirrors.add(lane, row, column - first, T::zero());
+                    row += 1;
+                }
+            }
+            for lane in behind {
+                mirrors.turn(lane);
             }
         }
-        turned.end = height.min(turned.own + width - columns);
-        for (row, column) in (turned.own..turned.end).zip(columns..) {
-            turned.reflect(row, column, &mut memory);
-        }
-        turned
+        Self { rows, own, end: height.min(own + width - columns) }
     }
     // ANCHOR_END: eliminate_rows
-
-    // ANCHOR: reflect
-    /// Mirrors the rows from `own` on so that this column keeps a number in the first of them alone
-    /// (Householder). The columns before it are zero there and stay so, and so do rows below the last
-    /// one in which this column is not zero: they are left alone.
-    #[inline(always)]
-    fn reflect(&mut self, own: usize, column: usize, (axis, along): &mut (Vec<T>, Vec<T>)) {
-        let below = self.rows.view_range(column, own..);
-        let last = below.iter().rposition(|entry| *entry != T::zero());
-        let Some(last) = last.filter(|last| *last > 0) else { return };
-        axis.clear();
-        axis.extend(below.iter().take(last + 1));
-        let axis = axis.as_mut_slice();
-        // In this unit no square is too small to be a number.
-        let unit = axis.iter().fold(T::zero(), |most, entry| most.max(entry.abs()));
-        divide(axis, unit);
-        let length = squared(axis).sqrt().copysign(-axis[0]);
-        // Of the two mirrors, the one that does not subtract.
-        axis[0] -= length;
-        divide(axis, squared(axis).sqrt());
-        let width = self.rows.nrows();
-        let turned = &mut self.rows.as_mut_slice()[own * width..][..axis.len() * width];
-        let along = &mut along[column + 1..];
-        along.fill(T::zero());
-        let mut fours = turned.chunks_exact(4 * width);
-        let (parts, last) = axis.as_chunks::<4>();
-        for (four, parts) in fours.by_ref().zip(parts) {
-            add_four(along, parts, from_fn(|row| &four[row * width..][column + 1..width]));
-        }
-        for (row, part) in fours.remainder().chunks_exact(width).zip(last) {
-            add_scaled(along, *part, &row[column + 1..]);
-        }
-        for (row, part) in turned.chunks_exact_mut(width).zip(&*axis) {
-            add_scaled(&mut row[column + 1..], -(*part + *part), along);
-            row[column] = T::zero();
-        }
-        turned[column] = length * unit;
-    }
-    // ANCHOR_END: reflect
-}
-
-#[inline(always)]
-fn add_scaled<T: RealField + Copy>(sums: &mut [T], by: T, numbers: &[T]) {
-    sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += by * *number);
-}
-
-/// The same with four rows, so that the sums are loaded and stored once.
-#[inline(always)]
-fn add_four<T: RealField + Copy>(sums: &mut [T], by: &[T; 4], rows: [&[T]; 4]) {
-    let [a, b, c, d] = rows.map(|row| &row[..sums.len()]);
-    for (at, sum) in sums.iter_mut().enumerate() {
-        *sum += (by[0] * a[at] + by[1] * b[at]) + (by[2] * c[at] + by[3] * d[at]);
-    }
-}
-
-#[inline(always)]
-fn divide<T: RealField + Copy>(numbers: &mut [T], by: T) {
-    numbers.iter_mut().for_each(|number| *number /= by);
-}
-
-#[inline(always)]
-fn squared<T: RealField + Copy>(numbers: &[T]) -> T {
-    numbers.iter().fold(T::zero(), |sum, number| sum + *number * *number)
 }
 
 /// For each number its sum with all before it.
@@ -158,8 +87,9 @@ fn running_sums(numbers: &[usize]) -> Vec<usize> {
 pub(crate) struct Piece<T> {
     /// The columns of the block that rows name, then later ones.
     pub(crate) columns: Vec<usize>,
-    /// As many rows as the block has directions that are seen, each of them a column here.
-    pub(crate) rows: DMatrix<T>,
+    /// As many of the rows as the block has directions that are seen.
+    pub(crate) rows: Rows<T>,
+    pub(crate) own: usize,
 }
 
 /// Eliminates blocks of the first columns, of these sizes, front by front from rows of these numbers: all
@@ -185,15 +115,14 @@ pub(crate) fn eliminate_fronts<T: RealField + Copy>(
     for (number, end) in ends.iter().enumerate() {
         let (columns, dense) = rows.dense(&take(&mut fronts[number]));
         let named = columns.partition_point(|column| column < end);
-        let turned = Turned::of(dense, named);
-        let (width, height) = (columns.len() - named, turned.end - turned.own);
-        rows.reserve(height, width * height);
-        for (number, row) in turned.rest().enumerate() {
-            let (columns, row) = (&columns[named + number..], &row[named + number..]);
-            fronts[front_of(Some(columns[0]))].push(rows.len());
-            rows.push(columns.iter().copied().zip(row.iter().copied()));
+        let Turned { rows: dense, own, end } = Turned::of(dense, named);
+        rows.reserve(end - own, (columns.len() - named) * (end - own));
+        for number in own..end {
+            let first = named + number - own;
+            fronts[front_of(Some(columns[first]))].push(rows.len());
+            rows.push((first..columns.len()).map(|at| (columns[at], dense.at(number, at))));
         }
-        pieces.push(Piece { columns, rows: turned.into_own() });
+        pieces.push(Piece { columns, rows: dense, own });
     }
     (pieces, fronts.pop().unwrap_or_default())
 }

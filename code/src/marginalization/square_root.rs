@@ -102,7 +102,7 @@ impl<T: RealField + Copy> SquareRoot<T> {
         let numbers = 0..all.len();
         let (pieces, left) = eliminate_fronts(&mut all, numbers, &sizes);
         for (piece, range) in pieces.iter().zip(gone.ranges()) {
-            if piece.rows.ncols() < range.len() {
+            if piece.own < range.len() {
                 let name = gone.name_at(range.start);
                 return Err(MarginalizationError::Singular { name, pivot: 0.0 });
             }
