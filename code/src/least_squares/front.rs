@@ -176,9 +176,9 @@ impl Update<'_> {
 }
 // ANCHOR_END: update
 
-/// So many columns are changed at once, for coordinates come in threes,
+/// So many columns are changed at once: coordinates come in threes.
 const COLUMNS: usize = 3;
-/// and so many rows: their sums stay in registers.
+/// So many rows are changed at once: all sums of them with the columns stay in registers.
 const ROWS: usize = 12;
 
 // ANCHOR: subtract
@@ -200,7 +200,7 @@ fn subtract_products(
     }
 }
 
-/// The same, many rows at a time, and then as many as a coordinate has.
+/// The same, many rows at a time, then as many as there are coordinates, then one.
 #[inline(always)]
 fn subtract_rows<const C: usize>(
     into: &mut [f64],
@@ -209,35 +209,39 @@ fn subtract_rows<const C: usize>(
     rows: Range<usize>,
     by: usize,
 ) {
-    let mut row = rows.start;
-    while row + ROWS <= rows.end {
-        subtract_tile::<ROWS, C>(into, starts.map(|start| start + row - rows.start), done, row, by);
-        row += ROWS;
-    }
-    while row + COLUMNS <= rows.end {
-        subtract_tile::<COLUMNS, C>(
-            into,
-            starts.map(|start| start + row - rows.start),
-            done,
-            row,
-            by,
-        );
-        row += COLUMNS;
-    }
-    while row < rows.end {
-        subtract_tile::<1, C>(into, starts.map(|start| start + row - rows.start), done, row, by);
-        row += 1;
-    }
+    let (starts, rows) = subtract_tiles::<ROWS, C>(into, starts, done, rows, by);
+    let (starts, rows) = subtract_tiles::<COLUMNS, C>(into, starts, done, rows, by);
+    subtract_tiles::<1, C>(into, starts, done, rows, by);
 }
 
+/// The same for as many rows as whole tiles have. Gives the places of the others, and which they are.
 #[inline(always)]
-fn subtract_tile<const R: usize, const C: usize>(
+fn subtract_tiles<const R: usize, const C: usize>(
     into: &mut [f64],
-    starts: [usize; C],
+    mut starts: [usize; C],
+    done: (&[f64], usize),
+    mut rows: Range<usize>,
+    by: usize,
+) -> ([usize; C], Range<usize>) {
+    while rows.len() >= R {
+        let sums = products::<R, C>(done, rows.start, by);
+        for (start, sums) in starts.iter_mut().zip(sums) {
+            let into = into[*start..].first_chunk_mut::<R>().expect("a column has these rows");
+            *into = from_fn(|row| into[row] - sums[row]);
+            *start += R;
+        }
+        rows.start += R;
+    }
+    (starts, rows)
+}
+
+/// The sums of products of rows and columns, from these on.
+#[inline(always)]
+fn products<const R: usize, const C: usize>(
     (done, order): (&[f64], usize),
     row: usize,
     by: usize,
-) {
+) -> [[f64; R]; C] {
     let mut sums = [[0.0; R]; C];
     for column in done.chunks_exact(order) {
         let rows: &[f64; R] = column[row..].first_chunk().expect("a front has these rows");
@@ -246,10 +250,7 @@ fn subtract_tile<const R: usize, const C: usize>(
             sums.iter_mut().zip(rows).for_each(|(sum, entry)| *sum += by * entry);
         }
     }
-    for (start, sums) in starts.iter().zip(sums) {
-        let into = into[*start..].first_chunk_mut::<R>().expect("a column has these rows");
-        *into = from_fn(|row| into[row] - sums[row]);
-    }
+    sums
 }
 // ANCHOR_END: subtract
 
