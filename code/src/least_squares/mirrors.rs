@@ -91,7 +91,6 @@ impl<T: RealField + Copy> Mirrors<T> {
         self.axes.clear();
     }
 
-    // ANCHOR: mirror_column
     /// Mirrors the rows from `first` on so that this column of a lane keeps a number in the first of them
     /// alone, down to the last one that has another there. False, and zeros, when no more is left of the
     /// column than this part of what all rows have.
@@ -103,7 +102,7 @@ impl<T: RealField + Copy> Mirrors<T> {
         self.axes.extend(lane[rows.clone()].iter().map(|row| row[column]));
         let axis = &mut self.axes[start..];
         // In this unit no square is too small to be a number.
-        let unit = largest(axis);
+        let unit = axis.iter().fold(T::zero(), |most, entry| most.max(entry.abs()));
         axis.iter_mut().for_each(|entry| *entry /= unit);
         let length = squares(axis).sqrt();
         let above = lane[..first].iter().fold(T::zero(), |sum, row| sum + row[column].powi(2));
@@ -117,14 +116,14 @@ impl<T: RealField + Copy> Mirrors<T> {
             let length = length.copysign(-axis[0]);
             axis[0] -= length;
             let factor = (axis[0] * length).recip();
-            turn(&mut lane[rows.clone()], axis, factor);
-            lane[rows.clone()].iter_mut().for_each(|row| row[column] = T::zero());
-            lane[first][column] = length * unit;
+            let lane = &mut lane[rows.clone()];
+            turn(lane, axis, factor);
+            lane.iter_mut().for_each(|row| row[column] = T::zero());
+            lane[0][column] = length * unit;
             self.all.push(Mirror { rows, axis: start..self.axes.len(), factor });
         }
         true
     }
-    // ANCHOR_END: mirror_column
 
     /// Holds them against another lane, one after the other.
     #[inline(always)]
@@ -159,11 +158,6 @@ fn turn<T: RealField + Copy>(rows: &mut [Lane<T>], axis: &[T], factor: T) {
 #[inline(always)]
 fn add<T: RealField + Copy>(to: &Lane<T>, by: T, numbers: &Lane<T>) -> Lane<T> {
     from_fn(|at| to[at] + by * numbers[at])
-}
-
-#[inline(always)]
-fn largest<T: RealField + Copy>(numbers: &[T]) -> T {
-    numbers.iter().fold(T::zero(), |most, number| most.max(number.abs()))
 }
 
 /// The sum of squares, by lanes.

@@ -41,7 +41,6 @@ impl<T: RealField + Copy> Turned<T> {
         )
     }
 
-    // ANCHOR: eliminate_rows
     /// Lane by lane. Behind the columns that are eliminated every column has a row, until there is none.
     #[inline(always)]
     fn each_column(mut rows: Rows<T>, columns: usize) -> Self {
@@ -70,7 +69,6 @@ impl<T: RealField + Copy> Turned<T> {
         }
         Self { rows, own, end: height.min(own + width - columns) }
     }
-    // ANCHOR_END: eliminate_rows
 }
 
 /// For each number its sum with all before it.

@@ -234,22 +234,29 @@ fn what_does_not_fit_is_refused_by_number() {
 #[test]
 fn elimination_leaves_what_the_rows_say_of_the_rest_and_nothing_of_what_is_gone() {
     let mut draws = Draws::new(42);
-    for (rows, gone) in [(2, 3), (9, 3), (30, 5), (8, 0), (5, 7), (4, 8)] {
-        let matrix = DMatrix::from_fn(rows, 8, |_, _| draws.number());
+    let narrow = [(2, 3), (9, 3), (30, 5), (8, 0), (5, 7), (4, 8)].map(|shape| (shape, 8));
+    let wide = [((40, 9), 21), ((21, 17), 30), ((3, 16), 24), ((50, 8), 17)];
+    for ((rows, gone), width) in narrow.into_iter().chain(wide) {
+        let matrix = DMatrix::from_fn(rows, width, |_, _| draws.number());
         let (own, rest) = eliminate(matrix.clone(), gone);
-        assert_eq!(own.ncols(), 8);
-        assert_eq!(rest.ncols(), 8 - gone);
-        let mut all = DMatrix::zeros(own.nrows() + rest.nrows(), 8);
+        assert_eq!(own.ncols(), width);
+        assert_eq!(rest.ncols(), width - gone);
+        let mut all = DMatrix::zeros(own.nrows() + rest.nrows(), width);
         all.rows_mut(0, own.nrows()).copy_from(&own);
         all.view_mut((own.nrows(), gone), rest.shape()).copy_from(&rest);
         assert!((all.tr_mul(&all) - matrix.tr_mul(&matrix)).norm() < 1e-12);
+        let is_triangle = |part: &DMatrix<f64>| {
+            (0..part.ncols())
+                .all(|column| part.column(column).iter().skip(column + 1).all(|x| *x == 0.0))
+        };
+        assert!(is_triangle(&own) && is_triangle(&rest), "{rows} × {width}");
     }
 }
 
 #[test]
 fn elimination_keeps_what_the_rows_say_of_the_rest_where_columns_are_not_independent() {
     let mut draws = Draws::new(43);
-    for (rows, gone, rank) in [(12, 3, 2), (12, 4, 1), (9, 3, 0), (6, 5, 3)] {
+    for (rows, gone, rank) in [(12, 3, 2), (12, 4, 1), (9, 3, 0), (6, 5, 3), (40, 19, 11)] {
         let seen = DMatrix::from_fn(rows, rank, |_, _| draws.number());
         let mixing = DMatrix::from_fn(rank, gone, |_, _| draws.number());
         let mut matrix = DMatrix::from_fn(rows, gone + 4, |_, _| draws.number());
