@@ -148,7 +148,7 @@ fn isam(
     Ok([causal, delayed, smoothed, 1e-9 * (times[1] - times[0]) as f64 / seconds])
 }
 
-/// How far a run of ISAM2 that strays gets depends on the last digits of its start.
+/// One of ISAM2's runs from the last place strays, and how far depends on the last digits of its start.
 const ASTRAY: f64 = 1.0;
 
 /// One trajectory over gates and rates: at the plain ones, the least and the greatest.
@@ -159,7 +159,8 @@ impl Spread {
     fn push(self, name: &str, from: u32, values: &mut Vec<RecordValue>) {
         let low = self.0.iter().copied().fold(f64::INFINITY, f64::min);
         let high = self.0.iter().copied().fold(0.0, f64::max);
-        let farthest = if name.starts_with("isam") { ASTRAY } else { 0.02 };
+        let strays = name.starts_with("isam") && from == FROM[FROM.len() - 1];
+        let farthest = if strays { ASTRAY } else { 0.02 };
         for (end, value, within) in
             [("", self.0[0], 0.02), ("_low", low, 0.02), ("_high", high, farthest)]
         {
