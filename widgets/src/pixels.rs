@@ -3,20 +3,14 @@
 use nalgebra::Vector3;
 use vislam::bundle_adjustment::{PosedPinhole, TinyBa};
 use vislam::factors::{MovingCamera, PixelByCamera};
-use vislam::least_squares::{Factor, Kernel, Key, Problem, ProblemError};
+use vislam::least_squares::{Kernel, Key, Problem, ProblemError};
 use vislam::reprojection::ReprojFactor;
 
 /// A camera that moves.
 pub type Camera = MovingCamera<PosedPinhole, 6>;
-/// A pixel of it.
-pub type Pixel = PixelByCamera<PosedPinhole, 6>;
 
-/// The problem as it starts, with any kernel, and of each pixel the factor that is made of it.
-pub fn problem<F: Factor<2>>(
-    start: &TinyBa<PosedPinhole, 6>,
-    kernel: Kernel,
-    factor: impl Fn(Pixel) -> F,
-) -> Result<Problem, ProblemError> {
+/// The problem as it starts, with any kernel.
+pub fn problem(start: &TinyBa<PosedPinhole, 6>, kernel: Kernel) -> Result<Problem, ProblemError> {
     let mut problem = Problem::new();
     let cameras: Vec<Key<Camera>> =
         start.cameras.iter().map(|camera| problem.add_variable(MovingCamera(*camera))).collect();
@@ -31,7 +25,7 @@ pub fn problem<F: Factor<2>>(
     }
     for &ReprojFactor { keyframe, point, pixel, inverse_sigma } in &start.factors {
         let (camera, landmark) = (cameras[keyframe], points[point]);
-        problem.add_factor(factor(Pixel { camera, landmark, pixel, inverse_sigma }), kernel)?;
+        problem.add_factor(PixelByCamera { camera, landmark, pixel, inverse_sigma }, kernel)?;
     }
     Ok(problem)
 }

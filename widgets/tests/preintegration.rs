@@ -206,6 +206,7 @@ fn other_flights_end_where_the_ellipse_says() {
     for (seconds, motion) in [(0.5, 0.0), (1.0, 1.0), (2.0, 0.0), (2.0, 2.0)] {
         session.set("seconds", seconds);
         session.set("motion", motion);
+        assert!(session.advance(), "all flights at once are too much for a picture of the screen");
         let numbers = session.numbers();
         let ends = drawn(numbers, [Shape::Discs as u8, END, Style::Faint as u8].map(f64::from));
         let ellipse = drawn(numbers, [Shape::Line as u8, END, Style::Ink as u8].map(f64::from));

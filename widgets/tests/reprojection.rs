@@ -1,7 +1,8 @@
 //! The widget of the two conventions shows what the library makes of one problem, and its controls do what they say.
 
 use approx::assert_relative_eq;
-use vislam::bundle_adjustment::{BaReport, PosedPinhole, TinyBa};
+use nalgebra::{DMatrix, DVector};
+use vislam::bundle_adjustment::{BaReport, Camera, PosedPinhole, TinyBa};
 use vislam::least_squares::Options;
 use vislam::manifold::se3;
 use widgets::reprojection::{Reprojection, STEPS, street, to_side};
@@ -55,6 +56,46 @@ fn in_another_world_the_consistent_optimizer_takes_the_same_steps() {
     for step in [1.0, 2.0] {
         let rmse = |angle: f64| shown(&[("angle", angle), ("step", step)])[CONSISTENT];
         assert_relative_eq!(rmse(0.0), rmse(110.0), max_relative = 1e-9);
+    }
+}
+
+/// Residuals, and their Jacobian for steps of the cameras on a side.
+fn linearized(problem: &TinyBa<PosedPinhole, 6>, side: f64) -> (DVector<f64>, DMatrix<f64>) {
+    let (cameras, rows) = (problem.cameras.len(), 2 * problem.factors.len());
+    let mut residual = DVector::zeros(rows);
+    let mut jacobian = DMatrix::zeros(rows, 6 * cameras + 3 * problem.points.len());
+    for (number, factor) in problem.factors.iter().enumerate() {
+        let (row, weight) = (2 * number, factor.inverse_sigma);
+        let camera = problem.cameras[factor.keyframe];
+        let seen = camera.differentiate(&problem.points[factor.point]).expect("it is in front");
+        residual.rows_mut(row, 2).copy_from(&(weight * (seen.pixel - factor.pixel)));
+        let by_camera = weight * seen.by_camera * to_side(&camera.camera_from_world, side);
+        if !problem.fixed[factor.keyframe] {
+            jacobian.view_mut((row, 6 * factor.keyframe), (2, 6)).copy_from(&by_camera);
+        }
+        let column = 6 * cameras + 3 * factor.point;
+        jacobian.view_mut((row, column), (2, 3)).copy_from(&(weight * seen.by_point));
+    }
+    (residual, jacobian)
+}
+
+#[test]
+fn a_mixed_step_is_what_its_own_jacobian_asks_for() {
+    for (angle, side) in [(40.0, 1.0), (70.0, 0.4)] {
+        let mut problem = street(f64::to_radians(angle), 1.0, 2.0).problem;
+        let (residual, jacobian) = linearized(&problem, side);
+        let step = jacobian.svd(true, true).solve(&-residual, 1e-9).expect("both bases");
+        let cameras = 6 * problem.cameras.len();
+        for (number, camera) in problem.cameras.iter_mut().enumerate() {
+            *camera = camera.retract(&step.fixed_rows::<6>(6 * number).into_owned());
+        }
+        for (number, point) in problem.points.iter_mut().enumerate() {
+            *point += step.fixed_rows::<3>(cameras + 3 * number);
+        }
+        let (residual, _) = linearized(&problem, side);
+        let rmse = (residual.norm_squared() / problem.factors.len() as f64).sqrt();
+        let settings = [("angle", angle), ("side", 1.0 - side), ("noise", 1.0), ("step", 1.0)];
+        assert_relative_eq!(shown(&settings)[MIXED], rmse, max_relative = 1e-8);
     }
 }
 

@@ -82,6 +82,6 @@ impl Setting {
 
     /// The scene's problem with any kernel.
     pub fn problem(&self, scene: &Scene) -> Result<Problem, ProblemError> {
-        pixels::problem(&scene.problem, self.kernel, |pixel| pixel)
+        pixels::problem(&scene.problem, self.kernel)
     }
 }

@@ -7,8 +7,9 @@ use vislam::inertial::{GRAVITY, ImuBias, ImuSample};
 
 use super::interval::{DT, Interval};
 
-/// How many flights there are, and how many readings each has at most.
+/// How many flights there are, how many are flown in one go, and how many readings each has at most.
 const FLIGHTS: usize = 60;
+const BIT: usize = 5;
 const READINGS: usize = 401;
 const NUMBERS: usize = 6 * READINGS;
 
@@ -19,29 +20,41 @@ pub struct Cloud {
     normal: Vec<f64>,
     /// Motion, steps and noise.
     of: Option<(usize, usize, f64)>,
+    /// What a sensor without errors reads.
+    perfect: Vec<ImuSample>,
     ends: Vec<[f64; 2]>,
 }
 
 impl Cloud {
-    /// Where the flights believe to be at the second keyframe, from where they are, in metres. They know their bias.
-    pub fn ends(&mut self, interval: &Interval) -> &[[f64; 2]] {
+    /// Flies a few flights with the motion and the noise of an interval; whether some are left.
+    pub fn advance(&mut self, interval: &Interval) -> bool {
+        self.begin(interval);
+        let left = self.normal.chunks(NUMBERS).skip(self.ends.len());
+        let ends = left.take(BIT).map(|flight| end(interval, &self.perfect, flight));
+        self.ends.extend(ends);
+        self.ends.len() < FLIGHTS
+    }
+
+    /// Where those that have been flown believe to be at the second keyframe, from where they are, in metres. They know
+    /// their bias.
+    pub fn ends(&self) -> &[[f64; 2]] {
+        &self.ends
+    }
+
+    fn begin(&mut self, interval: &Interval) {
         let setting = &interval.setting;
         let of = Some((setting.motion, setting.steps, setting.noise));
+        if self.of == of {
+            return;
+        }
         if self.normal.is_empty() {
             let mut random = ChaCha8Rng::seed_from_u64(1000);
-            self.normal.extend(
-                (0..FLIGHTS * NUMBERS).map(|_| -> f64 { StandardNormal.sample(&mut random) }),
-            );
+            let normal = |_| -> f64 { StandardNormal.sample(&mut random) };
+            self.normal.extend((0..FLIGHTS * NUMBERS).map(normal));
         }
-        if self.of != of {
-            self.of = of;
-            let perfect = setting.trajectory().samples(&GRAVITY, DT, setting.steps + 1);
-            self.ends.clear();
-            for flight in self.normal.chunks(NUMBERS) {
-                self.ends.push(end(interval, &perfect, flight));
-            }
-        }
-        &self.ends
+        self.of = of;
+        self.perfect = setting.trajectory().samples(&GRAVITY, DT, setting.steps + 1);
+        self.ends.clear();
     }
 }
 

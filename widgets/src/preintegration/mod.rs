@@ -110,13 +110,17 @@ impl Widget for Preintegration {
         words: drawing::WORDS,
     };
 
+    fn advance(&mut self, controls: &[f64]) -> bool {
+        let Some((setting, _)) = Setting::of(controls) else { return false };
+        self.sum(setting);
+        self.interval.as_ref().is_some_and(|interval| self.cloud.advance(interval))
+    }
+
     fn show(&mut self, controls: &[f64], scene: &mut Scene) {
         let Some((setting, believed)) = Setting::of(controls) else { return };
-        if self.interval.as_ref().is_none_or(|interval| interval.setting != setting) {
-            self.interval = Interval::new(setting);
-        }
+        self.sum(setting);
         let Some(interval) = &self.interval else { return };
-        let other_ends = self.cloud.ends(interval);
+        let other_ends = self.cloud.ends();
         let belief = interval.believe(believed);
         drawing::flight(scene, FLIGHT, interval, &belief);
         drawing::end(scene, END, interval, &belief, other_ends);
@@ -124,6 +128,15 @@ impl Widget for Preintegration {
         drawing::correlations(scene, CORRELATIONS, &interval.sums().covariance);
         drawing::correction(scene, CORRECTION, interval, &belief);
         read(scene, interval, &belief);
+    }
+}
+
+impl Preintegration {
+    /// Sums the readings of a setting, if they are not summed yet.
+    fn sum(&mut self, setting: Setting) {
+        if self.interval.as_ref().is_none_or(|interval| interval.setting != setting) {
+            self.interval = Interval::new(setting);
+        }
     }
 }
 

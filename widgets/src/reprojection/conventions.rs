@@ -1,47 +1,16 @@
-//! One problem for two optimizers, whose Jacobians were derived for different perturbations of the cameras.
+//! One problem for two optimizers, and what leads from the Jacobian of one to that of the other.
 
-use nalgebra::{Isometry3, Matrix2x3, Matrix2x6, Matrix6, Rotation3, Vector2, Vector3};
-use vislam::least_squares::{Factor, Kernel, Key, Problem, ProblemError};
+use nalgebra::{Isometry3, Matrix6, Rotation3, Vector3};
 use vislam::manifold::se3;
 use vislam::simulation::Scene;
 
-use crate::pixels::{self, Camera, Pixel};
-
 /// Cameras of the street, how far they see along it in metres, and of what the scene is drawn.
 const STREET: (usize, f64, u64) = (4, 2.5, 1);
-
-/// A pixel whose derivative by the camera may belong to a step that is taken elsewhere than on the right.
-struct Slid {
-    pixel: Pixel,
-    side: f64,
-}
 
 /// From the derivative by a step on the right of a pose to that by a step in its midst: with a side of one half
 /// the first half of the motion comes before the step and the second half after it; zero is the right, one the left.
 pub fn to_side(pose: &Isometry3<f64>, side: f64) -> Matrix6<f64> {
     se3::adjoint(&se3::exp(&(-side * se3::log(pose))))
-}
-
-impl Factor<2> for Slid {
-    type Variables = (Camera, Vector3<f64>);
-    type Jacobians = (Matrix2x6<f64>, Matrix2x3<f64>);
-
-    fn variables(&self) -> (Key<Camera>, Key<Vector3<f64>>) {
-        self.pixel.variables()
-    }
-
-    fn residual(&self, values: (&Camera, &Vector3<f64>)) -> Option<Vector2<f64>> {
-        self.pixel.residual(values)
-    }
-
-    fn linearize(
-        &self,
-        values: (&Camera, &Vector3<f64>),
-    ) -> Option<(Vector2<f64>, Self::Jacobians)> {
-        let (residual, (by_camera, by_point)) = self.pixel.linearize(values)?;
-        let side = to_side(&values.0.0.camera_from_world, self.side);
-        Some((residual, (by_camera * side, by_point)))
-    }
 }
 
 /// A street in a world frame from which its cameras are turned by `angle` radians, with a start so many times as far
@@ -67,9 +36,4 @@ pub fn street(angle: f64, noise: f64, start: f64) -> Scene {
         *point = se3::transform(&turned, point);
     }
     scene
-}
-
-/// The problem of an optimizer whose Jacobian is derived for steps on this side.
-pub fn problem(scene: &Scene, side: f64) -> Result<Problem, ProblemError> {
-    pixels::problem(&scene.problem, Kernel::Squared, |pixel| Slid { pixel, side })
 }

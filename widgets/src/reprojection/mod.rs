@@ -4,12 +4,13 @@ mod conventions;
 mod draw;
 mod run;
 
-pub use conventions::{problem, street, to_side};
-pub use run::Run;
+pub use conventions::{street, to_side};
+use run::Run;
 
 use nalgebra::Matrix3;
-use vislam::least_squares::{Problem, Values};
+use vislam::least_squares::{Kernel, Problem, Values};
 
+use crate::pixels;
 use crate::{Axis, Control, Face, Panel, Question, Reading, Scene, Widget};
 
 /// Most steps that are taken.
@@ -22,6 +23,8 @@ const SETTLED: f64 = 1e-6;
 const ROUNDING: f64 = 1e-15;
 /// Steps from the truth to the minimum of the cost.
 const TO_OPTIMUM: usize = 12;
+/// The side on which steps are taken.
+const RIGHT: f64 = 0.0;
 
 /// All controls but those of the shown step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,25 +52,24 @@ pub struct Comparison {
 impl Comparison {
     fn new(setting: Setting) -> Option<Self> {
         let scene = street(setting.angle, setting.noise, setting.start);
-        let problem = problem(&scene, 0.0).ok()?;
+        let problem = pixels::problem(&scene.problem, Kernel::Squared).ok()?;
         let mut truth = scene.clone();
         truth.problem.cameras.clone_from(&truth.true_cameras);
         truth.problem.points.clone_from(&truth.true_points);
-        let truth = self::problem(&truth, 0.0).ok()?;
-        let mut optimum = Run::new(&truth, truth.values(), TO_OPTIMUM);
-        let consistent = Run::new(&problem, problem.values(), STEPS);
+        let truth = pixels::problem(&truth.problem, Kernel::Squared).ok()?;
+        let mut optimum = Run::new(&problem, truth.values(), TO_OPTIMUM, RIGHT);
+        let consistent = Run::new(&problem, problem.values(), STEPS, RIGHT);
         let optimum = optimum.states.pop()?;
         let comparison =
             Self { setting, scene, problem, optimum, consistent, mixed: Run::default() };
-        comparison.with_side(setting.side)
+        Some(comparison.with_side(setting.side))
     }
 
     /// Only the mixed optimizer has another Jacobian.
-    fn with_side(mut self, side: f64) -> Option<Self> {
-        let mixed = problem(&self.scene, side).ok()?;
-        self.mixed = Run::new(&mixed, mixed.values(), STEPS);
+    fn with_side(mut self, side: f64) -> Self {
+        self.mixed = Run::new(&self.problem, self.problem.values(), STEPS, side);
         self.setting.side = side;
-        Some(self)
+        self
     }
 
     /// What the optimizer of this run has after so many steps: the root of the mean squared residual in pixels, and how
@@ -190,7 +192,9 @@ impl Widget for Reprojection {
         let setting = Setting { side, angle: angle.to_radians(), noise, start };
         self.comparison = match self.comparison.take() {
             Some(known) if known.setting == setting => Some(known),
-            Some(known) if (Setting { side, ..known.setting }) == setting => known.with_side(side),
+            Some(known) if (Setting { side, ..known.setting }) == setting => {
+                Some(known.with_side(side))
+            }
             _ => Comparison::new(setting),
         };
         let Some(comparison) = &self.comparison else {
