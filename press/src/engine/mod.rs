@@ -72,7 +72,9 @@ mod tests {
         LazyLock::new(|| Regex::new(r"(-?\d*\.?\d+)em").expect("a valid pattern"));
 
     /// What the port writes otherwise and nobody sees: the empty space in `\ne`, a style that is in force anyway around
-    /// a `\tfrac`, whether all of a number or its last digit has the power, a zero with a sign, letters of one word in one element or in several, and so where elements end.
+    /// a `\tfrac`, whether all of a number or its last digit has the power, a zero with a sign, letters of one word in one
+    /// element or in several, and so where elements end, and whether what is over a brace counts as a letter or as a bracket,
+    /// which has the same space beside a plus.
     static UNSEEN: LazyLock<Regex> = LazyLock::new(|| {
         Regex::new(concat!(
             r#"<span \{"class": "mspace nobreak"\}>/"#,
@@ -81,6 +83,7 @@ mod tests {
             r#"|(?:-)0\b"#,
             r#"|//<span \{"class": "mord mathnormal( mtight)?"(, "style": "margin-right:em;")?\}>"#,
             r#"|, "style": "margin-right:em;"|/"#,
+            r"|(?:mord|minner) munder",
         ))
         .expect("a valid pattern")
     });
@@ -121,11 +124,16 @@ mod tests {
         let other = port::Engine::new(root, &settings()).unwrap();
         let formulas = formulas(root);
         assert!(formulas.len() > 50, "the book has lost its formulas");
+        let mut otherwise = Vec::new();
         for (tex, display) in formulas {
             let markdown = if display { format!("a $${tex}$$ b") } else { format!("a ${tex}$ b") };
             let (one, lengths) = taken_apart(&one.chapter(&markdown));
             let (other, other_lengths) = taken_apart(&other.chapter(&markdown));
-            assert!(seen(&one) == seen(&other), "{tex}\n{}\n{}", seen(&one), seen(&other));
+            let (one, other) = (seen(&one), seen(&other));
+            if one != other {
+                otherwise.push(format!("{tex}\n{one}\n{other}"));
+                continue;
+            }
             // Below the last of several rows KaTeX leaves 0.3 em and the port nothing. An accent over a bold letter
             // stands a sixth of an em aside.
             let accent = [r"\bar", r"\dot", r"\ddot"].iter().any(|accent| tex.contains(accent));
@@ -136,9 +144,12 @@ mod tests {
             };
             let alike = lengths.len() == other_lengths.len();
             for (one, other) in lengths.into_iter().zip(other_lengths).filter(|_| alike) {
-                assert!((one - other).abs() < limit, "{tex}: {one} em for {other} em");
+                if (one - other).abs() >= limit {
+                    otherwise.push(format!("{tex}: {one} em for {other} em"));
+                }
             }
         }
+        assert!(otherwise.is_empty(), "{}", otherwise.join("\n"));
     }
 
     #[test]
