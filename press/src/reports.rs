@@ -3,8 +3,11 @@
 use mdbook_preprocessor::config::Config;
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 
-/// The version of the book, which is that of all its parts.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The version of the book, which is that of all its parts; between releases whoever publishes pages says which they are.
+pub const VERSION: &str = match option_env!("BOOK_VERSION") {
+    Some(version) => version,
+    None => env!("CARGO_PKG_VERSION"),
+};
 
 /// The repository to which errors are reported, if `output.html.git-repository-url` names one.
 #[derive(Clone, Debug, Default)]
