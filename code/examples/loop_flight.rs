@@ -39,7 +39,7 @@ pub const SPACING: usize = 8;
 const FIRST: usize = 40;
 const LANDMARKS: usize = 3000;
 /// Metres between the two cameras.
-const BASELINE: f64 = 0.3;
+pub const BASELINE: f64 = 0.3;
 /// Keyframes are seen again from this near, in metres.
 const NEAR: f64 = 2.5;
 /// A keyframe that is seen again is so many keyframes old at least.

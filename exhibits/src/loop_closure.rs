@@ -5,7 +5,7 @@ mod certificate;
 mod chordal;
 mod draws;
 mod figures;
-mod flight;
+pub mod flight;
 mod public_graphs;
 mod relative;
 mod robust;
@@ -15,6 +15,7 @@ mod upright;
 mod wrong;
 
 use crate::chapter::Chapter;
+use crate::one_flight;
 
 /// Random states at which an equation is compared.
 const STATES: usize = 200;
@@ -30,6 +31,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     sphere::numbers(chapter);
     wrong::numbers(chapter);
     public_graphs::numbers(chapter);
+    one_flight::followed::recognized(chapter);
     figures::figures(chapter);
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::Isometry3;
-use vislam::filtering::{Freedom, RootMeanSquares, absolute_trajectory_error};
+use nalgebra::{Isometry3, Vector3};
+use vislam::filtering::{Freedom, RootMeanSquares, absolute_trajectory_error, aligned};
 use vislam::loop_closure::{RelativeMeasurement, SpatialGraph};
 use vislam::simulation::FlightRecording;
 
@@ -42,6 +42,13 @@ impl Closed {
         absolute_trajectory_error(&poses, &self.keyframes.truth, Freedom::Six).expect("as before")
     }
 
+    /// Positions less the true ones, once yaw and translation are aligned.
+    pub fn off(&self, poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
+        let truth = &self.keyframes.truth;
+        let own = aligned(&example::states(poses), truth, Freedom::Four).expect("as before");
+        own.iter().zip(truth).map(|(own, truth)| own.position - truth.position).collect()
+    }
+
     pub fn errors_of(&self, poses: &[Isometry3<f64>]) -> RootMeanSquares {
         errors(poses, &self.keyframes.truth).expect("it goes somewhere")
     }
@@ -64,9 +71,13 @@ impl Closed {
 
 /// Flies, and closes the loops.
 fn closed(seed: u64) -> Closed {
-    let recording = flown(seed).expect("it can be flown");
-    let keyframes = keyframes(&recording, seed).expect("it is followed");
-    closed_by(keyframes, &recording)
+    closed_on(&flown(seed).expect("it can be flown"), seed)
+}
+
+/// Follows a recording, and closes its loops.
+pub fn closed_on(recording: &FlightRecording, seed: u64) -> Closed {
+    let keyframes = keyframes(recording, seed).expect("it is followed");
+    closed_by(keyframes, recording)
 }
 
 /// The same keyframes with loops from pixels that the filter never saw: other noise in pictures of the same room.

@@ -19,6 +19,7 @@ use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::filtering::flown::{self, Moment, RIGHT};
 use crate::initialization::judged::root_mean_square;
+use crate::loop_closure::flight::{Closed, closed_on, example::BASELINE};
 use crate::msckf::flights::{self, Seen, example, options};
 use crate::smoother::consistency;
 use crate::smoother::followed::{self, Followed, rmse};
@@ -280,5 +281,45 @@ fn to_the_end() -> Figure {
         Layer::line("odometry", 0, places.iter().map(|(place, _)| place)),
         Layer::points("landmarks", 1, &points),
         Layer::ellipses(ENLARGED, 0, spreads),
+    ])
+}
+
+/// So many keyframes are drawn, and their errors so much larger than they are.
+const SPACED: usize = 12;
+const LARGER: f64 = 10.0;
+
+/// The same flight with a second camera, which finds places again.
+fn found_again() -> &'static Closed {
+    static CLOSED: OnceLock<Closed> = OnceLock::new();
+    CLOSED.get_or_init(|| {
+        let flight = Flight { baseline: Some(BASELINE), ..recording().flight.clone() };
+        closed_on(&flights::flown(&flight, SEED), SEED)
+    })
+}
+
+/// The filter's keyframes before and after their loops were closed.
+pub fn recognized(chapter: &mut Chapter) {
+    let closed = found_again();
+    let [odometry, _, four] = closed.errors();
+    chapter.number("flight_keyframes", closed.keyframes.truth.len() as f64, "", 0);
+    chapter.number("flight_loops", closed.loops().len() as f64, "", 0);
+    chapter.number("flight_odometry", 100.0 * odometry.position, "cm", 1);
+    chapter.number("flight_closed", 100.0 * four.position, "cm", 1);
+    chapter.figure("one_flight", loops);
+}
+
+fn loops() -> Figure {
+    let closed = found_again();
+    let truth = closed.keyframes.truth.iter().map(|state| state.position);
+    let last = closed.keyframes.truth.len() - SPACED;
+    let line = |name, series, poses| {
+        let larger = truth.clone().zip(closed.off(poses)).map(|(at, off)| at + LARGER * off);
+        let places: Vec<Vector3<f64>> = larger.skip(last).collect();
+        Layer::line(name, series, &places)
+    };
+    room(&[
+        Layer::truth(path(SECONDS - DRAWN, SECONDS)),
+        line("odometry", 1, &closed.graph.poses),
+        line("loops closed", 0, &closed.four),
     ])
 }

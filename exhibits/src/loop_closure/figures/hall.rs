@@ -1,12 +1,10 @@
 //! The flight from above, with its errors drawn larger than they are.
 
-use nalgebra::{Isometry3, Vector2, Vector3};
-use vislam::filtering::{Freedom, aligned};
+use nalgebra::{Vector2, Vector3};
 
 use crate::figure::{
     self, Draw, Figure, GRID, INK, SERIES, decimals, letters_around, letters_right_of,
 };
-use crate::loop_closure::flight::example::states;
 use crate::loop_closure::flight::shown;
 
 /// How many times as long an error is drawn.
@@ -16,18 +14,11 @@ const LOOPS: usize = 5;
 /// One keyframe in so many has a row of data.
 const ROWS: usize = 4;
 
-/// Positions less the true ones, once yaw and translation are aligned.
-fn off(poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
-    let truth = &shown().keyframes.truth;
-    let aligned = aligned(&states(poses), truth, Freedom::Four).expect("it goes somewhere");
-    aligned.iter().zip(truth).map(|(state, truth)| state.position - truth.position).collect()
-}
-
 pub fn hall() -> Figure {
     let closed = shown();
     let truth: Vec<Vector3<f64>> =
         closed.keyframes.truth.iter().map(|state| state.position).collect();
-    let errors = [off(&closed.graph.poses), off(&closed.four)];
+    let errors = [&closed.graph.poses, &closed.four].map(|poses| closed.off(poses));
     let [odometry, four] = [0, 1].map(|way: usize| -> Vec<Vector2<f64>> {
         let pairs = truth.iter().zip(&errors[way]);
         pairs.map(|(truth, error)| truth.xy() + LARGER * error.xy()).collect()
