@@ -18,7 +18,7 @@ use vislam::least_squares::{
     Dense, Fronts, Kernel, LandmarkElimination, LinearSystem, Method, Options, Problem, Search,
 };
 use vislam::manifold::se3;
-use vislam::msckf::{Msckf, MsckfOptions};
+use vislam::odometry::{Estimator, Odometry, OdometryOptions};
 use vislam::reprojection::Pinhole;
 use vislam::simulation::FlightRecording;
 use vislam::smoother::{Smoother, SmootherOptions};
@@ -110,27 +110,53 @@ fn an_iteration_of_the_dense_system_allocates_nothing() {
     assert!(counts.iter().all(|count| *count == 0), "{counts:?}");
 }
 
+/// How many bytes an odometry holds after each call.
+fn held<T>(calls: impl Iterator<Item = T>, mut call: impl FnMut(T)) -> Vec<i64> {
+    let holds = |sum: &mut i64, given| {
+        *sum += allocation_counter::measure(|| call(given)).bytes_current;
+        Some(*sum)
+    };
+    calls.scan(0, holds).collect()
+}
+
+fn most(bytes: &[i64]) -> i64 {
+    bytes.iter().copied().max().expect("there are some")
+}
+
 #[test]
-fn a_filter_that_flies_on_holds_no_more_than_before() {
+fn an_estimator_that_flies_on_holds_no_more_than_before() {
     let recording = filter::flown(&filter::flight(120.0), 1).unwrap();
-    let options = MsckfOptions::of_flight(&recording.flight);
-    let mut filter = Msckf::new(options, &filter::start(&recording, 1)).unwrap();
-    let mut readings = recording.readings.iter().peekable();
-    let mut held = Vec::new();
-    for picture in &recording.pictures {
-        let counted = allocation_counter::measure(|| {
+    let start = filter::start(&recording, 1);
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let options = OdometryOptions::new(Sensors::of_flight(&recording.flight), estimator);
+        let mut odometry = Odometry::begun(options, &start).unwrap();
+        let mut readings = recording.readings.iter().peekable();
+        let held = held(recording.pictures[1..].iter(), |picture| {
             let until = picture.nanoseconds + 5_000_000;
             while let Some(reading) = readings.next_if(|next| next.nanoseconds <= until) {
-                filter.reading(*reading).unwrap();
+                odometry.reading(*reading).unwrap();
             }
-            filter.picture(picture).unwrap();
+            odometry.picture(picture).unwrap();
         });
-        held.push(held.last().unwrap_or(&0) + counted.bytes_current);
+        // It has all it needs after some seconds; from then on it breathes.
+        let (early, late) = (most(&held[300..600]), most(&held[900..]));
+        assert!(
+            late <= early + early / 10,
+            "{estimator}: {early} bytes in a minute, {late} in two"
+        );
     }
-    // It has all it needs after some seconds; from then on it breathes.
-    let most = |pictures: &[i64]| pictures.iter().copied().max().unwrap();
-    let (early, late) = (most(&held[300..600]), most(&held[900..]));
-    assert!(late <= early + 32_768, "{early} bytes after a minute, {late} after two");
+}
+
+#[test]
+fn readings_without_pictures_are_not_kept_for_ever() {
+    let recording = filter::flown(&filter::flight(120.0), 1).unwrap();
+    let sensors = Sensors::of_flight(&recording.flight);
+    let mut odometry = Odometry::new(OdometryOptions::new(sensors, Estimator::Smoother));
+    let held = held(recording.readings.iter(), |reading| {
+        odometry.reading(*reading).unwrap();
+    });
+    let (early, late) = (most(&held[..held.len() / 2]), most(&held[held.len() / 2..]));
+    assert!(late <= early, "{early} bytes in a minute, {late} in two");
 }
 
 /// How often each picture of a flight makes a smoother allocate, and how many bytes in all.

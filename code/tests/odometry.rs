@@ -2,6 +2,7 @@
 //! and pictures.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::Vector3;
 use vislam::datasets::tracks::Picture;
@@ -65,18 +66,6 @@ fn error(recording: &FlightRecording, estimates: &[Estimate]) -> f64 {
     absolute_trajectory_error(&states, &truth, Freedom::Four).unwrap().position
 }
 
-/// By how many standard deviations the newest velocity is off as the body sees it, on its worst axis.
-fn worst_velocity(recording: &FlightRecording, estimate: &Estimate) -> f64 {
-    let rig = recording.flight.rig;
-    let is_it =
-        |picture: &Picture| rig.imu_nanoseconds(picture.nanoseconds) == estimate.nanoseconds;
-    let truth = recording.truth.states[recording.pictures.iter().position(is_it).unwrap()];
-    let in_body = |state: &NavState| state.world_from_body.inverse() * state.velocity;
-    let off = in_body(&estimate.state) - in_body(&truth);
-    let spread = estimate.covariance.fixed_view::<3, 3>(3, 3).symmetric_eigenvalues();
-    off.amax() / spread.max().sqrt()
-}
-
 #[test]
 fn a_clock_that_nobody_told_is_found_from_a_start_that_is_known() {
     let lever = Vector3::new(0.1, 0.05, -0.02);
@@ -114,22 +103,42 @@ fn each_estimator_flies_from_nothing_to_the_end() {
         let error = error(&recording, &flown.estimates);
         assert!(error < 0.1, "{estimator}: {error} m");
         assert_eq!(odometry.worlds(), 1);
-        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
-        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+        assert_honest(&recording, &odometry, &estimator);
     }
 }
 
-/// In the flight's own world, which the origin of the beginning ties to the true one: the NEES of the newest
-/// position and velocity.
-fn nees_in_true_world(recording: &FlightRecording, odometry: &Odometry) -> [f64; 2] {
+/// In the flight's own world, which the origin of the beginning ties to the true one: the newest estimate, and how
+/// far off it is.
+fn in_true_world(recording: &FlightRecording, odometry: &Odometry) -> (Estimate, StateError) {
     let at = |nanoseconds: i64| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
     let beginning = odometry.beginning().unwrap();
     let to_truth = beginning.to_world_of(&at(beginning.origin.0));
     let newest = odometry.newest().unwrap().in_world(&to_truth);
     let error = StateError::between(&newest.state, &at(newest.nanoseconds));
-    [(error.position, 6), (error.velocity, 3)].map(|(error, from)| {
+    (newest, error)
+}
+
+/// The NEES of the newest rotation, velocity and position, each divided by three.
+fn nees_by_block((newest, error): &(Estimate, StateError)) -> [f64; 3] {
+    let in_body = newest.state.world_from_body.inverse() * error.rotation;
+    [(in_body, 0), (error.velocity, 3), (error.position, 6)].map(|(error, from)| {
         nees(&error, &newest.covariance.fixed_view::<3, 3>(from, from).into_owned()).unwrap()
     })
+}
+
+/// What is said last is not off by more than it says, and it says something.
+fn assert_honest(recording: &FlightRecording, odometry: &Odometry, who: &dyn std::fmt::Debug) {
+    let newest = in_true_world(recording, odometry);
+    let nees = nees_by_block(&newest);
+    let [_, most] = chi_square_band(2e-4, 3).unwrap();
+    assert!(nees.iter().all(|nees| 3.0 * nees < most), "{who:?}: {nees:?}, {newest:?}");
+    let sigma = |from: usize| {
+        newest.0.covariance.fixed_view::<3, 3>(from, from).symmetric_eigenvalues().max().sqrt()
+    };
+    let sigmas = [0, 3, 6, 9, 12].map(sigma);
+    let most = [0.05, 0.1, 0.3, 0.02, 0.3];
+    let is_sure = sigmas.iter().zip(most).all(|(sigma, most)| *sigma < most);
+    assert!(is_sure, "{who:?}: {sigmas:?}");
 }
 
 /// Few flights make wide bands, so that a miss is no accident: 2 px at a focal length of 250 px hide what a
@@ -138,7 +147,7 @@ fn nees_in_true_world(recording: &FlightRecording, odometry: &Odometry) -> [f64;
 fn after_each_beginning_errors_are_as_large_as_reported() {
     let cases = [(Estimator::Batch, 3.0, None), (Estimator::Smoother, 1.0, Some([4.0, 4.6]))];
     for (estimator, pixel_sigma, gap) in cases {
-        let mut sums = [0.0; 2];
+        let mut sums = [0.0; 3];
         for seed in 0..SEEDS {
             let lever = Vector3::new(0.1, 0.05, -0.02);
             let new = Flight::new(Trajectory::figure_eight()).with_lever(lever);
@@ -147,9 +156,8 @@ fn after_each_beginning_errors_are_as_large_as_reported() {
             let recording = flight.record(&flight.room(3.0, 240, seed).unwrap(), seed).unwrap();
             let mut odometry = odometry(&recording, estimator);
             fly(&mut odometry, &recording.readings, &recording.pictures);
-            for (sum, nees) in sums.iter_mut().zip(nees_in_true_world(&recording, &odometry)) {
-                *sum += nees;
-            }
+            let nees = nees_by_block(&in_true_world(&recording, &odometry));
+            sums.iter_mut().zip(nees).for_each(|(sum, nees)| *sum += nees);
         }
         let [low, high] = chi_square_band(1e-4, 3 * SEEDS as usize).unwrap();
         for sum in sums {
@@ -205,6 +213,20 @@ fn a_beginning_that_does_not_fit_would_be_believed_and_is_refused() {
     }
 }
 
+/// The landmarks of the window are where they truly are, whatever they are estimated as.
+fn assert_places(recording: &FlightRecording, odometry: &Odometry) {
+    let at = |nanoseconds: i64| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
+    let beginning = odometry.beginning().unwrap();
+    let to_truth = beginning.to_world_of(&at(beginning.origin.0));
+    let off = |(track, place): (usize, Vector3<f64>)| {
+        let landmark = recording.truth.landmark_of_track[track];
+        (to_truth.point(&place) - recording.truth.landmarks[landmark]).norm()
+    };
+    let mut off: Vec<f64> = odometry.points().into_iter().map(off).collect();
+    off.sort_by(f64::total_cmp);
+    assert!(off.len() > 20 && off[off.len() / 2] < 0.15, "{} landmarks: {off:?}", off.len());
+}
+
 #[test]
 fn batch_and_smoother_fly_by_inverse_depth_and_keyframes_too() {
     let recording = flown(12.0, 1);
@@ -220,8 +242,8 @@ fn batch_and_smoother_fly_by_inverse_depth_and_keyframes_too() {
             assert!(flown.lost.is_empty(), "{estimator}, {landmarks:?}: {:?}", flown.lost);
             let error = error(&recording, &flown.estimates);
             assert!(error < 0.15, "{estimator}, {landmarks:?}: {error} m");
-            let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
-            assert!(worst < 4.0, "{estimator}, {landmarks:?}: {worst} standard deviations");
+            assert_honest(&recording, &odometry, &(estimator, landmarks));
+            assert_places(&recording, &odometry);
         }
     }
 }
@@ -229,15 +251,14 @@ fn batch_and_smoother_fly_by_inverse_depth_and_keyframes_too() {
 #[test]
 fn a_second_without_pictures_and_ten_without_tracks_are_flown_through() {
     let recording = flown(12.0, 2);
-    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+    for estimator in Estimator::ALL {
         let mut pictures = recording.pictures.clone();
         pictures[60..70].iter_mut().for_each(|picture| picture.features.clear());
         pictures.drain(90..100);
         let mut odometry = odometry(&recording, estimator);
         let flown = fly(&mut odometry, &recording.readings, &pictures);
         assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
-        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
-        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+        assert_honest(&recording, &odometry, &estimator);
         // While nothing is seen, it is less sure with every picture.
         let at = flown.estimates.len() - (recording.pictures.len() - 10 - 60);
         let sigma = |number: usize| flown.estimates[number].covariance[(6, 6)];
@@ -254,14 +275,14 @@ fn a_missing_reading_is_flown_through_and_a_gap_is_said() {
         let mut one = odometry(&recording, estimator);
         let flown = fly(&mut one, &readings, &recording.pictures);
         assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
-        let worst = worst_velocity(&recording, flown.estimates.last().unwrap());
-        assert!(worst < 4.0, "{estimator}: {worst} standard deviations");
+        assert_honest(&recording, &one, &estimator);
 
         readings.drain(1200..1300);
         let mut many = odometry(&recording, estimator);
         let flown = fly(&mut many, &readings, &recording.pictures);
         assert!(matches!(flown.lost[..], [Lost::Gap { .. }]), "{estimator}: {:?}", flown.lost);
         assert_eq!(many.worlds(), 2, "{estimator} begins again");
+        assert_honest(&recording, &many, &estimator);
         assert_eq!(flown.worlds.last(), Some(&2));
     }
 }
@@ -283,6 +304,11 @@ fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
     let twice = recording.pictures.last().unwrap();
     let refused = flying.picture(twice).unwrap_err();
     assert!(matches!(refused, OdometryError::LatePicture { .. }), "{refused}");
+    let mut doubled = twice.clone();
+    doubled.nanoseconds += 1_000_000;
+    doubled.features[1].track = doubled.features[0].track;
+    let refused = flying.picture(&doubled).unwrap_err();
+    assert!(matches!(refused, OdometryError::Order { .. }), "{refused}");
     let mut later = twice.clone();
     later.nanoseconds += 1_000_000;
     later.features[0].pixel.y = f64::INFINITY;
@@ -296,23 +322,70 @@ fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
 }
 
 #[test]
-fn tracks_that_are_all_wrong_for_a_second_are_refused_or_it_is_lost() {
-    let recording = flown(14.0, 5);
-    for estimator in [Estimator::Smoother, Estimator::Msckf] {
-        let mut pictures = recording.pictures.clone();
-        for (number, picture) in pictures[70..80].iter_mut().enumerate() {
-            for (at, feature) in picture.features.iter_mut().enumerate() {
-                // Every pixel somewhere else, and elsewhere in each picture.
-                let turn = (7 * at + 3 * number) as f64;
-                feature.pixel.x += 150.0 * turn.sin();
-                feature.pixel.y += 150.0 * turn.cos();
-            }
+fn a_start_that_is_told_outlives_what_does_not_fit_it() {
+    let recording = flown(4.0, 5);
+    let mut start = Start::at_the_origin(&recording, [0.01, 0.05, 2e-3, 0.02], 5).unwrap();
+    (0..9).for_each(|at| start.covariance[(at, at)] += 1e-8);
+    for estimator in Estimator::ALL {
+        let options = OdometryOptions::new(Sensors::of_flight(&recording.flight), estimator);
+        let mut odometry = Odometry::begun(options, &start).unwrap();
+        let refused = odometry.reading(recording.readings[10]).unwrap_err();
+        assert!(matches!(refused, OdometryError::FirstReading { .. }), "{estimator}: {refused}");
+        recording.readings[..100].iter().for_each(|reading| {
+            odometry.reading(*reading).unwrap();
+        });
+        let refused = odometry.picture(&recording.pictures[0]).unwrap_err();
+        assert!(matches!(refused, OdometryError::LatePicture { .. }), "{estimator}: {refused}");
+        let followed = odometry.picture(&recording.pictures[1]).unwrap();
+        assert!(matches!(followed, Progress::Following { .. }), "{estimator}: {followed:?}");
+    }
+}
+
+/// Pictures of which so many show every pixel somewhere else, and elsewhere in each.
+fn with_wrong_tracks(recording: &FlightRecording, wrong: Range<usize>) -> Vec<Picture> {
+    let mut pictures = recording.pictures.clone();
+    for (number, picture) in pictures[wrong].iter_mut().enumerate() {
+        for (at, feature) in picture.features.iter_mut().enumerate() {
+            let turn = (7 * at + 3 * number) as f64;
+            feature.pixel.x += 150.0 * turn.sin();
+            feature.pixel.y += 150.0 * turn.cos();
         }
+    }
+    pictures
+}
+
+/// A filter sees what contradicts it when a track ends, and so for longer.
+#[test]
+fn tracks_that_are_all_wrong_for_a_second_are_refused() {
+    let recording = flown(14.0, 5);
+    let pictures = with_wrong_tracks(&recording, 70..80);
+    for estimator in Estimator::ALL {
         let mut odometry = odometry(&recording, estimator);
+        let (mut refused, mut lost) = (0, Vec::new());
+        let told = |_: &Odometry, progress: Progress| match progress {
+            Progress::Following { refused: here, .. } => refused += here,
+            Progress::Lost(why) => lost.push(why),
+            Progress::Waiting | Progress::Standing => {}
+        };
+        odometry.fly(&recording.readings, &pictures, told).unwrap();
+        assert!(refused > 10, "{estimator}: {refused} refused");
+        assert!(lost.is_empty() || estimator == Estimator::Msckf, "{estimator}: {lost:?}");
+        assert_honest(&recording, &odometry, &estimator);
+    }
+}
+
+#[test]
+fn tracks_that_are_wrong_for_longer_contradict_and_it_begins_again() {
+    let recording = flown(18.0, 5);
+    for estimator in Estimator::ALL {
+        let mut odometry = odometry(&recording, estimator);
+        let pictures = with_wrong_tracks(&recording, 70..86);
         let flown = fly(&mut odometry, &recording.readings, &pictures);
-        let last = flown.estimates.last().unwrap();
-        let worst = worst_velocity(&recording, last);
-        assert!(worst < 4.0, "{estimator}: {worst} standard deviations, {:?}", flown.lost);
+        let is_contradicted =
+            matches!(flown.lost[..], [Lost::Contradicted { seconds }, ..] if seconds >= 1.0);
+        assert!(is_contradicted, "{estimator}: {:?}", flown.lost);
+        assert_eq!(odometry.worlds(), 2, "{estimator}: {:?}", flown.lost);
+        assert_honest(&recording, &odometry, &estimator);
     }
 }
 
@@ -321,7 +394,7 @@ fn a_landmark_at_infinity_tells_of_turns_and_nothing_else() {
     let recording = flown(8.0, 6);
     let rig = recording.flight.rig;
     let camera = recording.flight.camera;
-    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+    for estimator in Estimator::ALL {
         let mut pictures = recording.pictures.clone();
         let star = Vector3::new(0.3, 1.0, 0.2) * 1e9;
         for (picture, state) in pictures.iter_mut().zip(&recording.truth.states) {
@@ -335,6 +408,7 @@ fn a_landmark_at_infinity_tells_of_turns_and_nothing_else() {
         assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
         let error = error(&recording, &flown.estimates);
         assert!(error < 0.1, "{estimator}: {error} m");
+        assert_honest(&recording, &odometry, &estimator);
     }
 }
 

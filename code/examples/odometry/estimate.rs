@@ -1,5 +1,7 @@
 //! The estimators, and what each of them says.
 
+use std::mem;
+
 use nalgebra::{Matrix6, Vector3};
 use vislam::inertial::NavState;
 use vislam::initialization::{Batch, BeginOptions, Whole, WholeOptions, begin};
@@ -25,6 +27,8 @@ pub struct Estimate {
     pub pose_covariances: Vec<Matrix6<f64>>,
     /// In the world, in metres.
     pub landmarks: Vec<Vector3<f64>>,
+    /// Whether a flight began, and was not only stood through.
+    pub has_begun: bool,
     /// Seconds from the first picture until there was an estimate; NaN when it was given.
     pub initialized_after: f64,
     /// The standard deviation of the scale then, as a part of it; NaN when none was estimated.
@@ -52,7 +56,7 @@ pub fn run(
 }
 
 /// Follows a flight picture by picture. What was lost is said, and what comes after it is in a world of
-/// its own: the last one is kept.
+/// its own: the one with the most states is kept.
 fn follow(
     estimator: Estimator,
     input: &Input,
@@ -62,31 +66,37 @@ fn follow(
     let mut options = OdometryOptions::new(*sensors, estimator);
     options.smoother.right = input.right;
     let mut odometry = Odometry::new(options);
-    let mut estimate = Estimate::nothing();
+    let (mut estimate, mut longest) = (Estimate::nothing(), Estimate::nothing());
     let mut last = None;
     let told = |odometry: &Odometry, what: Progress| {
         last = Some(what.clone());
         match what {
             Progress::Following { .. } | Progress::Standing => estimate.add(odometry),
             Progress::Lost(lost) => {
-                eprintln!("lost: {lost}; {} states before it are left out", estimate.states.len());
-                estimate = Estimate::nothing();
+                eprintln!("lost after {} states: {lost}", estimate.states.len());
+                longest = longer(&mut longest, &mut estimate);
             }
             Progress::Waiting => {}
         }
         progress(&format!("{} states of {}", estimate.states.len(), pictures.len()));
     };
     odometry.fly(readings, pictures, told).map_err(|error| error.to_string())?;
-    let Some(beginning) = odometry.beginning() else {
-        return Err(match last {
-            Some(Progress::Standing) => "there is no flight: the body stands until the end".into(),
-            _ => "there is no beginning: the body neither stands nor moves enough; give a longer flight"
+    let longest = longer(&mut longest, &mut estimate);
+    match last {
+        _ if longest.has_begun => Ok(longest),
+        Some(Progress::Standing) => Err("there is no flight: the body stands until the end".into()),
+        _ => Err(
+            "there is no beginning: the body neither stands nor moves enough; give a longer flight"
                 .to_owned(),
-        });
-    };
-    estimate.initialized_after = beginning.seconds;
-    estimate.scale_sigma = beginning.scale_sigma.unwrap_or(f64::NAN);
-    Ok(estimate)
+        ),
+    }
+}
+
+/// The one that followed a flight for more states; nothing is left of either.
+fn longer(one: &mut Estimate, other: &mut Estimate) -> Estimate {
+    let [one, other] = [one, other].map(|estimate| mem::replace(estimate, Estimate::nothing()));
+    let length = |estimate: &Estimate| (estimate.has_begun, estimate.states.len());
+    if length(&other) >= length(&one) { other } else { one }
 }
 
 /// Begins at rest or in motion, and from there grows the batch of all pictures.
@@ -118,12 +128,13 @@ fn of_pose(all: impl Fn(usize, usize) -> f64) -> Matrix6<f64> {
 }
 
 impl Estimate {
-    fn nothing() -> Self {
+    pub fn nothing() -> Self {
         Self {
             nanoseconds: Vec::new(),
             states: Vec::new(),
             pose_covariances: Vec::new(),
             landmarks: Vec::new(),
+            has_begun: false,
             initialized_after: f64::NAN,
             scale_sigma: f64::NAN,
             causal: Trajectory::new(),
@@ -136,6 +147,11 @@ impl Estimate {
         let is_new = |time| self.nanoseconds.last().is_none_or(|last| *last < time);
         let newest = odometry.newest().filter(|newest| is_new(newest.nanoseconds));
         let Some(newest) = newest else { return };
+        if let Some(beginning) = odometry.beginning() {
+            self.has_begun = true;
+            self.initialized_after = beginning.seconds;
+            self.scale_sigma = beginning.scale_sigma.unwrap_or(f64::NAN);
+        }
         let covariance: Matrix15 = newest.covariance;
         self.nanoseconds.push(newest.nanoseconds);
         self.states.push(newest.state);

@@ -151,6 +151,26 @@ fn the_smoother_takes_the_second_camera_that_a_calibration_names() {
 }
 
 #[test]
+fn what_was_followed_before_a_late_loss_is_written() {
+    let folder = folder("lost");
+    let at = |file: &str| folder.join(file).display().to_string();
+    let line = format!("--seed 3 --seconds 6 --out {}", folder.display());
+    simulate::simulate(line.split(' ').map(String::from)).unwrap();
+    let lines = std::fs::read_to_string(at("imu.csv")).unwrap();
+    let lines: Vec<&str> = lines.lines().collect();
+    let (before, after) = lines.split_at(lines.len() - 120);
+    let gapped = [before, &after[60..]].concat().join("\n");
+    std::fs::write(at("imu.csv"), gapped).unwrap();
+    let files =
+        format!("{} {} --calibration {}", at("imu.csv"), at("tracks.csv"), at("calibration.toml"));
+    for estimator in ["smoother", "msckf"] {
+        let told = flown(&asked(&format!("{files} --estimator {estimator}")).unwrap()).unwrap();
+        assert!(said(&told, "states") > 30.0, "{estimator}: {told}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn what_cannot_be_asked_for_is_named() {
     let refused = |line: &str, said: &str| {
         let error = asked(line).unwrap_err();
@@ -207,11 +227,7 @@ fn circle(seconds: f64) -> Estimate {
         nanoseconds: (0..count as i64).map(|k| 1_000_000_000 + 100_000_000 * k).collect(),
         states: (0..count).map(state).collect(),
         pose_covariances: vec![Matrix6::identity(); count],
-        landmarks: Vec::new(),
-        initialized_after: f64::NAN,
-        scale_sigma: f64::NAN,
-        causal: Vec::new(),
-        delayed: Vec::new(),
+        ..Estimate::nothing()
     }
 }
 

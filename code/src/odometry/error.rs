@@ -27,8 +27,30 @@ pub enum OdometryError {
     LatePicture {
         /// Its time, on the camera's clock.
         nanoseconds: i64,
-        /// That of the last picture.
+        /// That of the last picture, or of a start that was told.
         last: i64,
+    },
+    /// The first reading is later than the start that was told.
+    #[error(
+        "the first reading, at {nanoseconds} ns, is later than the start at {start} ns; give the readings \
+         from before the start on"
+    )]
+    FirstReading {
+        /// Its time.
+        nanoseconds: i64,
+        /// That of the start.
+        start: i64,
+    },
+    /// The tracks of a picture are not in order, or one is there twice.
+    #[error(
+        "track {track} of the picture at {nanoseconds} ns does not come after the one before it; sort the \
+         tracks, each once"
+    )]
+    Order {
+        /// The track.
+        track: usize,
+        /// The time of the picture, on the camera's clock.
+        nanoseconds: i64,
     },
     /// A pixel has a number that is none.
     #[error("track {track} of the picture at {nanoseconds} ns is not finite; leave it out")]

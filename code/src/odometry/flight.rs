@@ -45,7 +45,9 @@ pub struct Estimate {
     pub state: NavState,
     /// The biases then.
     pub bias: ImuBias,
-    /// The 15×15 covariance of the errors of state and biases.
+    /// The 15×15 covariance of the errors of rotation (rad, in the body frame), velocity (m/s) and position
+    /// (m), both in the world, and of the biases of gyroscope (rad/s) and accelerometer (m/s²), in this
+    /// order.
     pub covariance: Matrix15,
 }
 
@@ -59,6 +61,15 @@ impl Estimate {
         }
         let covariance = turn * self.covariance * turn.transpose();
         Self { state: by.state(&self.state, &none, &none), covariance, ..*self }
+    }
+
+    /// Whether all of it are numbers, and the variances positive.
+    fn is_known(&self) -> bool {
+        let NavState { velocity, position, .. } = &self.state;
+        let vectors = [velocity, position, &self.bias.gyro, &self.bias.accelerometer];
+        let mut numbers = vectors.into_iter().flatten().chain(&self.covariance);
+        numbers.all(|number| number.is_finite())
+            && self.covariance.diagonal().iter().all(|variance| *variance > 0.0)
     }
 }
 
@@ -140,7 +151,7 @@ impl Odometry {
     ///
     /// # Errors
     ///
-    /// [`OdometryError::LateReading`] and [`OdometryError::Reading`].
+    /// [`OdometryError::LateReading`], [`OdometryError::Reading`] and [`OdometryError::FirstReading`].
     pub fn reading(&mut self, reading: StampedSample) -> Result<Option<Lost>, OdometryError> {
         let nanoseconds = reading.nanoseconds;
         let sample = &reading.sample;
@@ -157,19 +168,32 @@ impl Odometry {
                 let is_gap = seconds > self.options.longest_gap;
                 is_gap.then_some(Lost::Gap { nanoseconds: last.nanoseconds, seconds })
             }
-            None => None,
+            None => {
+                self.reach(nanoseconds)?;
+                None
+            }
         };
         if gap.is_some() {
             self.begin_again(None);
         }
         match &mut self.phase {
-            Phase::Waiting(waiting) => waiting.readings.push(reading),
+            Phase::Waiting(waiting) => waiting.reading(reading, &self.options),
             Phase::Following(engine) => engine.reading(reading)?,
         }
         self.last_reading = Some(reading);
         Ok(gap)
     }
     // ANCHOR_END: reading
+
+    /// Whether a first reading reaches back to a start that was told.
+    fn reach(&self, nanoseconds: i64) -> Result<(), OdometryError> {
+        match self.engine().map(|engine| engine.newest().nanoseconds) {
+            Some(start) if start < nanoseconds => {
+                Err(OdometryError::FirstReading { nanoseconds, start })
+            }
+            _ => Ok(()),
+        }
+    }
 
     // ANCHOR: picture
     /// Takes the tracks of a picture, when a reading has come that is as late.
@@ -231,16 +255,25 @@ impl Odometry {
         if let Some(last) = self.last_picture.filter(|last| *last >= nanoseconds) {
             return Err(OdometryError::LatePicture { nanoseconds, last });
         }
+        let time = self.imu_nanoseconds(picture);
+        let newest = self.engine().map(|engine| engine.newest().nanoseconds);
+        if let Some(newest) = newest.filter(|newest| *newest >= time) {
+            let last = nanoseconds.saturating_add(newest.saturating_sub(time));
+            return Err(OdometryError::LatePicture { nanoseconds, last });
+        }
         let is_finite = |pixel: &nalgebra::Vector2<f64>| pixel.iter().all(|n| n.is_finite());
         let is_whole =
             |feature: &&Feature| is_finite(&feature.pixel) && feature.right.iter().all(is_finite);
         if let Some(feature) = picture.features.iter().find(|feature| !is_whole(feature)) {
             return Err(OdometryError::Pixel { track: feature.track, nanoseconds });
         }
-        let nanoseconds = self.imu_nanoseconds(picture);
+        let in_order = |pair: &&[Feature]| pair[0].track < pair[1].track;
+        if let Some(pair) = picture.features.windows(2).find(|pair| !in_order(pair)) {
+            return Err(OdometryError::Order { track: pair[1].track, nanoseconds });
+        }
         let last = self.last_reading.as_ref().map(|last| last.nanoseconds);
-        if last.is_none_or(|last| last < nanoseconds) {
-            return Err(OdometryError::EarlyPicture { nanoseconds });
+        if last.is_none_or(|last| last < time) {
+            return Err(OdometryError::EarlyPicture { nanoseconds: time });
         }
         Ok(())
     }
@@ -280,14 +313,10 @@ impl Odometry {
     // ANCHOR_END: wait
 
     // ANCHOR: followed
-    /// What is said of a picture that the estimator took: it is lost when most of what it showed did not
-    /// fit, and that not for the first time.
+    /// What is said of a picture that the estimator took: it is lost when for longer than patience lasts most
+    /// of what pictures showed did not fit.
     fn followed(&mut self, picture: &Picture, Seen { used, refused }: Seen) -> Progress {
-        let is_known = |estimate: &Estimate| {
-            estimate.covariance.diagonal().iter().all(|variance| *variance > 0.0)
-                && estimate.state.position.iter().all(|number| number.is_finite())
-        };
-        if !self.newest().as_ref().is_some_and(is_known) {
+        if !self.newest().as_ref().is_some_and(Estimate::is_known) {
             return self.lose(Lost::Undetermined);
         }
         if refused <= used {

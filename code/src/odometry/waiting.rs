@@ -32,22 +32,39 @@ impl Waiting {
         self.search.stand().map(|(_, start)| start)
     }
 
+    /// Takes a reading. Where no picture comes, it is not kept for ever either.
+    pub fn reading(&mut self, reading: StampedSample, options: &OdometryOptions) {
+        self.readings.push(reading);
+        let (now, kept) = (reading.nanoseconds, Self::kept(options));
+        if now.saturating_sub(self.readings[0].nanoseconds) >= kept.saturating_mul(4) {
+            let offset = options.sensors.rig.imu_nanoseconds(0);
+            self.keep_from(now.saturating_sub(offset).saturating_sub(kept), options);
+        }
+    }
+
     /// Forgets what is too old for a beginning, and looks again at what is left. So it takes no more
     /// memory, however long a body stands or a flight has no beginning.
     pub fn forget(&mut self, options: &OdometryOptions) {
-        let begin = &options.begin;
-        let kept = (1e9 * (begin.longest() + 0.5)) as i64;
+        let kept = Self::kept(options);
         let Some(last) = self.pictures.last().map(|picture| picture.nanoseconds) else { return };
-        if last.saturating_sub(self.pictures[0].nanoseconds) < 3 * kept {
-            return;
+        if last.saturating_sub(self.pictures[0].nanoseconds) >= kept.saturating_mul(3) {
+            self.keep_from(last.saturating_sub(kept), options);
         }
-        let from = last.saturating_sub(kept);
+    }
+
+    /// For how long something is kept, in nanoseconds.
+    fn kept(options: &OdometryOptions) -> i64 {
+        (1e9 * (options.begin.longest() + 0.5)) as i64
+    }
+
+    /// Keeps what comes from a time of the camera's clock on.
+    fn keep_from(&mut self, from: i64, options: &OdometryOptions) {
         self.pictures.retain(|picture| picture.nanoseconds >= from);
-        let rig = options.sensors.rig;
-        let first = rig.imu_nanoseconds(self.pictures[0].nanoseconds);
+        let first = self.pictures.first().map_or(from, |picture| picture.nanoseconds);
+        let first = options.sensors.rig.imu_nanoseconds(first);
         let before = self.readings.partition_point(|reading| reading.nanoseconds <= first);
         self.readings.drain(..before.saturating_sub(1));
-        self.search = StartSearch::new(options.sensors, begin.clone());
+        self.search = StartSearch::new(options.sensors, options.begin.clone());
         for until in 1..self.pictures.len() {
             self.search.look(&self.readings, &self.pictures[..until]);
         }

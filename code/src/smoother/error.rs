@@ -6,7 +6,8 @@ use crate::inertial::WindowError;
 use crate::least_squares::{ProblemError, SolveError, WhiteningError};
 use crate::preintegration::PreintegrationError;
 
-/// Why a smoother cannot go on. It then stays as it was.
+/// Why a smoother cannot go on. It is as it was after a late reading, a late picture and readings that do
+/// not reach; after all others, begin another one.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SmootherError {
     /// A reading is not later than the one before.

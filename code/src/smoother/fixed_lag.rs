@@ -245,10 +245,11 @@ impl Smoother {
         self.window.frames.iter().map(|frame| (frame.nanoseconds, values[frame.state]))
     }
 
-    /// The tracks that are landmarks of the window, and where in the world those are, in metres.
+    /// The tracks that are landmarks of the window, and where in the world those are, in metres. A
+    /// landmark that is no nearer than infinity is at no place, and left out.
     pub fn points(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-        let values = self.problem.values();
-        self.window.landmarks.iter().map(|(track, seen)| (*track, values[seen.landmark]))
+        let landmarks = self.window.landmarks.iter();
+        landmarks.filter_map(|(track, seen)| Some((*track, self.in_world(seen)?)))
     }
 
     /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is

@@ -204,6 +204,17 @@ impl Smoother {
         (in_camera.z > Z_MIN).then(|| (in_camera.xy() / in_camera.z).push(1.0 / in_camera.z))
     }
 
+    /// The point of the world where a landmark is, by its anchor if it has one.
+    pub(super) fn in_world(&self, seen: &Seen) -> Option<Vector3<f64>> {
+        let values = self.problem.values();
+        let place = values[seen.landmark];
+        let Some(anchor) = seen.anchor else { return Some(place) };
+        let state = &values[self.window.frame(anchor)?.state];
+        let world_from_camera = state.pose() * values[self.window.extrinsics];
+        let in_camera = place.xy().push(1.0) / place.z;
+        (place.z > 0.0).then(|| se3::transform(&world_from_camera, &in_camera))
+    }
+
     // ANCHOR: along_first_ray
     /// The most likely inverse depth along the first ray, in a few steps from zero, when the pixels tell it
     /// to a standard deviation: then the camera has moved so far that the landmark would have shown
