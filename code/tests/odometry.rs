@@ -308,12 +308,12 @@ fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
     doubled.nanoseconds += 1_000_000;
     doubled.features[1].track = doubled.features[0].track;
     let refused = flying.picture(&doubled).unwrap_err();
-    assert!(matches!(refused, OdometryError::Order { .. }), "{refused}");
+    assert!(matches!(refused, OdometryError::Feature { .. }), "{refused}");
     let mut later = twice.clone();
     later.nanoseconds += 1_000_000;
     later.features[0].pixel.y = f64::INFINITY;
     let refused = flying.picture(&later).unwrap_err();
-    assert!(matches!(refused, OdometryError::Pixel { .. }), "{refused}");
+    assert!(matches!(refused, OdometryError::Feature { .. }), "{refused}");
     later.features.clear();
     later.nanoseconds += 3_600_000_000_000;
     let refused = flying.picture(&later).unwrap_err();

@@ -32,8 +32,7 @@ pub enum OdometryError {
     },
     /// The first reading is later than the start that was told.
     #[error(
-        "the first reading, at {nanoseconds} ns, is later than the start at {start} ns; give the readings \
-         from before the start on"
+        "the first reading, at {nanoseconds} ns, is later than the start at {start} ns; give earlier ones"
     )]
     FirstReading {
         /// Its time.
@@ -41,20 +40,12 @@ pub enum OdometryError {
         /// That of the start.
         start: i64,
     },
-    /// The tracks of a picture are not in order, or one is there twice.
+    /// A feature has a number that is none, or its track does not come after that before it.
     #[error(
-        "track {track} of the picture at {nanoseconds} ns does not come after the one before it; sort the \
-         tracks, each once"
+        "track {track} of the picture at {nanoseconds} ns is not finite, not in order or there twice; \
+         leave it out"
     )]
-    Order {
-        /// The track.
-        track: usize,
-        /// The time of the picture, on the camera's clock.
-        nanoseconds: i64,
-    },
-    /// A pixel has a number that is none.
-    #[error("track {track} of the picture at {nanoseconds} ns is not finite; leave it out")]
-    Pixel {
+    Feature {
         /// The track.
         track: usize,
         /// The time of the picture, on the camera's clock.

@@ -66,10 +66,10 @@ impl Estimate {
     /// Whether all of it are numbers, and the variances positive.
     fn is_known(&self) -> bool {
         let NavState { velocity, position, .. } = &self.state;
-        let vectors = [velocity, position, &self.bias.gyro, &self.bias.accelerometer];
-        let mut numbers = vectors.into_iter().flatten().chain(&self.covariance);
-        numbers.all(|number| number.is_finite())
-            && self.covariance.diagonal().iter().all(|variance| *variance > 0.0)
+        let vectors = velocity + position + self.bias.gyro + self.bias.accelerometer;
+        // A sum is no number if any of its terms is none.
+        (vectors.sum() + self.covariance.sum()).is_finite()
+            && (0..15).all(|at| self.covariance[(at, at)] > 0.0)
     }
 }
 
@@ -261,15 +261,12 @@ impl Odometry {
             let last = nanoseconds.saturating_add(newest.saturating_sub(time));
             return Err(OdometryError::LatePicture { nanoseconds, last });
         }
-        let is_finite = |pixel: &nalgebra::Vector2<f64>| pixel.iter().all(|n| n.is_finite());
-        let is_whole =
-            |feature: &&Feature| is_finite(&feature.pixel) && feature.right.iter().all(is_finite);
-        if let Some(feature) = picture.features.iter().find(|feature| !is_whole(feature)) {
-            return Err(OdometryError::Pixel { track: feature.track, nanoseconds });
-        }
-        let in_order = |pair: &&[Feature]| pair[0].track < pair[1].track;
-        if let Some(pair) = picture.features.windows(2).find(|pair| !in_order(pair)) {
-            return Err(OdometryError::Order { track: pair[1].track, nanoseconds });
+        let mut before = None;
+        for &Feature { track, pixel, right } in &picture.features {
+            let is_finite = (pixel + right.unwrap_or(pixel)).sum().is_finite();
+            if !is_finite || before.replace(track) >= Some(track) {
+                return Err(OdometryError::Feature { track, nanoseconds });
+            }
         }
         let last = self.last_reading.as_ref().map(|last| last.nanoseconds);
         if last.is_none_or(|last| last < time) {

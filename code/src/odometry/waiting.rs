@@ -37,8 +37,8 @@ impl Waiting {
         self.readings.push(reading);
         let (now, kept) = (reading.nanoseconds, Self::kept(options));
         if now.saturating_sub(self.readings[0].nanoseconds) >= kept.saturating_mul(4) {
-            let offset = options.sensors.rig.imu_nanoseconds(0);
-            self.keep_from(now.saturating_sub(offset).saturating_sub(kept), options);
+            let late = options.sensors.rig.imu_nanoseconds(kept);
+            self.keep_from(now.saturating_sub(late), options);
         }
     }
 

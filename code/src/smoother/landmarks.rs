@@ -210,9 +210,9 @@ impl Smoother {
         let place = values[seen.landmark];
         let Some(anchor) = seen.anchor else { return Some(place) };
         let state = &values[self.window.frame(anchor)?.state];
-        let world_from_camera = state.pose() * values[self.window.extrinsics];
         let in_camera = place.xy().push(1.0) / place.z;
-        (place.z > 0.0).then(|| se3::transform(&world_from_camera, &in_camera))
+        let in_body = se3::transform(&values[self.window.extrinsics], &in_camera);
+        (place.z > 0.0).then(|| state.world_from_body * in_body + state.position)
     }
 
     // ANCHOR: along_first_ray

@@ -168,7 +168,6 @@ fn told(recording: &FlightRecording, estimator: Estimator) -> OdometryOptions {
     let mut told = recording.clone();
     told.flight.rig.time_offset = 0.0;
     let mut options = options(&told, estimator);
-    options.patience = f64::INFINITY;
     for calibrated in [&mut options.smoother.sensors.calibrated, &mut options.msckf.calibrated] {
         calibrated.time_offset = Some(LATE_SIGMA);
     }
@@ -191,6 +190,25 @@ fn judged(recording: &FlightRecording, followed: &Followed) -> [f64; 3] {
     [rmse, nees.position, nees.yaw]
 }
 
+/// A flight with something switched off.
+fn followed(
+    seed: u64,
+    (switch, estimator): (Switch, Estimator),
+    patience: Option<f64>,
+) -> Option<(FlightRecording, Followed)> {
+    let (recording, mut start) = hard(seed);
+    let mut options = told(&recording, estimator);
+    options.patience = patience.unwrap_or(options.patience);
+    switch.off(&mut options, &mut start);
+    let followed = Followed::simulated(&recording, options, &start).ok()?;
+    (followed.losses == 0).then_some((recording, followed))
+}
+
+/// How many flights are said to be lost by an odometry with the patience that it usually has.
+fn said(of: (Switch, Estimator)) -> usize {
+    (0..SEEDS).filter(|seed| followed(*seed, of, None).is_none()).count()
+}
+
 fn switched() -> Vec<RecordValue> {
     let mut values = vec![RecordValue::new("seeds", SEEDS as f64, "", 0, 0.0)];
     for switch in Switch::ALL {
@@ -199,11 +217,8 @@ fn switched() -> Vec<RecordValue> {
                 continue;
             }
             let followed = (0..SEEDS).filter_map(|seed| {
-                let (recording, mut start) = hard(seed);
-                let mut options = told(&recording, estimator);
-                switch.off(&mut options, &mut start);
-                let followed = Followed::simulated(&recording, options, &start).ok()?;
-                (followed.losses == 0).then(|| judged(&recording, &followed))
+                let whole = followed(seed, (switch, estimator), Some(f64::INFINITY));
+                whole.map(|(recording, followed)| judged(&recording, &followed))
             });
             let followed: Vec<[f64; 3]> = followed.collect();
             let mean = |of: fn(&[f64; 3]) -> f64| {
@@ -214,6 +229,9 @@ fn switched() -> Vec<RecordValue> {
                 values.push(RecordValue::new(name(what), value, unit, decimals, 0.02));
             };
             push("lost", (SEEDS as usize - followed.len()) as f64, "", 0);
+            if matches!(switch, Switch::TimeOffset | Switch::Biases) {
+                push("said", said((switch, estimator)) as f64, "", 0);
+            }
             if followed.is_empty() {
                 continue;
             }

@@ -41,7 +41,7 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Assembled {
     const FACE: Face = Face {
-        lead: "It stands, begins, and flies by itself; at 17 s it stands again. Let something go wrong and see whether it knows. Dashed is where the body truly flew, rings and discs are the states and landmarks of the window.",
+        lead: "It stands, flies, and at 17 s stands again. Let something go wrong: does it know? Dashed is where the body truly flew; rings and discs are states and landmarks of the window.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
