@@ -10,6 +10,7 @@ use vislam::filtering::{Freedom, StateError, absolute_trajectory_error, chi_squa
 use vislam::inertial::{NavState, StampedSample};
 use vislam::initialization::{BeginOptions, Sensors, begin};
 use vislam::msckf::Start;
+use vislam::observability::Similarity;
 use vislam::odometry::{
     Estimate, Estimator, Lost, Odometry, OdometryError, OdometryOptions, Progress,
 };
@@ -107,15 +108,22 @@ fn each_estimator_flies_from_nothing_to_the_end() {
     }
 }
 
-/// In the flight's own world, which the origin of the beginning ties to the true one: the newest estimate, and how
-/// far off it is.
-fn in_true_world(recording: &FlightRecording, odometry: &Odometry) -> (Estimate, StateError) {
-    let at = |nanoseconds: i64| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
+/// The true state at a time.
+fn truth_at(recording: &FlightRecording, nanoseconds: i64) -> NavState {
+    recording.flight.motion.at(1e-9 * nanoseconds as f64).state
+}
+
+/// From the flight's own world to the true one, to which the origin of the beginning ties it.
+fn to_truth(recording: &FlightRecording, odometry: &Odometry) -> Similarity {
     let beginning = odometry.beginning().unwrap();
-    let to_truth = beginning.to_world_of(&at(beginning.origin.0));
-    let newest = odometry.newest().unwrap().in_world(&to_truth);
-    let error = StateError::between(&newest.state, &at(newest.nanoseconds));
-    (newest, error)
+    beginning.to_world_of(&truth_at(recording, beginning.origin.0))
+}
+
+/// The newest estimate in the true world, and how far off it is.
+fn in_true_world(recording: &FlightRecording, odometry: &Odometry) -> (Estimate, StateError) {
+    let newest = odometry.newest().unwrap().in_world(&to_truth(recording, odometry));
+    let truth = truth_at(recording, newest.nanoseconds);
+    (newest, StateError::between(&newest.state, &truth))
 }
 
 /// The NEES of the newest rotation, velocity and position, each divided by three.
@@ -132,6 +140,8 @@ fn assert_honest(recording: &FlightRecording, odometry: &Odometry, who: &dyn std
     let nees = nees_by_block(&newest);
     let [_, most] = chi_square_band(2e-4, 3).unwrap();
     assert!(nees.iter().all(|nees| 3.0 * nees < most), "{who:?}: {nees:?}, {newest:?}");
+    // Four standard deviations, along whatever axis.
+    assert!(3.0 * nees[1] < 16.0, "{who:?}: velocity {nees:?}");
     let sigma = |from: usize| {
         newest.0.covariance.fixed_view::<3, 3>(from, from).symmetric_eigenvalues().max().sqrt()
     };
@@ -215,9 +225,7 @@ fn a_beginning_that_does_not_fit_would_be_believed_and_is_refused() {
 
 /// The landmarks of the window are where they truly are, whatever they are estimated as.
 fn assert_places(recording: &FlightRecording, odometry: &Odometry) {
-    let at = |nanoseconds: i64| recording.flight.motion.at(1e-9 * nanoseconds as f64).state;
-    let beginning = odometry.beginning().unwrap();
-    let to_truth = beginning.to_world_of(&at(beginning.origin.0));
+    let to_truth = to_truth(recording, odometry);
     let off = |(track, place): (usize, Vector3<f64>)| {
         let landmark = recording.truth.landmark_of_track[track];
         (to_truth.point(&place) - recording.truth.landmarks[landmark]).norm()

@@ -1,7 +1,5 @@
 //! The estimators, and what each of them says.
 
-use std::mem;
-
 use nalgebra::{Matrix6, Vector3};
 use vislam::inertial::NavState;
 use vislam::initialization::{Batch, BeginOptions, Whole, WholeOptions, begin};
@@ -27,8 +25,6 @@ pub struct Estimate {
     pub pose_covariances: Vec<Matrix6<f64>>,
     /// In the world, in metres.
     pub landmarks: Vec<Vector3<f64>>,
-    /// Whether a flight began, and was not only stood through.
-    pub has_begun: bool,
     /// Seconds from the first picture until there was an estimate; NaN when it was given.
     pub initialized_after: f64,
     /// The standard deviation of the scale then, as a part of it; NaN when none was estimated.
@@ -66,37 +62,29 @@ fn follow(
     let mut options = OdometryOptions::new(*sensors, estimator);
     options.smoother.right = input.right;
     let mut odometry = Odometry::new(options);
-    let (mut estimate, mut longest) = (Estimate::nothing(), Estimate::nothing());
+    let (mut estimate, mut lost) = (Estimate::nothing(), Vec::new());
     let mut last = None;
     let told = |odometry: &Odometry, what: Progress| {
         last = Some(what.clone());
         match what {
             Progress::Following { .. } | Progress::Standing => estimate.add(odometry),
-            Progress::Lost(lost) => {
-                eprintln!("lost after {} states: {lost}", estimate.states.len());
-                longest = longer(&mut longest, &mut estimate);
+            Progress::Lost(why) => {
+                eprintln!("lost after {} states: {why}", estimate.states.len());
+                lost.push(std::mem::replace(&mut estimate, Estimate::nothing()));
             }
             Progress::Waiting => {}
         }
         progress(&format!("{} states of {}", estimate.states.len(), pictures.len()));
     };
     odometry.fly(readings, pictures, told).map_err(|error| error.to_string())?;
-    let longest = longer(&mut longest, &mut estimate);
-    match last {
-        _ if longest.has_begun => Ok(longest),
-        Some(Progress::Standing) => Err("there is no flight: the body stands until the end".into()),
-        _ => Err(
+    let worlds = lost.into_iter().chain([estimate]).filter(Estimate::has_begun);
+    worlds.max_by_key(|world| world.states.len()).ok_or_else(|| match last {
+        Some(Progress::Standing) => "there is no flight: the body stands until the end".to_owned(),
+        _ => {
             "there is no beginning: the body neither stands nor moves enough; give a longer flight"
-                .to_owned(),
-        ),
-    }
-}
-
-/// The one that followed a flight for more states; nothing is left of either.
-fn longer(one: &mut Estimate, other: &mut Estimate) -> Estimate {
-    let [one, other] = [one, other].map(|estimate| mem::replace(estimate, Estimate::nothing()));
-    let length = |estimate: &Estimate| (estimate.has_begun, estimate.states.len());
-    if length(&other) >= length(&one) { other } else { one }
+                .to_owned()
+        }
+    })
 }
 
 /// Begins at rest or in motion, and from there grows the batch of all pictures.
@@ -134,12 +122,16 @@ impl Estimate {
             states: Vec::new(),
             pose_covariances: Vec::new(),
             landmarks: Vec::new(),
-            has_begun: false,
             initialized_after: f64::NAN,
             scale_sigma: f64::NAN,
             causal: Trajectory::new(),
             delayed: Trajectory::new(),
         }
+    }
+
+    /// Whether a flight began, and was not only stood through.
+    fn has_begun(&self) -> bool {
+        self.initialized_after.is_finite()
     }
 
     /// Adds what an odometry says after a picture.
@@ -148,7 +140,6 @@ impl Estimate {
         let newest = odometry.newest().filter(|newest| is_new(newest.nanoseconds));
         let Some(newest) = newest else { return };
         if let Some(beginning) = odometry.beginning() {
-            self.has_begun = true;
             self.initialized_after = beginning.seconds;
             self.scale_sigma = beginning.scale_sigma.unwrap_or(f64::NAN);
         }

@@ -18,6 +18,14 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// A folder with the files of a simulated flight.
+fn simulated(name: &str, flight: &str) -> PathBuf {
+    let folder = folder(name);
+    let line = format!("{flight} --out {}", folder.display());
+    simulate::simulate(line.split(' ').map(String::from)).unwrap();
+    folder
+}
+
 fn asked(line: &str) -> Result<Arguments, String> {
     Arguments::read(line.split_whitespace().map(String::from))
 }
@@ -30,10 +38,8 @@ fn said(line: &str, name: &str) -> f64 {
 
 #[test]
 fn a_simulated_flight_goes_through_files_and_comes_out_near_its_truth() {
-    let folder = folder("simulated");
+    let folder = simulated("simulated", "--seed 3 --seconds 6");
     let at = |file: &str| folder.join(file).display().to_string();
-    let line = format!("--seed 3 --seconds 6 --out {}", folder.display());
-    simulate::simulate(line.split(' ').map(String::from)).unwrap();
     let files =
         format!("{} {} --calibration {}", at("imu.csv"), at("tracks.csv"), at("calibration.toml"));
     let written =
@@ -133,10 +139,8 @@ fn a_simulated_flight_goes_through_files_and_comes_out_near_its_truth() {
 
 #[test]
 fn the_smoother_takes_the_second_camera_that_a_calibration_names() {
-    let folder = folder("pair");
+    let folder = simulated("pair", "--seed 5 --seconds 8");
     let at = |file: &str| folder.join(file).display().to_string();
-    let line = format!("--seed 5 --seconds 8 --out {}", folder.display());
-    simulate::simulate(line.split(' ').map(String::from)).unwrap();
     let text = std::fs::read_to_string(folder.join("calibration.toml")).unwrap();
     let without = text.lines().filter(|line| !line.starts_with("baseline"));
     std::fs::write(folder.join("one.toml"), without.collect::<Vec<_>>().join("\n")).unwrap();
@@ -152,10 +156,8 @@ fn the_smoother_takes_the_second_camera_that_a_calibration_names() {
 
 #[test]
 fn what_was_followed_before_a_late_loss_is_written() {
-    let folder = folder("lost");
+    let folder = simulated("lost", "--seed 3 --seconds 6");
     let at = |file: &str| folder.join(file).display().to_string();
-    let line = format!("--seed 3 --seconds 6 --out {}", folder.display());
-    simulate::simulate(line.split(' ').map(String::from)).unwrap();
     let lines = std::fs::read_to_string(at("imu.csv")).unwrap();
     let lines: Vec<&str> = lines.lines().collect();
     let (before, after) = lines.split_at(lines.len() - 120);
