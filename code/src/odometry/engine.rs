@@ -66,14 +66,6 @@ impl Engine {
         }
     }
 
-    /// The time of the newest state, in nanoseconds on the sensor's clock.
-    pub fn nanoseconds(&self) -> i64 {
-        match self {
-            Self::Window(smoother) => smoother.state().0,
-            Self::Filter(filter) => filter.nanoseconds(),
-        }
-    }
-
     /// The newest state.
     pub fn newest(&self) -> Estimate {
         match self {

@@ -187,7 +187,7 @@ impl Odometry {
 
     /// Whether a first reading reaches back to a start that was told.
     fn reach(&self, nanoseconds: i64) -> Result<(), OdometryError> {
-        match self.engine().map(Engine::nanoseconds) {
+        match self.engine().map(|engine| engine.newest().nanoseconds) {
             Some(start) if start < nanoseconds => {
                 Err(OdometryError::FirstReading { nanoseconds, start })
             }
@@ -256,7 +256,7 @@ impl Odometry {
             return Err(OdometryError::LatePicture { nanoseconds, last });
         }
         let time = self.imu_nanoseconds(picture);
-        let newest = self.engine().map(Engine::nanoseconds);
+        let newest = self.engine().map(|engine| engine.newest().nanoseconds);
         if let Some(newest) = newest.filter(|newest| *newest >= time) {
             let last = nanoseconds.saturating_add(newest.saturating_sub(time));
             return Err(OdometryError::LatePicture { nanoseconds, last });

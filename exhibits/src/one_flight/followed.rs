@@ -19,7 +19,7 @@ use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::filtering::flown::{self, Moment, RIGHT};
 use crate::initialization::judged::root_mean_square;
-use crate::loop_closure::flight::{Closed, closed_on, example::BASELINE};
+use crate::loop_closure::flight::{Closed, closed_on, example::BASELINE, example::SPACING};
 use crate::msckf::flights::{self, Seen, example, options};
 use crate::smoother::consistency;
 use crate::smoother::followed::{self, Followed, rmse};
@@ -284,8 +284,7 @@ fn to_the_end() -> Figure {
     ])
 }
 
-/// So many keyframes are drawn, and their errors so much larger than they are.
-const SPACED: usize = 12;
+/// How much larger than they are the errors of keyframes are drawn.
 const LARGER: f64 = 10.0;
 
 /// The same flight with a second camera, which finds places again.
@@ -311,7 +310,7 @@ pub fn recognized(chapter: &mut Chapter) {
 fn loops() -> Figure {
     let closed = found_again();
     let truth = closed.keyframes.truth.iter().map(|state| state.position);
-    let last = closed.keyframes.truth.len() - SPACED;
+    let last = closed.keyframes.truth.len() - picture_at(DRAWN) / SPACING;
     let line = |name, series, poses| {
         let larger = truth.clone().zip(closed.off(poses)).map(|(at, off)| at + LARGER * off);
         let places: Vec<Vector3<f64>> = larger.skip(last).collect();
