@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Whoever takes so long never ends.
 const NEVER: Duration = Duration::from_secs(120);
 
-/// An eye on a reader. The last input lies in a file.
+/// An eye on a reader. The last input lies in a file, and stays there when the trial fails.
 pub struct Watch {
     path: PathBuf,
     since: Arc<Mutex<Option<Instant>>>,
@@ -20,7 +20,8 @@ impl Watch {
     pub fn of(name: &'static str) -> Self {
         let folder = std::env::temp_dir().join("vislam-fuzz");
         fs::create_dir_all(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-        let (path, since) = (folder.join(name), Arc::new(Mutex::new(None::<Instant>)));
+        let path = folder.join(format!("{name}-{}", std::process::id()));
+        let since = Arc::new(Mutex::new(None::<Instant>));
         let (file, watched) = (path.clone(), Arc::downgrade(&since));
         thread::spawn(move || {
             while let Some(since) = watched.upgrade() {
@@ -55,5 +56,13 @@ impl Watch {
 
     fn set(&self, to: Option<Instant>) {
         *self.since.lock().unwrap_or_else(PoisonError::into_inner) = to;
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        if !thread::panicking() {
+            let _ = fs::remove_file(&self.path);
+        }
     }
 }

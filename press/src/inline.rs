@@ -41,6 +41,8 @@ pub enum Mark<'a> {
     UnclosedMath,
     /// `$$` in the middle of a paragraph.
     MisplacedDisplay,
+    /// A bracket around more than [`DEEPEST`] others, one in the other.
+    Nested,
 }
 
 /// A label that a comment in code names, as in `Implements {eq:projection}`.
@@ -56,14 +58,17 @@ pub static NAMED_WORKS: LazyLock<Regex> = LazyLock::new(|| {
 /// The kinds of labels that can be referred to.
 pub const LABEL_KINDS: [&str; 6] = ["alg:", "eq:", "fig:", "lst:", "sec:", "thm:"];
 
+/// So many brackets may stand one in the other: what is inside of a mark is read once more for each around it.
+pub const DEEPEST: usize = 8;
+
 /// Splits a paragraph into its marks.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
-    let closings = closings(text);
+    let pairs = pairs(text);
     let mut tokens = Vec::new();
     let mut plain = 0;
     let mut at = 0;
     while at < text.len() {
-        let (mark, length) = match mark(text, at, &closings) {
+        let (mark, length) = match mark(text, at, &pairs) {
             Some(found) => found,
             None => {
                 at += step(&text[at..]);
@@ -93,30 +98,43 @@ fn step(rest: &str) -> usize {
     }
 }
 
-/// Where each bracket that is closed is closed.
-fn closings(text: &str) -> HashMap<usize, usize> {
-    let (mut open, mut closings) = (Vec::new(), HashMap::new());
-    for (at, byte) in text.bytes().enumerate() {
+/// A bracket that is closed.
+struct Pair {
+    /// Where it is closed.
+    end: usize,
+    /// How many stand one in the other, itself among them.
+    height: usize,
+}
+
+/// Each bracket that is closed, by where it is opened.
+fn pairs(text: &str) -> HashMap<usize, Pair> {
+    let (mut open, mut pairs) = (Vec::<(usize, usize)>::new(), HashMap::new());
+    for (end, byte) in text.bytes().enumerate() {
         match byte {
-            b'[' => open.push(at),
-            b']' => closings.extend(open.pop().map(|begin| (begin, at))),
+            b'[' => open.push((end, 1)),
+            b']' => {
+                let Some((begin, height)) = open.pop() else { continue };
+                if let Some((_, around)) = open.last_mut() {
+                    *around = (*around).max(height + 1);
+                }
+                pairs.insert(begin, Pair { end, height });
+            }
             _ => {}
         }
     }
-    closings
+    pairs
 }
 
-fn mark<'a>(
-    text: &'a str,
-    at: usize,
-    closings: &HashMap<usize, usize>,
-) -> Option<(Mark<'a>, usize)> {
+fn mark<'a>(text: &'a str, at: usize, pairs: &HashMap<usize, Pair>) -> Option<(Mark<'a>, usize)> {
     let rest = &text[at..];
     match rest.as_bytes()[0] {
         b'`' => code(rest),
         b'$' => Some(math(rest)),
         b'{' => braces(rest),
-        b'[' => bracket(rest, closings.get(&at)? - at),
+        b'[' => match pairs.get(&at)? {
+            Pair { height, .. } if *height > DEEPEST => Some((Mark::Nested, 1)),
+            Pair { end, .. } => bracket(rest, end - at),
+        },
         b'@' if !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.') => at_sign(rest),
         _ => None,
     }
@@ -249,6 +267,17 @@ mod tests {
             matches!(&found[..], [Mark::Span { text: "the skew $[t]_\\times$", .. }]),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn a_bracket_around_too_many_others_is_told_and_what_is_inside_is_read() {
+        let inside =
+            format!("{}[x]{{.measured}}{}", "[".repeat(DEEPEST - 1), "]".repeat(DEEPEST - 1));
+        assert!(!marks(&inside).contains(&Mark::Nested));
+        let found = marks(&format!("[{inside}]"));
+        assert_eq!(found.iter().filter(|mark| **mark == Mark::Nested).count(), 1);
+        assert!(found.iter().any(|mark| matches!(mark, Mark::Span { text: "x", .. })), "{found:?}");
+        assert!(!marks("[a] [b] ".repeat(DEEPEST).as_str()).contains(&Mark::Nested));
     }
 
     #[test]

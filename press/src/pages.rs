@@ -168,10 +168,14 @@ pub fn anchor_of(title: &str, attributes: &Attributes) -> String {
     if attributes.id.is_empty() { anchor(title) } else { attributes.id.clone() }
 }
 
+/// Nobody misspells a name of so many bytes; to compare two of them takes the product of their lengths.
+const LONGEST_NAME: usize = 100;
+
 /// Of the names that there are, the one that most resembles one that there is not.
 pub fn nearest<'a>(known: impl Iterator<Item = &'a String>, name: &str) -> Option<&'a str> {
     let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
     known
+        .filter(|known| known.len().max(name.len()) <= LONGEST_NAME)
         .map(|known| (known, likeness(known)))
         .filter(|(_, ratio)| *ratio > 0.6)
         .max_by(|a, b| a.1.total_cmp(&b.1))

@@ -236,7 +236,7 @@ impl One<'_> {
                 Some(("time", words)) => out.push_str(&self.time(words, found)),
                 _ => self.misused(mark, found),
             },
-            Mark::UnclosedMath | Mark::MisplacedDisplay => {
+            Mark::UnclosedMath | Mark::MisplacedDisplay | Mark::Nested => {
                 self.misused(mark, found);
             }
         }
@@ -253,6 +253,11 @@ impl One<'_> {
                 "$",
                 "a formula begins here and never ends",
                 r"close it with $, or write \$ for the sign itself",
+            ),
+            Mark::Nested => (
+                "[",
+                "too many brackets stand one in the other",
+                "close a bracket before the next is opened",
             ),
             _ => (
                 "$$",
