@@ -390,3 +390,30 @@ test("who wants no motion plays by steps, and who does can pause", async () => {
         assert.deepEqual((await shown(figure)).controls, paused.controls);
     });
 });
+
+test("what is to go wrong begins where the flight is, goes on from there, and can be taken back", async () => {
+    const widget = widgets.find(({ name }) => name === "odometry");
+    if (!widget) return;
+    const fault = "No pictures for a second";
+    const control = ({ controls }) => controls.pictures;
+    await alive(widget, {}, async (page, figure) => {
+        const before = await shown(figure);
+        await figure.getByRole("button", { name: fault, exact: true }).click();
+        const pressed = await shown(figure);
+        assert.equal(control(pressed), before.controls.time);
+        assert.equal(pressed.controls.time, before.controls.time, "who wants no motion goes on by steps");
+        assert.deepEqual(pressed.steps, before.steps, "what was flown stays");
+        await figure.getByRole("button", { name: "Next" }).click();
+        const after = await shown(figure);
+        assert.ok(after.controls.time > pressed.controls.time);
+        await figure.getByRole("button", { name: `Undo: ${fault}` }).click();
+        const undone = await shown(figure);
+        assert.equal(control(undone), -1);
+        assert.notDeepEqual(undone.steps, after.steps, "without it the pictures are there");
+    });
+    await alive(widget, { reducedMotion: "no-preference" }, async (page, figure) => {
+        await figure.getByRole("button", { name: fault, exact: true }).click();
+        await figure.getByRole("button", { name: "Pause" }).click();
+        assert.ok(control(await shown(figure)) > 0);
+    });
+});

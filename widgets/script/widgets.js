@@ -322,11 +322,9 @@
             this.shown = element("output", { className: "value" });
             const label = element("span", { className: "name", textContent: face.label });
             if (face.kind === "count") {
-                this.input = element("button", { type: "button", textContent: face.label });
-                this.input.addEventListener("click", () => change(this, this.value + 1));
-                this.back = element("button", { type: "button", textContent: "Back" });
-                this.back.addEventListener("click", () => change(this, this.value - 1));
-                this.box = element("div", { className: "control count" }, this.input, this.back, this.shown);
+                this.buttons("Back", () => change(this, this.value + 1), () => change(this, this.value - 1));
+            } else if (face.kind === "moment") {
+                this.buttons("Undo", () => change(this, "now"), () => change(this, face.start));
             } else if (face.kind === "switch") {
                 this.input = element("input", { type: "checkbox" });
                 this.input.addEventListener("change", () => change(this, Number(this.input.checked)));
@@ -339,6 +337,15 @@
             } else {
                 this.slider(label, change);
             }
+        }
+
+        buttons(back, forth, undo) {
+            this.input = element("button", { type: "button", textContent: this.face.label });
+            this.input.addEventListener("click", forth);
+            this.back = element("button", { type: "button", textContent: back });
+            this.back.setAttribute("aria-label", `${back}: ${this.face.label}`);
+            this.back.addEventListener("click", undo);
+            this.box = element("div", { className: `control count ${this.face.kind}` }, this.input, this.back, this.shown);
         }
 
         slider(label, change) {
@@ -382,6 +389,9 @@
                 // Not disabled, for that would take the focus away.
                 this.input.setAttribute("aria-disabled", value >= face.most);
                 this.back.setAttribute("aria-disabled", value <= face.least);
+            } else if (face.kind === "moment") {
+                this.shown.textContent = value < 0 ? "" : `from ${value.toFixed(1)} ${face.unit}`;
+                this.back.setAttribute("aria-disabled", value < 0);
             } else {
                 const digits = face.kind === "logarithmic" ? Math.max(0, 2 - Math.floor(Math.log10(value)))
                     : Math.max(0, -Math.floor(Math.log10(face.step) + 1e-9));
@@ -451,8 +461,20 @@
         }
 
         change(control, value) {
-            this.session.controls[control.number] = value;
+            this.session.controls[control.number] = value === "now" ? this.now(control) : value;
             this.ask();
+        }
+
+        // Where the slider that is played stands. From there it goes on, for who presses a button wants to see what follows.
+        now({ face }) {
+            const sweep = this.controls.find(control => control.play);
+            const values = this.session.controls;
+            const value = values[sweep.number] = Math.min(values[sweep.number], face.most);
+            sweep.way = 1;
+            if (!still.matches && !this.playing) {
+                this.start(sweep);
+            }
+            return value;
         }
 
         set(name, value) {
@@ -542,11 +564,15 @@
                 } else if (this.playing) {
                     this.pause();
                 } else {
-                    this.playing = control;
-                    this.label(control);
-                    this.go(performance.now());
+                    this.start(control);
                 }
             });
+        }
+
+        start(control) {
+            this.playing = control;
+            this.label(control);
+            this.go(performance.now());
         }
 
         label(control) {

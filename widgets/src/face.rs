@@ -73,6 +73,11 @@ impl Control {
     pub const fn count(name: &'static str, label: &'static str, most: f64) -> Self {
         Self { kind: Kind::Count, ..Self::slider(name, label, "", [0.0, 0.0, most, 1.0]) }
     }
+
+    /// A button that says when, before some time in seconds; −1 until it is pressed.
+    pub const fn moment(name: &'static str, label: &'static str, most: f64) -> Self {
+        Self { kind: Kind::Moment, ..Self::slider(name, label, "s", [-1.0, -1.0, most, 0.2]) }
+    }
 }
 
 /// How a number is changed.
@@ -91,6 +96,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// By a button that adds one, and another that takes it back.
     Count,
+    /// By a button that takes over where the sweep stands, and lets it go on; another takes it back.
+    Moment,
 }
 
 /// Something to be dragged, at the place where the scene puts it.

@@ -18,9 +18,9 @@ const WORLDS: &str = "Worlds begun";
 const LANDED: (&str, f64) = ("time", 30.0);
 const MSCKF: (&str, f64) = ("estimator", 1.0);
 const ESTIMATED: (&str, f64) = ("clock", 1.0);
-const PICTURES_MISSING: (&str, f64) = ("fault", 1.0);
-const TRACKS_WRONG: (&str, f64) = ("fault", 2.0);
-const READINGS_MISSING: (&str, f64) = ("fault", 3.0);
+const PICTURES_MISSING: (&str, f64) = ("pictures", 12.0);
+const TRACKS_WRONG: (&str, f64) = ("tracks", 12.0);
+const READINGS_MISSING: (&str, f64) = ("readings", 12.0);
 
 type Settings<'a> = &'a [(&'a str, f64)];
 
@@ -156,7 +156,7 @@ fn missing_pictures_are_flown_through_and_make_it_less_sure() {
     for estimator in [("estimator", 0.0), MSCKF] {
         let sigma = told(&[estimator, PICTURES_MISSING, LANDED])("σ of the position");
         let with = told(&[estimator, LANDED])("σ of the position");
-        assert!(sigma[65] > 1.02 * with[65], "{} {}", sigma[65], with[65]);
+        assert!(sigma[67] > 1.02 * with[67], "{} {}", sigma[67], with[67]);
         assert_eq!(shown(&[estimator, PICTURES_MISSING, LANDED])(WORLDS), 1.0);
         let phases = phases(&[estimator, PICTURES_MISSING, LANDED]);
         let missing = phases.iter().filter(|phase| **phase == Phase::Missing as u8 as f64);
@@ -269,6 +269,26 @@ fn what_has_been_flown_is_shown_before_the_rest_and_time_goes_back_for_nothing()
     assert!(!session.advance());
     session.set("pixel", 2.0);
     assert!(session.advance());
+}
+
+#[test]
+fn what_goes_wrong_from_now_on_changes_nothing_that_was_flown() {
+    for (fault, time) in [("pictures", 6.0), ("tracks", 6.2), ("readings", 6.4)] {
+        let mut pressed = session(&[("time", time)]);
+        while pressed.advance() {}
+        pressed.set(fault, time);
+        assert!(!pressed.advance(), "{fault}: what was flown stays");
+        pressed.set("time", 8.0);
+        while pressed.advance() {}
+        let mut whole = session(&[("time", 8.0), (fault, time)]);
+        while whole.advance() {}
+        assert_eq!(bits(pressed.steps()), bits(whole.steps()), "{fault}");
+        let mut without = session(&[("time", 8.0)]);
+        while without.advance() {}
+        assert_ne!(bits(pressed.steps()), bits(without.steps()), "{fault}");
+        pressed.set(fault, time - 2.0);
+        assert!(pressed.advance(), "{fault}: it is flown again");
+    }
 }
 
 #[test]

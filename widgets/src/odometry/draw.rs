@@ -1,16 +1,14 @@
 //! The picture of a flight and what an odometry makes of it.
 
 use super::run::{Frame, Known, Phase, Run, Why};
-use super::setting::{FAULT, Fault, PICTURES, SECONDS};
+use super::setting::{FAULTS, PICTURES, SECONDS};
 use super::{ABOVE, ELLIPSE, POSITION, SEEN};
-use crate::curve::{rounded, thinned};
+use crate::curve::rounded;
 use crate::ellipse::ellipse;
 use crate::{Scene, Shape, Style};
 
 /// A place that ends a line.
 const BREAK: [f64; 2] = [f64::NAN; 2];
-/// Every so many pictures are a place of a path, and of a line over time.
-const EVERY: usize = 1;
 /// Of the picture of the ellipses, over its width.
 const HEIGHT: f64 = 0.66;
 /// How far off an error is said to be still within what is reported.
@@ -26,7 +24,7 @@ pub fn above(run: &Run, frames: &[Frame], scene: &mut Scene) {
     let Some(last) = frames.last() else { return };
     let flown = truth.states[..frames.len()].iter();
     let flown = flown.map(|state| [state.position.x, state.position.y]);
-    scene.draw(ABOVE, (Shape::Dashed, Style::Ink, 1.5), thinned(EVERY, flown));
+    scene.draw(ABOVE, (Shape::Dashed, Style::Ink, 1.5), flown);
     let mut world = 0;
     let believed = frames.iter().flat_map(|frame| {
         let is_same = std::mem::replace(&mut world, frame.worlds) == frame.worlds;
@@ -140,9 +138,8 @@ fn shade(run: &Run, frames: &[Frame], (panel, [low, high]): (usize, [f64; 2]), s
         }
     }
     scene.draw(panel, (Shape::Area, Style::Faint, 1.0), spans.into_iter().flat_map(shaded));
-    if run.setting.fault != Fault::None {
-        scene.draw(panel, (Shape::Area, Style::Prior, 1.0), shaded(FAULT));
-    }
+    let faults = FAULTS.into_iter().filter_map(|fault| run.setting.span(fault));
+    scene.draw(panel, (Shape::Area, Style::Prior, 1.0), faults.flat_map(shaded));
 }
 
 fn seen_from_above(known: &Known) -> [f64; 2] {

@@ -9,7 +9,9 @@ mod setting;
 mod tracker;
 
 pub use run::{Frame, Known, Phase, Run, Why};
-pub use setting::{FAULT, Fault, PICTURES, SECONDS, STAND, STANDS, Setting};
+pub use setting::{Fault, PICTURES, SECONDS, STAND, STANDS, Setting};
+
+use setting::LAST_FAULT;
 
 use crate::{Axis, Control, Face, Kind, Panel, Reading, Scene, Steps, Widget};
 
@@ -41,12 +43,15 @@ const fn reading(label: &'static str, unit: &'static str, digits: usize) -> Read
 
 impl Widget for Assembled {
     const FACE: Face = Face {
-        lead: "It stands, flies, and at 17 s stands again. Let something go wrong: does it know? Dashed is where the body truly flew; rings and discs are states and landmarks of the window.",
+        lead: "It stands, flies, and at 17 s stands again. Play, and press a button of what goes wrong: does it know? Dashed is where the body truly flew; rings and discs are states and landmarks of the window.",
         controls: &[
             Control {
                 kind: Kind::Sweep,
                 ..Control::slider("time", "Time flown", "s", [16.0, 0.0, SECONDS, 0.2])
             },
+            Control::moment("pictures", "No pictures for a second", LAST_FAULT),
+            Control::moment("tracks", "Wrong tracks for a second", LAST_FAULT),
+            Control::moment("readings", "No readings for a second", LAST_FAULT),
             Control::choice("estimator", "Estimator", &["smoother", "MSCKF"]),
             Control::slider("pixel", "Noise of a pixel", "px", [1.0, 0.3, 2.0, 0.1]),
             Control::slider("track", "Longest track", "pictures", [12.0, 6.0, 20.0, 1.0]),
@@ -55,16 +60,6 @@ impl Widget for Assembled {
                 "clock",
                 "The clock is",
                 &["taken to be right", "estimated on the way"],
-            ),
-            Control::choice(
-                "fault",
-                "From 12 s to 13 s",
-                &[
-                    "nothing goes wrong",
-                    "pictures are missing",
-                    "all tracks are wrong",
-                    "readings are missing",
-                ],
             ),
             Control::slider("seed", "Seed of noise and room", "", [1.0, 1.0, 20.0, 1.0]),
         ],
@@ -116,7 +111,7 @@ impl Widget for Assembled {
 
     fn advance(&mut self, controls: &[f64]) -> bool {
         let Some((setting, picture)) = Setting::of(controls) else { return false };
-        if self.run.as_ref().is_none_or(|run| run.setting != setting) {
+        if !self.run.as_mut().is_some_and(|run| run.becomes(setting)) {
             self.run = Run::new(setting);
         }
         self.run.as_mut().is_some_and(|run| run.advance(picture))

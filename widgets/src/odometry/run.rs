@@ -7,7 +7,7 @@ use vislam::observability::Similarity;
 use vislam::odometry::{Estimate, Lost, Odometry, Progress};
 use vislam::simulation::{FlightRecording, Recorder};
 
-use super::setting::{PICTURES, Setting};
+use super::setting::{Fault, PICTURES, Setting};
 use super::tracker::Tracker;
 
 /// Pictures that are flown at a time.
@@ -116,6 +116,16 @@ impl Run {
         })
     }
 
+    /// Asks for something else from now on; whether nothing that has been flown would be different.
+    pub fn becomes(&mut self, setting: Setting) -> bool {
+        let read = self.recording().readings.last().map_or(0, |reading| reading.nanoseconds);
+        let agrees = self.setting.agrees(&setting, 1e-9 * read as f64);
+        if agrees {
+            self.setting = setting;
+        }
+        agrees
+    }
+
     /// What the sensors have brought home until now.
     pub fn recording(&self) -> &FlightRecording {
         self.recorder.recording()
@@ -141,6 +151,9 @@ impl Run {
     fn hand_over(&mut self, to: usize) {
         let recording = self.recorder.recording();
         for reading in &recording.readings[self.taken..] {
+            if self.setting.suffers(Fault::Readings, 1e-9 * reading.nanoseconds as f64) {
+                continue;
+            }
             if let Ok(Some(lost)) = self.odometry.reading(*reading) {
                 self.lost = Some(Why::from(&lost));
             }
@@ -168,7 +181,8 @@ impl Run {
         let seconds = number as f64 / PICTURES;
         let picture = &self.recorder.recording().pictures[number];
         let picture = self.tracker.shown(picture, (number, seconds), &self.setting);
-        let progress = (!self.setting.loses(seconds)).then(|| self.odometry.picture(&picture));
+        let progress = (!self.setting.suffers(Fault::Pictures, seconds))
+            .then(|| self.odometry.picture(&picture));
         let (phase, seen) = match progress {
             Some(Ok(Progress::Following { used, refused })) => (Phase::Following, [used, refused]),
             Some(Ok(Progress::Standing)) => (Phase::Standing, [0, 0]),

@@ -14,8 +14,10 @@ pub const PICTURES: f64 = 5.0;
 pub const STANDS: [[f64; 2]; 2] = [[-1.0, 2.0], [17.0, 20.0]];
 /// How long it must stand to begin, which the shortest tracks do not outlast by much.
 pub const STAND: f64 = 0.6;
-/// From when to when something goes wrong, if it does, in seconds.
-pub const FAULT: [f64; 2] = [12.0, 13.0];
+/// For how long something goes wrong, in seconds.
+const FAULT: f64 = 1.0;
+/// The last moment at which something begins to, in seconds.
+pub const LAST_FAULT: f64 = 28.0;
 /// Metres from the flight to the walls of its room, and landmarks on them.
 const ROOM: (f64, usize) = (3.0, 240);
 /// Features in a picture, at most.
@@ -27,11 +29,9 @@ const CLOCK_SIGMA: f64 = 0.03;
 /// A reading that would still be needed for the last picture may come later.
 const BEHIND: f64 = 0.5;
 
-/// What goes wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What goes wrong, in the order of its buttons.
+#[derive(Debug, Clone, Copy)]
 pub enum Fault {
-    /// Nothing.
-    None,
     /// Pictures are missing.
     Pictures,
     /// Each track is somewhere else in each picture.
@@ -39,6 +39,9 @@ pub enum Fault {
     /// Readings are missing.
     Readings,
 }
+
+/// All that can.
+pub const FAULTS: [Fault; 3] = [Fault::Pictures, Fault::Tracks, Fault::Readings];
 
 /// All controls but the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,8 +56,8 @@ pub struct Setting {
     pub delay: f64,
     /// Whether the estimator looks for that itself.
     pub clock: bool,
-    /// What goes wrong.
-    pub fault: Fault,
+    /// When each fault was asked for, in seconds; before the flight if it was not.
+    pub faults: [f64; 3],
     /// Of all that is random.
     pub seed: u64,
 }
@@ -62,18 +65,14 @@ pub struct Setting {
 impl Setting {
     /// The setting and the number of the last picture, from the values of the controls.
     pub fn of(controls: &[f64]) -> Option<(Self, usize)> {
-        let &[time, estimator, pixel, track, milliseconds, clock, fault, seed] = controls else {
+        let &[time, pictures, tracks, readings, estimator, pixel, track, milliseconds, clock, seed] =
+            controls
+        else {
             return None;
         };
         let estimator = match estimator.round() as usize {
             0 => Estimator::Smoother,
             _ => Estimator::Msckf,
-        };
-        let fault = match fault.round() as usize {
-            0 => Fault::None,
-            1 => Fault::Pictures,
-            2 => Fault::Tracks,
-            _ => Fault::Readings,
         };
         let setting = Self {
             estimator,
@@ -81,7 +80,7 @@ impl Setting {
             track: track.round() as usize,
             delay: 1e-3 * milliseconds,
             clock: clock.round() > 0.0,
-            fault,
+            faults: [pictures, tracks, readings],
             seed: seed.round() as u64,
         };
         Some((setting, (time * PICTURES + 1e-9) as usize))
@@ -104,7 +103,6 @@ impl Setting {
             pixel_sigma: self.pixel,
             tracks: FEATURES,
             rig: CameraImu { time_offset: self.delay, ..flight.rig },
-            gap: (self.fault == Fault::Readings).then_some(FAULT),
             ..flight
         }
     }
@@ -122,20 +120,32 @@ impl Setting {
         OdometryOptions::beginning(sensors, self.estimator, begin)
     }
 
-    /// Whether a picture is never taken.
-    pub fn loses(&self, seconds: f64) -> bool {
-        self.fault == Fault::Pictures && is_faulty(seconds)
+    /// From when to when something goes wrong, in seconds, if it was asked for. It begins between pictures, after the one
+    /// that a reader has not seen yet: what was seen stays.
+    pub fn span(&self, fault: Fault) -> Option<[f64; 2]> {
+        let moment = self.faults[fault as usize];
+        let from = ((moment * PICTURES + 1e-9).floor() + 1.5) / PICTURES;
+        (moment >= 0.0).then_some([from, from + FAULT])
+    }
+
+    /// Whether something goes wrong.
+    pub fn suffers(&self, fault: Fault, seconds: f64) -> bool {
+        self.span(fault).is_some_and(|[from, to]| (from..to).contains(&seconds))
     }
 
     /// By how much a pixel of a picture is off, if it is: elsewhere in each picture.
     pub fn off(&self, seconds: f64, picture: usize, feature: usize) -> Option<Vector2<f64>> {
         let (sine, cosine) = ((7 * feature + 3 * picture) as f64).sin_cos();
-        let is_wrong = self.fault == Fault::Tracks && is_faulty(seconds);
-        is_wrong.then(|| OFF * Vector2::new(sine, cosine))
+        self.suffers(Fault::Tracks, seconds).then(|| OFF * Vector2::new(sine, cosine))
     }
-}
 
-fn is_faulty(seconds: f64) -> bool {
-    let [from, to] = FAULT;
-    (from..to).contains(&seconds)
+    /// Whether this and another are the same until some time, in seconds.
+    pub fn agrees(&self, other: &Self, seconds: f64) -> bool {
+        let begins = |setting: &Self, fault| setting.span(fault).map_or(f64::MAX, |[from, _]| from);
+        let agree = |fault| {
+            let [one, two] = [self, other].map(|setting| begins(setting, fault));
+            one == two || one.min(two) > seconds
+        };
+        Self { faults: other.faults, ..*self } == *other && FAULTS.into_iter().all(agree)
+    }
 }
