@@ -47,7 +47,7 @@ impl Widget for Assembled {
         controls: &[
             Control {
                 kind: Kind::Sweep,
-                ..Control::slider("time", "Time flown", "s", [16.0, 0.0, SECONDS, 0.2])
+                ..Control::slider("time", "Time flown", "s", [12.0, 0.0, SECONDS, 0.2])
             },
             Control::moment("pictures", "No pictures for a second", LAST_FAULT),
             Control::moment("tracks", "Wrong tracks for a second", LAST_FAULT),
