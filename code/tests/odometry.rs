@@ -296,6 +296,60 @@ fn a_missing_reading_is_flown_through_and_a_gap_is_said() {
 }
 
 #[test]
+fn one_reading_from_the_future_costs_a_beginning_and_no_more() {
+    let recording = flown(12.0, 3);
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let mut readings = recording.readings.clone();
+        readings[1200].nanoseconds += 3_600_000_000_000;
+        let mut odometry = odometry(&recording, estimator);
+        let flown = fly(&mut odometry, &readings, &recording.pictures);
+        assert!(matches!(flown.lost[..], [Lost::Gap { .. }]), "{estimator}: {:?}", flown.lost);
+        assert_eq!(odometry.worlds(), 2, "{estimator} begins again");
+        assert_honest(&recording, &odometry, &estimator);
+        // Two that agree are believed, and what comes before them is late.
+        let last = *recording.readings.last().unwrap();
+        let after = |seconds: i64| StampedSample {
+            nanoseconds: last.nanoseconds + seconds * 1_000_000_000,
+            ..last
+        };
+        assert!(matches!(odometry.reading(after(50)), Ok(Some(Lost::Gap { .. }))));
+        assert!(matches!(odometry.reading(after(51)), Ok(Some(Lost::Gap { .. }))));
+        assert!(matches!(odometry.reading(after(52)), Ok(Some(Lost::Gap { .. }))));
+        assert!(matches!(odometry.reading(after(49)), Err(OdometryError::LateReading { .. })));
+    }
+}
+
+/// A recording in which the sensor shows so many times what there is, for half a second.
+fn with_a_blow(recording: &FlightRecording, size: f64) -> Vec<StampedSample> {
+    let mut readings = recording.readings.clone();
+    for StampedSample { sample, .. } in &mut readings[1000..1100] {
+        sample.gyro *= size;
+        sample.accelerometer *= size;
+    }
+    readings
+}
+
+#[test]
+fn a_blow_to_the_sensor_is_noticed_whatever_its_size() {
+    let recording = flown(11.0, 6);
+    for estimator in Estimator::ALL {
+        for size in [10.0, 1e3, 1e160] {
+            let mut odometry = odometry(&recording, estimator);
+            let readings = with_a_blow(&recording, size);
+            let flown = fly(&mut odometry, &readings, &recording.pictures);
+            let is_expected = match flown.lost[..] {
+                [Lost::Contradicted { .. }] => size < 1e6,
+                [Lost::Estimator(_)] => size > 1e6,
+                _ => false,
+            };
+            assert!(is_expected, "{estimator}, {size:e}: {:?}", flown.lost);
+            assert_eq!(odometry.worlds(), 2, "{estimator} begins again");
+            assert_honest(&recording, &odometry, &(estimator, size));
+        }
+    }
+}
+
+#[test]
 fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
     let recording = flown(6.0, 4);
     let mut flying = odometry(&recording, Estimator::Smoother);

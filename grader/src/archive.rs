@@ -28,6 +28,10 @@ const ENTRY: &[u8] = b"PK\x01\x02";
 const LIST_END: &[u8] = b"PK\x06\x06";
 /// Where that end states their number.
 const STATED: Range<usize> = 24..32;
+/// What ends any list: one of the archive, one of each archive in it, and behind each the list is looked for anew.
+const END: &[u8] = b"PK\x05\x06";
+/// As many lists as may end.
+const ENDS: u64 = 32;
 
 /// What is taken out of an archive.
 #[derive(Debug, Clone, Copy)]
@@ -78,8 +82,12 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
         return Err(told(format!("has {size} bytes and may have {ARCHIVE}")));
     }
     // The list is read as a whole, so it is counted before.
-    if entries(&file).map_err(|error| unreadable(&error))? > FILES {
+    let (files, ends) = counted(&file).map_err(|error| unreadable(&error))?;
+    if files > FILES {
         return Err(told(format!("holds more than {FILES} files")));
+    }
+    if ends > ENDS {
+        return Err(told(format!("holds more than {ENDS} archives")));
     }
     let mut archive = ZipArchive::new(file).map_err(|error| unreadable(&error))?;
     let folder = tempfile::tempdir().map_err(|error| unreadable(&error))?;
@@ -100,10 +108,11 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     Ok(Unpacked { folder, notices, inner })
 }
 
-/// How many entries an archive can have, or says that it has: room for those is made before they are looked for.
-fn entries(mut file: &File) -> io::Result<u64> {
+/// How many entries an archive can have, or says that it has: room for those is made before they are looked for. And how
+/// often a list ends.
+fn counted(mut file: &File) -> io::Result<(u64, u64)> {
     let mut buffer = vec![0; 1 << 20];
-    let (mut kept, mut count, mut stated) = (0, 0, 0);
+    let (mut kept, mut count, mut stated, mut ends) = (0, 0, 0, 0);
     loop {
         let read = file.read(&mut buffer[kept..])?;
         let filled = kept + read;
@@ -112,13 +121,14 @@ fn entries(mut file: &File) -> io::Result<u64> {
         for at in 0..seen {
             let here = &buffer[at..filled];
             count += u64::from(here.starts_with(ENTRY));
+            ends += u64::from(here.starts_with(END));
             if let Some(number) = here.strip_prefix(LIST_END).and(here.get(STATED)) {
                 let number = number.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
                 stated = stated.max(number);
             }
         }
         if read == 0 {
-            return Ok(count.max(stated));
+            return Ok((count.max(stated), ends));
         }
         buffer.copy_within(seen..filled, 0);
         kept = filled - seen;

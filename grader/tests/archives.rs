@@ -108,7 +108,17 @@ fn an_archive_of_too_many_files_is_not_opened() {
     let mut bytes = Vec::new();
     (0..60_001).for_each(|_| bytes.extend(b"PK\x01\x02                       "));
     fs::write(&path, bytes).expect("written");
-    assert_holds_too_many(&path);
+    assert_holds_too_many(&path, "60000 files");
+}
+
+#[test]
+fn an_archive_whose_list_ends_too_often_is_not_opened() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    fs::write(&path, b"PK\x05\x06\0\0s".repeat(33)).expect("written");
+    assert_holds_too_many(&path, "32 archives");
+    zip(&path, &[("fill_in.rs", FILL_IN), ("inner.zip", &"PK\x05\x06".repeat(31))]);
+    assert!(collected(&path).expect("collected").answers.contains_key("fill_in"));
 }
 
 #[test]
@@ -121,15 +131,13 @@ fn an_archive_that_says_it_has_too_many_files_is_not_opened() {
     let stated = [b"PK\x06\x06".as_slice(), &[0; 20], &60_001_u64.to_le_bytes(), &[0; 24]].concat();
     bytes.splice(end..end, stated);
     fs::write(&path, bytes).expect("written");
-    assert_holds_too_many(&path);
+    assert_holds_too_many(&path, "60000 files");
 }
 
-fn assert_holds_too_many(path: &Path) {
+fn assert_holds_too_many(path: &Path, what: &str) {
     let error = collected(path).expect_err("too many");
-    assert!(
-        error.starts_with("`ada.zip` holds more than 60000 files; ask for a ZIP file"),
-        "{error}"
-    );
+    let expected = format!("`ada.zip` holds more than {what}; ask for a ZIP file");
+    assert!(error.starts_with(&expected), "{error}");
 }
 
 #[test]

@@ -274,10 +274,11 @@ mod tests {
         let inside =
             format!("{}[x]{{.measured}}{}", "[".repeat(DEEPEST - 1), "]".repeat(DEEPEST - 1));
         assert!(!marks(&inside).contains(&Mark::Nested));
-        let found = marks(&format!("[{inside}]"));
+        let one_more = format!("[{inside}]");
+        let found = marks(&one_more);
         assert_eq!(found.iter().filter(|mark| **mark == Mark::Nested).count(), 1);
         assert!(found.iter().any(|mark| matches!(mark, Mark::Span { text: "x", .. })), "{found:?}");
-        assert!(!marks("[a] [b] ".repeat(DEEPEST).as_str()).contains(&Mark::Nested));
+        assert!(!marks(&"[a] [b] ".repeat(DEEPEST)).contains(&Mark::Nested));
     }
 
     #[test]

@@ -6,12 +6,14 @@ use thiserror::Error;
 use super::Sight;
 use crate::factors::BodyPixel;
 use crate::reprojection::Pinhole;
-use crate::two_views::{TriangulationError, View, triangulate};
+use crate::two_views::{TriangulationError, View, triangulate, widest_parallax};
 
 /// Steps of the search.
 const MOST_STEPS: usize = 10;
 /// A step that is shorter than this part of a standard deviation is the last.
 const LAST_STEP: f64 = 1e-3;
+/// So many standard deviations of a pixel are no noise any more.
+const WIDE: f64 = 30.0;
 
 // ANCHOR: landmark
 /// The point at which the pixels of a track are most likely, the poses being what they are believed
@@ -26,12 +28,7 @@ pub fn landmark(
     (camera, sigma): (&Pinhole, f64),
     least_parallax: f64,
 ) -> Result<Vector3<f64>, LandmarkError> {
-    let view = |sight: &Sight| {
-        let world_from_camera = sight.pose.at_rest().pose() * body_from_camera;
-        let camera_from_world = world_from_camera.inverse();
-        View { camera: *camera, camera_from_world, pixel: sight.pixel, sigma }
-    };
-    let views: Vec<View> = sights.iter().map(view).collect();
+    let views = views(sights, body_from_camera, (camera, sigma));
     let mut point = triangulate(&views, least_parallax)?;
     for _ in 0..MOST_STEPS {
         let step = step(sights, &point, body_from_camera, (camera, sigma));
@@ -44,6 +41,29 @@ pub fn landmark(
     Err(LandmarkError::Lost)
 }
 // ANCHOR_END: landmark
+
+/// Whether a track that has no landmark contradicts the poses: its rays are much farther from parallel than noise makes
+/// them, so that it does not do so because it is far away or the body stands.
+pub(super) fn contradicts(
+    sights: &[Sight],
+    body_from_camera: &Isometry3<f64>,
+    (camera, sigma): (&Pinhole, f64),
+) -> bool {
+    widest_parallax(&views(sights, body_from_camera, (camera, sigma))) > WIDE * sigma / camera.fx
+}
+
+fn views(
+    sights: &[Sight],
+    body_from_camera: &Isometry3<f64>,
+    (camera, sigma): (&Pinhole, f64),
+) -> Vec<View> {
+    let view = |sight: &Sight| {
+        let world_from_camera = sight.pose.at_rest().pose() * body_from_camera;
+        let camera_from_world = world_from_camera.inverse();
+        View { camera: *camera, camera_from_world, pixel: sight.pixel, sigma }
+    };
+    sights.iter().map(view).collect()
+}
 
 /// A step of Gauss and Newton for the landmark alone, and its length in standard deviations.
 fn step(

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::landmark::contradicts;
 use super::track::entries;
 use super::window::{Kept, Waiting};
 use super::{
@@ -93,27 +94,34 @@ impl Msckf {
     // ANCHOR: judge
     /// The rows of a track and its landmark, if it may correct the filter.
     fn judge<'a>(&self, track: usize, waiting: &'a Waiting) -> Result<Judged<'a>, Refusal> {
-        let MsckfOptions { ref camera, pixel_sigma, least_sights, .. } = self.options;
-        let MsckfOptions { least_parallax, largest_sigma, .. } = self.options;
+        let MsckfOptions { ref camera, least_sights, largest_sigma, .. } = self.options;
         if waiting.len() < least_sights {
             return Err(Refusal::Short);
         }
-        let (sights, rig) = (self.sights(waiting), self.rig());
-        let camera = (camera, pixel_sigma);
-        let landmark = landmark(&sights, &rig.body_from_camera, camera, least_parallax);
-        let landmark = landmark.map_err(|_| Refusal::Landmark)?;
+        let sights = self.sights(waiting);
+        let landmark = self.place(&sights)?;
         let mut linear = LinearizedTrack::default();
         let at = match self.options.linearization.pixels {
             Point::Latest | Point::First => landmark,
             Point::Truth => self.true_landmark(track).ok_or(Refusal::Landmark)?,
         };
-        linear.linearize_at(&sights, [&landmark, &at], &rig.body_from_camera, camera)?;
+        let camera = (camera, self.options.pixel_sigma);
+        linear.linearize_at(&sights, [&landmark, &at], &self.rig().body_from_camera, camera)?;
         linear.project(largest_sigma)?;
         let rows: Vec<&[f64]> = linear.constraints().collect();
         let passes = self.passes(&self.columns(waiting), &rows);
         passes.then_some(Judged { track, waiting, linear, landmark, at }).ok_or(Refusal::Gated)
     }
     // ANCHOR_END: judge
+
+    /// Where the landmark of a track is, or whether its absence is a contradiction.
+    fn place(&self, sights: &[Sight]) -> Result<Vector3<f64>, Refusal> {
+        let MsckfOptions { ref camera, pixel_sigma, least_parallax, .. } = self.options;
+        let (body_from_camera, camera) = (self.rig().body_from_camera, (camera, pixel_sigma));
+        let contradicts = || contradicts(sights, &body_from_camera, camera);
+        landmark(sights, &body_from_camera, camera, least_parallax)
+            .map_err(|_| if contradicts() { Refusal::Gated } else { Refusal::Landmark })
+    }
 
     /// The pixels of a track, with the poses as they are believed.
     fn sights(&self, waiting: &Waiting) -> Vec<Sight> {

@@ -111,11 +111,11 @@ pub struct PictureReport {
 pub struct Refusals {
     /// Seen in too few pictures.
     pub short: usize,
-    /// Without a landmark: too little parallax, behind a camera, or a search that did not end.
+    /// Without a landmark, and with so little parallax that noise can be the reason.
     pub landmark: usize,
     /// The pixels leave the landmark too uncertain.
     pub rank: usize,
-    /// The pixels contradict the belief.
+    /// The pixels contradict the belief: they do not pass the test, or rays that are far from parallel do not meet.
     pub gated: usize,
 }
 

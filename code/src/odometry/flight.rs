@@ -21,6 +21,8 @@ pub struct Odometry {
     options: OdometryOptions,
     phase: Phase,
     last_reading: Option<StampedSample>,
+    /// The reading before a gap, while one alone has come after it.
+    before_gap: Option<StampedSample>,
     last_picture: Option<i64>,
     /// Since when most of what pictures show has contradicted what is believed, on the camera's clock.
     contradicted: Option<i64>,
@@ -128,6 +130,7 @@ impl Odometry {
             options,
             phase,
             last_reading: None,
+            before_gap: None,
             last_picture: None,
             contradicted: None,
             beginning: None,
@@ -147,7 +150,8 @@ impl Odometry {
     }
 
     // ANCHOR: reading
-    /// Takes a reading. What is lost by a gap before it is said.
+    /// Takes a reading. What is lost by a gap before it is said. When the first one behind a gap is not followed by a
+    /// later one, its time was wrong, and it is forgotten.
     ///
     /// # Errors
     ///
@@ -158,6 +162,7 @@ impl Odometry {
         if !sample.gyro.iter().chain(&sample.accelerometer).all(|number| number.is_finite()) {
             return Err(OdometryError::Reading { nanoseconds });
         }
+        self.forget_wrong_time(nanoseconds);
         let gap = match &self.last_reading {
             Some(last) if last.nanoseconds >= nanoseconds => {
                 let last = last.nanoseconds;
@@ -180,10 +185,21 @@ impl Odometry {
             Phase::Waiting(waiting) => waiting.reading(reading, &self.options),
             Phase::Following(engine) => engine.reading(reading)?,
         }
+        self.before_gap = self.last_reading.filter(|_| gap.is_some());
         self.last_reading = Some(reading);
         Ok(gap)
     }
     // ANCHOR_END: reading
+
+    /// Goes back to before a gap when what comes now lies in it.
+    fn forget_wrong_time(&mut self, nanoseconds: i64) {
+        let is_late = self.last_reading.is_some_and(|last| last.nanoseconds >= nanoseconds);
+        let before = self.before_gap.filter(|before| is_late && before.nanoseconds < nanoseconds);
+        if before.is_some() {
+            self.last_reading = before;
+            self.begin_again(before);
+        }
+    }
 
     /// Whether a first reading reaches back to a start that was told.
     fn reach(&self, nanoseconds: i64) -> Result<(), OdometryError> {
@@ -229,7 +245,9 @@ impl Odometry {
         let mut readings = readings.iter();
         for picture in pictures {
             let time = self.imu_nanoseconds(picture);
-            while self.last_reading.is_none_or(|last| last.nanoseconds < time) {
+            // The first reading behind a gap is not yet believed.
+            let is_short = |last: StampedSample| last.nanoseconds < time;
+            while self.before_gap.is_some() || self.last_reading.is_none_or(is_short) {
                 let Some(reading) = readings.next() else { break };
                 if let Some(lost) = self.reading(*reading)? {
                     told(self, Progress::Lost(lost));
@@ -405,5 +423,25 @@ impl Odometry {
     /// origin: nothing ties it to the one before.
     pub fn worlds(&self) -> usize {
         self.worlds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_is_known_when_all_of_it_are_numbers_and_variances_positive() {
+        let covariance = Matrix15::identity();
+        let (state, bias) = (NavState::origin(), ImuBias::default());
+        let known = Estimate { nanoseconds: 0, state, bias, covariance };
+        assert!(known.is_known());
+        let nowhere = NavState { position: Vector3::new(0.0, f64::NAN, 0.0), ..state };
+        assert!(!Estimate { state: nowhere, ..known }.is_known());
+        for (place, number) in [((3, 3), 0.0), ((3, 3), -1.0), ((2, 7), f64::INFINITY)] {
+            let mut covariance = covariance;
+            covariance[place] = number;
+            assert!(!Estimate { covariance, ..known }.is_known(), "{place:?} {number}");
+        }
     }
 }

@@ -22,5 +22,6 @@ pub use epipolar::{
 pub use likelihood::{Triangulated, triangulate_nonlinear};
 pub use scale::scale_direction;
 pub use stereo::{LinearizedStereo, StereoError, StereoFactor, StereoPinhole, StereoProjection};
+pub(crate) use triangulation::widest_parallax;
 pub use triangulation::{LEAST_PARALLAX, TriangulationError, View, triangulate};
 pub use uncertainty::{depth_bias, point_condition, ray_sigma};

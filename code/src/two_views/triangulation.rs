@@ -181,7 +181,7 @@ impl Normalization {
 
 // ANCHOR: widest_parallax
 /// The largest angle, in radians, between the rays of any two views.
-fn widest_parallax(views: &[View]) -> f64 {
+pub(crate) fn widest_parallax(views: &[View]) -> f64 {
     let mut widest = 0.0;
     for (index, view) in views.iter().enumerate() {
         for other in &views[..index] {
