@@ -25,10 +25,18 @@ const GATES: [f64; 3] = [30.0, 10.0, 100.0];
 const ISAM_GATES: [f64; 3] = [20.0, 10.0, 100.0];
 /// The chance with which the filter lets a good track pass.
 const FILTER_GATES: [f64; 3] = [0.99, 0.95, 0.999];
-/// Points of the figure in a second.
+/// Points of the path in a second.
 const PATH_RATE: usize = 2;
-/// Points of the figure.
+/// Points of the path.
 pub const PATH: usize = 46;
+/// Seconds from one error that is shown to the next, as in the script.
+const SHOWN: f64 = 1.5;
+/// Kinds of trajectories and whose they are, which may only be compared with others of their kind.
+pub const KINDS: [(&str, &[&str]); 3] = [
+    ("causal", &["smoother", "isam", "filter"]),
+    ("delayed", &["smoother", "isam"]),
+    ("smoothed", &["batch", "isam"]),
+];
 /// The estimators that are run, the names of their trajectories in the record, and what is aimed at beside ISAM2.
 pub const LINES: [(&str, f64); 3] =
     [("smoother_causal", 1.25), ("smoother_delayed", 1.25), ("filter_causal", 1.6)];
@@ -124,14 +132,23 @@ fn beside_truth(flight: &Real, trajectory: &Trajectory) -> (Vec<NavState>, Vec<N
     trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip()
 }
 
-/// ISAM2 of the same pictures: causal, delayed and smoothed errors in centimetres, and how many times as fast as the
-/// flight it was. Judged from a time of the recording on.
+/// What ISAM2 made of the same pictures.
+struct Isam {
+    /// Causal, delayed and smoothed errors, in centimetres.
+    errors: [f64; 3],
+    /// Of the same, how far off a state is from time to time.
+    off: [Vec<f64>; 3],
+    /// How many times as fast as the flight it was.
+    speed: f64,
+}
+
+/// ISAM2 of the same pictures, judged from a time of the recording on.
 fn isam(
     python: &Python,
     (from, every, gate): (u32, usize, usize),
     flight: &Real,
     since: i64,
-) -> Result<[f64; 4], NotMade> {
+) -> Result<Isam, NotMade> {
     let begin = flight.readings[0].nanoseconds;
     let since = 1e-9 * (since - begin) as f64;
     let numbers =
@@ -140,12 +157,51 @@ fn isam(
     let mut arguments: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
     arguments.extend(numbers.iter().map(Path::new));
     let said = python.run(SCRIPT, &arguments)?;
-    let numbers: Option<Vec<f64>> = said.split_whitespace().map(|word| word.parse().ok()).collect();
-    let Some(&[causal, delayed, smoothed, seconds]) = numbers.as_deref() else {
-        return Err(NotMade::Failed(format!("{SCRIPT} prints {said:?}; four numbers are due")));
+    let line = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect();
+    let lines: Option<Vec<Vec<f64>>> = said.lines().map(line).collect();
+    let [first, off @ ..] = lines.as_deref().unwrap_or_default() else {
+        return Err(misread(&said));
+    };
+    let (&[causal, delayed, smoothed, seconds], Ok(off)) = (&first[..], off.to_vec().try_into())
+    else {
+        return Err(misread(&said));
     };
     let times = [0, flight.pictures.len() - 1].map(|at| flight.pictures[at].nanoseconds);
-    Ok([causal, delayed, smoothed, 1e-9 * (times[1] - times[0]) as f64 / seconds])
+    let speed = 1e-9 * (times[1] - times[0]) as f64 / seconds;
+    Ok(Isam { errors: [causal, delayed, smoothed], off, speed })
+}
+
+fn misread(said: &str) -> NotMade {
+    NotMade::Failed(format!("{SCRIPT} prints {said:?}; four numbers and three lines are due"))
+}
+
+/// How far off a trajectory is from time to time after alignment, in centimetres.
+fn off(flight: &Real, trajectory: &Trajectory) -> Result<Vec<f64>, NotMade> {
+    let (states, truth) = beside_truth(flight, trajectory);
+    let aligned = aligned(&states, &truth, Freedom::Four)
+        .map_err(|error| NotMade::Failed(error.to_string()))?;
+    let stride = (SHOWN * (20 / EVERY[0]) as f64).round() as usize;
+    let away = aligned
+        .iter()
+        .zip(&truth)
+        .map(|(own, true_)| 100.0 * (own.position - true_.position).norm());
+    Ok(away.step_by(stride).collect())
+}
+
+/// Puts down how far off a trajectory is.
+fn push_off((kind, who, from): (&str, &str, u32), off: &[f64], values: &mut Vec<RecordValue>) {
+    let strays = who == "isam" && from == FROM[FROM.len() - 1];
+    let within = if strays { ASTRAY } else { 0.1 };
+    values.extend(off.iter().enumerate().map(|(at, off)| {
+        RecordValue::new(format!("off_{kind}_{who}_{from}_{at}"), *off, "cm", 2, within)
+    }));
+    values.push(RecordValue::new(
+        format!("shown_{kind}_{who}_{from}"),
+        off.len() as f64,
+        "",
+        0,
+        0.0,
+    ));
 }
 
 /// One of ISAM2's runs from the last place strays, and how far depends on the last digits of its start.
@@ -189,12 +245,12 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             let filter = flown(&part, Estimator::Msckf, gate)?;
             (runs, losses) = (runs + 2, losses + smoother.losses + filter.losses);
             let since = part.pictures[smoother.causal[0].0].nanoseconds;
-            let [causal, delayed, smoothed, _] = isam(&python, (from, every, gate), &part, since)?;
+            let isam = isam(&python, (from, every, gate), &part, since)?;
             let own = [&smoother.causal, &smoother.delayed, &filter.causal];
             for (spread, trajectory) in spreads.iter_mut().zip(own) {
                 spread.0.push(error(&part, trajectory)?);
             }
-            for (spread, error) in spreads[3..].iter_mut().zip([causal, delayed, smoothed]) {
+            for (spread, error) in spreads[3..].iter_mut().zip(isam.errors) {
                 spread.0.push(error);
             }
             if (every, gate) == (EVERY[0], 0) {
@@ -211,6 +267,20 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
                 let states: Trajectory = states.enumerate().skip(first).collect();
                 let name = format!("batch_smoothed_{from}");
                 values.push(RecordValue::new(name, error(&part, &states)?, "cm", 2, 0.02));
+                for (kind, who, trajectory) in [
+                    ("causal", "smoother", &smoother.causal),
+                    ("causal", "filter", &filter.causal),
+                    ("delayed", "smoother", &smoother.delayed),
+                    ("smoothed", "batch", &states),
+                ] {
+                    push_off((kind, who, from), &off(&part, trajectory)?, &mut values);
+                }
+                for ((kind, _), off) in KINDS.iter().zip(&isam.off) {
+                    push_off((kind, "isam", from), off, &mut values);
+                }
+                let begin = part.readings[0].nanoseconds;
+                let begun = 1e-9 * (since - begin) as f64;
+                values.push(RecordValue::new(format!("begun_{from}"), begun, "s", 2, 0.0));
                 if from == FROM[0] {
                     path(&part, &smoother, &filter, &states, &mut values)?;
                 }
@@ -236,7 +306,7 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
         let first = flown(&part, Estimator::Smoother, 0)?.causal[0].0;
         let since = part.pictures[first].nanoseconds;
         let own = median(|| Ok(flown(&part, Estimator::Smoother, 0)?.speed))?;
-        let theirs = median(|| Ok(isam(&python, (from, EVERY[0], 0), &part, since)?[3]))?;
+        let theirs = median(|| Ok(isam(&python, (from, EVERY[0], 0), &part, since)?.speed))?;
         (slowest, faster) = (slowest.min(own), faster.min(own / theirs));
     }
     Ok(vec![
@@ -291,6 +361,14 @@ fn path(
         }
     }
     Ok(())
+}
+
+/// Times of the recording in seconds, and how far off a trajectory is then, in centimetres.
+pub fn off_by(kind: &str, who: &str, from: u32) -> Vec<(f64, f64)> {
+    let begun = recorded(&format!("begun_{from}"));
+    let count = recorded(&format!("shown_{kind}_{who}_{from}")) as usize;
+    let off = |at: usize| recorded(&format!("off_{kind}_{who}_{from}_{at}"));
+    (0..count).map(|at| (begun + SHOWN * at as f64, off(at))).collect()
 }
 
 /// A value of the accepted record.

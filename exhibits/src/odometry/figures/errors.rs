@@ -1,0 +1,77 @@
+//! How far off each trajectory of the real flight is over time, from four places, beside those of its kind.
+
+use crate::figure::{self, Draw, Drawing, Drawn, Figure, INK, SERIES, decimals, letters_right_of};
+use crate::initialization::real::FROM;
+use crate::odometry::real::{KINDS, off_by};
+
+/// Where the recording ends, in seconds.
+const END: f64 = 30.0;
+const TITLES: [&str; 3] = ["at once", "after two seconds", "in the end"];
+/// Whose trajectories there are: their names in the record and in the key.
+const WHOSE: [(&str, &str); 4] =
+    [("smoother", "smoother"), ("isam", "ISAM2"), ("filter", "filter"), ("batch", "batch")];
+
+fn panel(drawing: &Drawing, from: u32, kind: usize) -> Drawn {
+    let all =
+        KINDS.iter().flat_map(|(kind, whose)| whose.iter().map(|who| off_by(kind, who, from)));
+    let most = all.flatten().map(|(_, off)| off).fold(0.0, f64::max);
+    let is_last = from == FROM[FROM.len() - 1];
+    let x = (if is_last { "time (s)" } else { "" }, 0.0..END, 3);
+    let y = (if kind == 0 { "off by (cm)" } else { "" }, 0.0..1.25 * most, 4);
+    let mut chart = figure::axes(drawing, x, y)?;
+    let (name, whose) = KINDS[kind];
+    for who in whose {
+        let series = WHOSE.iter().position(|(known, _)| known == who).unwrap_or_default();
+        let points = off_by(name, who, from);
+        chart.line(points.iter().copied(), SERIES[series], 4)?;
+        chart.marks(points.into_iter().skip(series).step_by(4), series)?;
+    }
+    if from == FROM[0] {
+        chart.write(TITLES[kind], (1.0, 1.15 * most), letters_right_of(INK))?;
+    }
+    Ok(())
+}
+
+fn keys(drawing: &Drawing) -> Drawn {
+    let mut chart = plotters::chart::ChartBuilder::on(drawing)
+        .margin(10)
+        .build_cartesian_2d(0.0..4.0, 0.0..1.0)?;
+    for (series, (_, name)) in WHOSE.iter().enumerate() {
+        chart.key(series, name, (series as f64 + 0.1, 0.5), series as f64 + 0.17)?;
+    }
+    Ok(())
+}
+
+pub fn errors() -> Figure {
+    let mut columns = vec![("begins at (s)", Vec::new()), ("time (s)", Vec::new())];
+    for from in FROM {
+        let times = off_by("causal", "smoother", from);
+        columns[0].1.extend(times.iter().map(|_| from.to_string()));
+        columns[1].1.extend(decimals(1, times.iter().map(|(time, _)| *time)));
+    }
+    let titles = [
+        ["smoother, at once (cm)", "ISAM2 (cm)", "filter (cm)"],
+        ["smoother, two seconds later (cm)", "ISAM2 (cm)", ""],
+        ["batch, in the end (cm)", "ISAM2 (cm)", ""],
+    ];
+    for ((kind, whose), titles) in KINDS.iter().zip(titles) {
+        for (who, title) in whose.iter().zip(titles) {
+            let of = |from| {
+                let mut said = decimals(1, off_by(kind, who, from).into_iter().map(|(_, off)| off));
+                // What is two seconds old ends before.
+                said.resize(off_by("causal", "smoother", from).len(), "–".to_owned());
+                said
+            };
+            columns.push((title, FROM.into_iter().flat_map(of).collect()));
+        }
+    }
+    Figure::new(1500, columns, |drawing| {
+        let (head, panels) = drawing.split_vertically(80);
+        keys(&head)?;
+        let panels = panels.split_evenly((FROM.len(), KINDS.len()));
+        for (number, panel) in panels.iter().enumerate() {
+            self::panel(panel, FROM[number / KINDS.len()], number % KINDS.len())?;
+        }
+        Ok(())
+    })
+}
