@@ -292,3 +292,30 @@ fn every_label_that_the_library_names_stands_in_the_book() {
     }
     assert!(named > 0, "the library names no equation");
 }
+
+/// Minutes of reading that a week of the course asks for at most.
+const WEEK: usize = 75;
+
+#[test]
+fn no_week_of_the_course_asks_for_too_much_reading_or_for_no_exercise() {
+    let pages = pages();
+    let (_, course) = pages.iter().find(|(name, _)| name == "instructors.html").expect("a course");
+    let text = |cell: &ElementRef<'_>| cell.text().collect::<String>();
+    let mut weeks = 0;
+    for row in all(course, "tr") {
+        let cells: Vec<String> = row
+            .child_elements()
+            .filter(|cell| cell.value().name() == "td")
+            .map(|cell| text(&cell))
+            .collect();
+        let [week, chapters, reading, _, exercise, _] = &cells[..] else { continue };
+        weeks += 1;
+        assert_eq!(*week, weeks.to_string());
+        assert!(chapters.contains("Chapter"), "week {week} has no chapter");
+        let minutes = reading.split_once('\u{a0}').filter(|(_, unit)| *unit == "minutes");
+        let minutes = minutes.and_then(|(minutes, _)| minutes.parse::<usize>().ok());
+        assert!(minutes.is_some_and(|minutes| minutes <= WEEK), "week {week}: {reading}");
+        assert!(!exercise.starts_with("none"), "week {week} has no exercise");
+    }
+    assert_eq!(weeks, 10);
+}

@@ -70,6 +70,17 @@ pub fn numbers(chapter: &mut Chapter) {
     let within = each().filter(|(line, aim, from)| beside(line, *from) <= *aim).count();
     chapter.number("aims", each().count() as f64, "", 0);
     chapter.number("aims_reached", within as f64, "", 0);
+    let tie = |(line, from): &(&str, u32)| {
+        let theirs = line.replace("smoother", "isam");
+        let range =
+            |line: &str| of(format!("{line}_{from}_high")) - of(format!("{line}_{from}_low"));
+        let apart = of(format!("{line}_{from}")) - of(format!("{theirs}_{from}"));
+        apart.abs() < range(line).max(range(&theirs))
+    };
+    let smoothers = LINES[..2].iter().flat_map(|(line, _)| FROM.map(|from| (*line, from)));
+    let [ties, compared] = [smoothers.clone().filter(tie).count(), smoothers.count()];
+    chapter.number("ties", ties as f64, "", 0);
+    chapter.number("compared", compared as f64, "", 0);
     chapter.number("timed_runs", TIMED_RUNS as f64, "", 0);
     for (name, line, aim) in [
         ("worst_causal", LINES[0].0, "aim_smoother"),

@@ -57,9 +57,13 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("nats_filter", of(filter, "nats"), "", 2);
     chapter.number("clones_short", CLONES[0] as f64, "", 0);
     chapter.number("clones_plain", CLONES[2] as f64, "", 0);
+    chapter.number("clones_long", CLONES[3] as f64, "", 0);
     chapter.number("filter_by_batch", of(filter, "rmse") / of("batch", "rmse"), "", 2);
     chapter.number("time_ratio_filter", of(smoother, "time") / of(filter, "time"), "", 1);
     chapter.number("time_ratio_batch", of("batch", "time") / of(smoother, "time"), "", 0);
+    let shortest = format!("smoother_{}", LAGS[0]);
+    chapter.number("time_ratio_shortest", of("batch", "time") / of(&shortest, "time"), "", 1);
+    chapter.number("time_ratio_plain", of(&shortest, "time") / of(filter, "time"), "", 1);
     chapter.number("divergence_seconds", SECONDS, "s", 0);
 }
 
