@@ -9,6 +9,7 @@ use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, StateError, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{NavState, StampedSample};
 use vislam::initialization::{BeginOptions, Sensors, begin};
+use vislam::least_squares::Manifold;
 use vislam::msckf::Start;
 use vislam::observability::Similarity;
 use vislam::odometry::{
@@ -90,6 +91,27 @@ fn a_clock_that_nobody_told_is_found_from_a_start_that_is_known() {
         let truth = recording.flight.motion.at(1e-9 * last.nanoseconds as f64).state;
         let off = (last.state.position - truth.position).norm();
         assert!(off < 0.15, "{estimator}: {off} m");
+        let offset = odometry.rig().unwrap().time_offset;
+        assert!((offset - 0.01).abs() < 2e-3, "{estimator}: {offset} s");
+    }
+}
+
+#[test]
+fn a_camera_that_sits_elsewhere_than_told_is_found() {
+    let recording = flown(16.0, 2);
+    let truth = recording.flight.rig.body_from_camera;
+    let mut sensors = Sensors::of_flight(&recording.flight);
+    let off = [0.03, -0.02, 0.02, 0.01, -0.01, 0.015];
+    sensors.rig.body_from_camera = truth.retract(&off);
+    sensors.calibrated.extrinsics = Some([0.03, 0.015]);
+    for estimator in Estimator::ALL {
+        let mut odometry = Odometry::new(OdometryOptions::new(sensors, estimator));
+        let flown = fly(&mut odometry, &recording.readings, &recording.pictures);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+        let mut left = [0.0; 6];
+        truth.local(&odometry.rig().unwrap().body_from_camera, &mut left);
+        let [shift, turn] = [&left[..3], &left[3..]].map(|of| Vector3::from_row_slice(of).norm());
+        assert!(shift < 0.015 && turn < 3e-3, "{estimator}: {shift} m, {turn} rad");
     }
 }
 

@@ -116,7 +116,7 @@ fn it_shows_what_the_library_flies() {
             let shown = shown(&settings);
             let covariance = estimate.covariance.fixed_view::<3, 3>(6, 6);
             close(shown(SIGMA), 100.0 * covariance.trace().sqrt());
-            close(shown(DELAY), 1e3 * odometry.time_offset().unwrap());
+            close(shown(DELAY), 1e3 * odometry.rig().unwrap().time_offset);
             assert!(shown(ERROR) < 30.0, "{}", shown(ERROR));
         }
     }

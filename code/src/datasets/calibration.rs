@@ -6,10 +6,10 @@
 //!
 //! | section | names |
 //! | --- | --- |
-//! | `camera` | `fx`, `fy`, `cx`, `cy` in pixels; `pixel_sigma`, the standard deviation of each coordinate of a pixel, if it is not one; `time_offset`, what to add to a time of the camera's clock, in seconds, if it is not zero |
+//! | `camera` | `fx`, `fy`, `cx`, `cy` in pixels; `pixel_sigma`, the standard deviation of each coordinate of a pixel, if it is not one; `time_offset`, what to add to a time of the camera's clock, in seconds, if it is not zero; `time_offset_sigma`, its standard deviation, if it is to be estimated |
 //! | `imu` | `gyro` in rad/s/√Hz, `accelerometer` in m/s²/√Hz, `gyro_walk` in rad/s²/√Hz, `accelerometer_walk` in m/s³/√Hz; `gravity`, its size, if it is not 9.81 m/s² |
 //! | `stereo` | `baseline`, how far to the right of it there is a second camera of the same make that looks the same way, in metres, if there is one |
-//! | `extrinsics` | `body_from_camera`, the 4×4 matrix that takes camera coordinates to body coordinates, row by row |
+//! | `extrinsics` | `body_from_camera`, the 4×4 matrix that takes camera coordinates to body coordinates, row by row; `translation_sigma` in metres and `rotation_sigma` in radians, its standard deviations, if it is to be estimated |
 //!
 //! The size of the image and rates may be said too; nothing is made of them.
 
@@ -24,7 +24,7 @@ use crate::reprojection::{Pinhole, PinholeError, RigCamera};
 use crate::two_views::StereoPinhole;
 
 /// Every name that may be said, with its section.
-const NAMES: [&str; 17] = [
+const NAMES: [&str; 20] = [
     "camera.fx",
     "camera.fy",
     "camera.cx",
@@ -34,6 +34,7 @@ const NAMES: [&str; 17] = [
     "camera.rate",
     "camera.pixel_sigma",
     "camera.time_offset",
+    CLOCK_SIGMA,
     BASELINE,
     "imu.rate",
     "imu.gyro",
@@ -42,10 +43,16 @@ const NAMES: [&str; 17] = [
     "imu.accelerometer_walk",
     "imu.gravity",
     MOUNTING,
+    MOUNTING_SIGMAS[0],
+    MOUNTING_SIGMAS[1],
 ];
 
 /// What makes a pair of the camera.
 const BASELINE: &str = "stereo.baseline";
+
+/// What lets something be estimated.
+const CLOCK_SIGMA: &str = "camera.time_offset_sigma";
+const MOUNTING_SIGMAS: [&str; 2] = ["extrinsics.translation_sigma", "extrinsics.rotation_sigma"];
 
 /// The one name whose value is no number.
 const MOUNTING: &str = "extrinsics.body_from_camera";
@@ -54,8 +61,8 @@ const MOUNTING: &str = "extrinsics.body_from_camera";
 const ROUNDING: f64 = 1e-3;
 
 // ANCHOR: read_calibration
-/// What a text says of the sensors. Nothing of it is estimated; whoever wants that says so in
-/// [`Sensors::calibrated`].
+/// What a text says of the sensors. The clock and the place of the camera are estimated when it says how
+/// uncertain they are.
 ///
 /// # Errors
 ///
@@ -78,7 +85,7 @@ pub fn read_calibration(text: &str) -> Result<Sensors, CalibrationError> {
         pixel_sigma: said.positive("camera.pixel_sigma", 1.0)?,
         noise,
         rig: CameraImu { body_from_camera: said.body_from_camera()?, time_offset },
-        calibrated: Calibrated::default(),
+        calibrated: said.calibrated()?,
         gravity: said.positive("imu.gravity", GRAVITY.norm())?,
     })
 }
@@ -93,7 +100,7 @@ pub fn read_calibration(text: &str) -> Result<Sensors, CalibrationError> {
 pub fn read_right_camera(text: &str) -> Result<Option<RigCamera>, CalibrationError> {
     let camera = read_calibration(text)?.camera;
     let said = Said::read(text)?;
-    if !said.values.contains_key(BASELINE) {
+    if !said.says(BASELINE) {
         return Ok(None);
     }
     let pair = StereoPinhole { camera, baseline: said.positive(BASELINE, 1.0)? };
@@ -172,13 +179,31 @@ impl<'a> Said<'a> {
     }
 
     fn number_or(&self, name: &'static str, otherwise: f64) -> Result<f64, CalibrationError> {
-        if self.values.contains_key(name) { self.number(name) } else { Ok(otherwise) }
+        if self.says(name) { self.number(name) } else { Ok(otherwise) }
     }
 
     fn positive(&self, name: &'static str, otherwise: f64) -> Result<f64, CalibrationError> {
         let value = self.number_or(name, otherwise)?;
         let fault = || self.fault(name, CalibrationFault::Positive { name, value });
         (value > 0.0).then_some(value).ok_or_else(fault)
+    }
+
+    fn says(&self, name: &'static str) -> bool {
+        self.values.contains_key(name)
+    }
+
+    /// A number above zero that has to be there.
+    fn sigma(&self, name: &'static str) -> Result<f64, CalibrationError> {
+        self.text(name)?;
+        self.positive(name, 1.0)
+    }
+
+    fn calibrated(&self) -> Result<Calibrated, CalibrationError> {
+        let clock = self.says(CLOCK_SIGMA).then(|| self.sigma(CLOCK_SIGMA));
+        let [shift, turn] = MOUNTING_SIGMAS;
+        let mounting = (self.says(shift) || self.says(turn))
+            .then(|| Ok([self.sigma(shift)?, self.sigma(turn)?]));
+        Ok(Calibrated { extrinsics: mounting.transpose()?, time_offset: clock.transpose()? })
     }
 
     fn body_from_camera(&self) -> Result<Isometry3<f64>, CalibrationError> {

@@ -59,7 +59,16 @@ impl Engine {
     }
 
     /// The camera and its clock, as they are believed to be.
-    pub fn rig(&self, nominal: &CameraImu) -> CameraImu {
+    pub fn rig(&self) -> CameraImu {
+        match self {
+            Self::Window(smoother) => smoother.rig(),
+            Self::Filter(filter) => filter.rig(),
+        }
+    }
+
+    /// The clock by which a picture is placed among the readings: that of a window is the nominal one, since what is
+    /// estimated moves its pixels.
+    pub fn clock(&self, nominal: &CameraImu) -> CameraImu {
         match self {
             Self::Window(_) => *nominal,
             Self::Filter(filter) => filter.rig(),
@@ -98,14 +107,6 @@ impl Engine {
         match self {
             Self::Window(smoother) => smoother.points().collect(),
             Self::Filter(_) => Vec::new(),
-        }
-    }
-
-    /// How late the camera's clock is.
-    pub fn time_offset(&self) -> f64 {
-        match self {
-            Self::Window(smoother) => smoother.time_offset(),
-            Self::Filter(filter) => filter.rig().time_offset,
         }
     }
 

@@ -7,7 +7,7 @@ use super::engine::{Engine, Seen};
 use super::waiting::Waiting;
 use super::{OdometryError, OdometryOptions};
 use crate::datasets::tracks::{Feature, Picture};
-use crate::inertial::{ImuBias, NavState, StampedSample};
+use crate::inertial::{CameraImu, ImuBias, NavState, StampedSample};
 use crate::initialization::Beginning;
 use crate::msckf::Start;
 use crate::observability::Similarity;
@@ -263,8 +263,8 @@ impl Odometry {
     /// have to come before it is taken. A filter that estimates the time offset moves it a little.
     pub fn imu_nanoseconds(&self, picture: &Picture) -> i64 {
         let nominal = &self.options.sensors.rig;
-        let rig = self.engine().map_or(*nominal, |engine| engine.rig(nominal));
-        rig.imu_nanoseconds(picture.nanoseconds)
+        let clock = self.engine().map_or(*nominal, |engine| engine.clock(nominal));
+        clock.imu_nanoseconds(picture.nanoseconds)
     }
 
     /// Whether a picture can be taken.
@@ -400,10 +400,10 @@ impl Odometry {
         self.engine().map(Engine::points).unwrap_or_default()
     }
 
-    /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is
-    /// known or estimated; `None` before there is a beginning.
-    pub fn time_offset(&self) -> Option<f64> {
-        self.engine().map(Engine::time_offset)
+    /// Where the camera is on the body and what to add to a time of its clock, as it is known or estimated;
+    /// `None` before there is a beginning.
+    pub fn rig(&self) -> Option<CameraImu> {
+        self.engine().map(Engine::rig)
     }
 
     /// How many pictures are kept because there is no beginning yet.

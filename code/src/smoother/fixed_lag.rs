@@ -8,7 +8,7 @@ use super::window::{Frame, Window};
 use super::{SmootherError, SmootherOptions};
 use crate::datasets::tracks::Picture;
 use crate::factors::CombinedInertialFactor;
-use crate::inertial::{ImuBias, NavState, StampedSample, between};
+use crate::inertial::{CameraImu, ImuBias, NavState, StampedSample, between};
 use crate::initialization::{Sensors, calibrate};
 use crate::least_squares::{Fronts, Kernel, LinearPrior, Problem, Search, sqrt_information};
 use crate::msckf::Start;
@@ -252,10 +252,11 @@ impl Smoother {
         landmarks.filter_map(|(track, seen)| Some((*track, self.in_world(seen)?)))
     }
 
-    /// What to add to a time of the camera's clock to get that of the sensor's, in seconds, as it is
-    /// known or estimated.
-    pub fn time_offset(&self) -> f64 {
-        self.options.sensors.rig.time_offset + self.problem.values()[self.window.delay].x
+    /// Where the camera is on the body and what to add to a time of its clock, as it is known or estimated.
+    pub fn rig(&self) -> CameraImu {
+        let (values, known) = (self.problem.values(), &self.options.sensors.rig);
+        let time_offset = known.time_offset + values[self.window.delay].x;
+        CameraImu { body_from_camera: values[self.window.extrinsics], time_offset }
     }
 
     /// How many variables the window has had room for so far.

@@ -55,6 +55,21 @@ fn a_calibration_is_read() {
 }
 
 #[test]
+fn what_is_uncertain_is_to_be_estimated() {
+    let clock = TEXT.replace("[imu]", "time_offset_sigma = 5e-3\n[imu]");
+    let calibrated = read_calibration(&clock).unwrap().calibrated;
+    assert_eq!(calibrated, Calibrated { time_offset: Some(5e-3), extrinsics: None });
+    let [shift, turn] = ["translation_sigma = 0.02\n", "rotation_sigma = 0.01\n"];
+    let both = read_calibration(&(TEXT.to_owned() + turn + shift)).unwrap().calibrated;
+    assert_eq!(both, Calibrated { time_offset: None, extrinsics: Some([0.02, 0.01]) });
+    let error = read_calibration(&(TEXT.to_owned() + turn)).unwrap_err();
+    let missing = CalibrationFault::Missing { name: "extrinsics.translation_sigma" };
+    assert_eq!(error.fault, missing);
+    let error = read_calibration(&clock.replace("5e-3", "0")).unwrap_err();
+    assert!(matches!(error.fault, CalibrationFault::Positive { value: 0.0, .. }), "{error}");
+}
+
+#[test]
 fn a_baseline_makes_a_pair() {
     assert_eq!(read_right_camera(TEXT).unwrap(), None);
     let text = TEXT.replace("[imu]", "[stereo]\nbaseline = 0.11\n[imu]");

@@ -214,7 +214,7 @@ impl Run {
             known: newest.map(|newest| self.known(&newest)),
             window: self.odometry.window().iter().map(|state| above(&state.position)).collect(),
             points: self.odometry.points().iter().map(|(_, place)| above(place)).collect(),
-            delay: self.odometry.time_offset(),
+            delay: self.odometry.rig().map(|rig| rig.time_offset),
         }
     }
 
