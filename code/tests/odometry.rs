@@ -335,6 +335,8 @@ fn one_reading_from_the_future_costs_a_beginning_and_no_more() {
             ..last
         };
         assert!(matches!(odometry.reading(after(50)), Ok(Some(Lost::Gap { .. }))));
+        let twice = odometry.reading(after(50));
+        assert!(matches!(twice, Err(OdometryError::LateReading { .. })), "{twice:?}");
         assert!(matches!(odometry.reading(after(51)), Ok(Some(Lost::Gap { .. }))));
         assert!(matches!(odometry.reading(after(52)), Ok(Some(Lost::Gap { .. }))));
         assert!(matches!(odometry.reading(after(49)), Err(OdometryError::LateReading { .. })));

@@ -193,7 +193,7 @@ impl Odometry {
 
     /// Goes back to before a gap when what comes now lies in it.
     fn forget_wrong_time(&mut self, nanoseconds: i64) {
-        let is_late = self.last_reading.is_some_and(|last| last.nanoseconds >= nanoseconds);
+        let is_late = self.last_reading.is_some_and(|last| last.nanoseconds > nanoseconds);
         let before = self.before_gap.filter(|before| is_late && before.nanoseconds < nanoseconds);
         if before.is_some() {
             self.last_reading = before;
