@@ -6,6 +6,8 @@ use crate::odometry::real::{KINDS, off_by};
 
 /// Where the recording ends, in seconds.
 const END: f64 = 30.0;
+/// Where a column of panels ends; the first has room for what stands on its axis.
+const COLUMNS: [u32; 2] = [480, 880];
 const TITLES: [&str; 3] = ["at once", "after two seconds", "in the end"];
 /// Whose trajectories there are: their names in the record and in the key.
 const WHOSE: [(&str, &str); 4] =
@@ -16,18 +18,20 @@ fn panel(drawing: &Drawing, from: u32, kind: usize) -> Drawn {
         KINDS.iter().flat_map(|(kind, whose)| whose.iter().map(|who| off_by(kind, who, from)));
     let most = all.flatten().map(|(_, off)| off).fold(0.0, f64::max);
     let is_last = from == FROM[FROM.len() - 1];
-    let x = (if is_last { "time (s)" } else { "" }, 0.0..END, 3);
-    let y = (if kind == 0 { "off by (cm)" } else { "" }, 0.0..1.25 * most, 4);
+    let (begin, _) = off_by("causal", "smoother", from)[0];
+    let x = (if is_last { "time (s)" } else { "" }, begin..END, 3);
+    // The panels of a row have one scale.
+    let y = if kind == 0 { ("off by (cm)", 0.0..1.2 * most, 4) } else { ("", 0.0..1.2 * most, 0) };
     let mut chart = figure::axes(drawing, x, y)?;
     let (name, whose) = KINDS[kind];
     for who in whose {
         let series = WHOSE.iter().position(|(known, _)| known == who).unwrap_or_default();
         let points = off_by(name, who, from);
         chart.line(points.iter().copied(), SERIES[series], 4)?;
-        chart.marks(points.into_iter().skip(series).step_by(4), series)?;
+        chart.marks(points.into_iter().skip(2 * series + 1).step_by(8), series)?;
     }
     if from == FROM[0] {
-        chart.write(TITLES[kind], (1.0, 1.15 * most), letters_right_of(INK))?;
+        chart.write(TITLES[kind], (begin + 0.3, 1.12 * most), letters_right_of(INK))?;
     }
     Ok(())
 }
@@ -65,10 +69,11 @@ pub fn errors() -> Figure {
             columns.push((title, FROM.into_iter().flat_map(of).collect()));
         }
     }
-    Figure::new(1500, columns, |drawing| {
+    Figure::new(1700, columns, |drawing| {
         let (head, panels) = drawing.split_vertically(80);
         keys(&head)?;
-        let panels = panels.split_evenly((FROM.len(), KINDS.len()));
+        let rows = (1..FROM.len() as u32).map(|row| 405 * row).collect::<Vec<_>>();
+        let panels = panels.split_by_breakpoints(COLUMNS, rows);
         for (number, panel) in panels.iter().enumerate() {
             self::panel(panel, FROM[number / KINDS.len()], number % KINDS.len())?;
         }
