@@ -274,7 +274,7 @@ fn outliers_are_gated_and_named() {
     let options = MsckfOptions::of_flight(&recording.flight);
     let mut refused = 0;
     let filter = fly(&recording, options, &start(&recording, 2), |_, _, report| {
-        refused += report.refused.gated + report.refused.landmark;
+        refused += report.refused.gated + report.refused.landmark + report.refused.unmet;
     });
     assert!(refused > 50, "{refused}");
     assert!(position_error(&recording, recording.pictures.len() - 1, &filter) < 0.3);

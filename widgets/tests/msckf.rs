@@ -101,7 +101,7 @@ fn flown(recording: &FlightRecording, options: MsckfOptions, seed: u64, seconds:
         mean(&yaw_nees),
         sum(|report| report.used),
         sum(|report| report.refused.gated),
-        sum(|report| report.refused.short + report.refused.landmark + report.refused.rank),
+        sum(|report| report.refused.without_landmark()),
     ]
 }
 

@@ -120,7 +120,7 @@ impl Msckf {
         let (body_from_camera, camera) = (self.rig().body_from_camera, (camera, pixel_sigma));
         let contradicts = || contradicts(sights, &body_from_camera, camera);
         landmark(sights, &body_from_camera, camera, least_parallax)
-            .map_err(|_| if contradicts() { Refusal::Gated } else { Refusal::Landmark })
+            .map_err(|_| if contradicts() { Refusal::Unmet } else { Refusal::Landmark })
     }
 
     /// The pixels of a track, with the poses as they are believed.
@@ -264,6 +264,7 @@ pub(super) fn seen(picture: &Picture, track: usize) -> Option<&Feature> {
 enum Refusal {
     Short,
     Landmark,
+    Unmet,
     Rank,
     Gated,
 }
@@ -274,6 +275,7 @@ impl Refusal {
         *match self {
             Self::Short => &mut refused.short,
             Self::Landmark => &mut refused.landmark,
+            Self::Unmet => &mut refused.unmet,
             Self::Rank => &mut refused.rank,
             Self::Gated => &mut refused.gated,
         } += 1;

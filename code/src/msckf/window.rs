@@ -115,13 +115,20 @@ pub struct Refusals {
     pub landmark: usize,
     /// The pixels leave the landmark too uncertain.
     pub rank: usize,
-    /// The pixels contradict the belief: they do not pass the test, or rays that are far from parallel do not meet.
+    /// Without a landmark although the rays are far from parallel: they contradict the belief.
+    pub unmet: usize,
+    /// The pixels contradict the belief.
     pub gated: usize,
 }
 
 impl Refusals {
+    /// How many tracks did not show where their landmark is.
+    pub fn without_landmark(&self) -> usize {
+        self.short + self.landmark + self.unmet + self.rank
+    }
+
     /// How many tracks were refused, whatever the reason.
     pub fn total(&self) -> usize {
-        self.short + self.landmark + self.rank + self.gated
+        self.without_landmark() + self.gated
     }
 }

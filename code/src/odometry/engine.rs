@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::{Estimate, Estimator, OdometryError, OdometryOptions};
 use crate::datasets::tracks::Picture;
 use crate::inertial::{BodyPose, CameraImu, NavState, StampedSample};
-use crate::msckf::{Msckf, Start};
+use crate::msckf::{Msckf, Refusals, Start};
 use crate::smoother::{Smoother, SmootherOptions};
 
 /// What follows a flight that has begun.
@@ -53,7 +53,8 @@ impl Engine {
             }
             Self::Filter(filter) => {
                 let report = filter.picture(picture)?;
-                Seen { used: report.used, refused: report.refused.gated }
+                let Refusals { unmet, gated, .. } = report.refused;
+                Seen { used: report.used, refused: unmet + gated }
             }
         })
     }

@@ -151,10 +151,11 @@ fn lengths(chapter: &mut Chapter) {
 
 fn refused(seen: &[Seen]) -> Refusals {
     seen.iter().fold(Refusals::default(), |sum, seen| {
-        let Refusals { short, landmark, rank, gated } = seen.report.refused;
+        let Refusals { short, landmark, unmet, rank, gated } = seen.report.refused;
         Refusals {
             short: sum.short + short,
             landmark: sum.landmark + landmark,
+            unmet: sum.unmet + unmet,
             rank: sum.rank + rank,
             gated: sum.gated + gated,
         }

@@ -159,10 +159,12 @@ impl Widget for Filter {
 
     fn steps(&self, controls: &[f64], into: &mut Vec<f64>) {
         for frame in self.flown(controls).into_iter().flat_map(|(_, frames, _)| frames) {
-            let Refusals { short, landmark, rank, gated } = frame.report.refused;
+            let Refusals { short, landmark, unmet, rank, gated } = frame.report.refused;
             let used = frame.report.used;
             let lost = usize::from(frame.is_lost());
-            into.extend([used, short, landmark, rank, gated, lost].map(|count| count as f64));
+            into.extend(
+                [used, short, landmark + unmet, rank, gated, lost].map(|count| count as f64),
+            );
             let nees = frame.nees.map_or(f64::NAN, |nees| nees.position);
             into.extend(frame.estimate.position.iter());
             into.extend([frame.error.yaw(), frame.sigma, frame.yaw_sigma, nees]);
@@ -200,5 +202,5 @@ fn read(frames: &[Frame], last: Option<&Frame>, scene: &mut Scene) {
     };
     scene.read(sum(|report| report.used));
     scene.read(sum(|report| report.refused.gated));
-    scene.read(sum(|report| report.refused.short + report.refused.landmark + report.refused.rank));
+    scene.read(sum(|report| report.refused.without_landmark()));
 }
