@@ -67,7 +67,7 @@ async function alive({ name, file }, options, body, { search = "", quiet = true 
 
 /** What the page shows when all is computed, with which controls, and what it tells of the steps on the way. */
 const shown = figure => figure.evaluate(async ({ widget }) => {
-    while (widget.more) await new Promise(requestAnimationFrame);
+    while (widget.more || widget.wanted) await new Promise(requestAnimationFrame);
     const { controls } = widget.session.face;
     return {
         controls: Object.fromEntries(controls.map((control, k) => [control.name, widget.session.controls[k]])),
