@@ -143,6 +143,16 @@ fn beside_truth(flight: &Real, trajectory: &Trajectory) -> (Vec<NavState>, Vec<N
     trajectory.iter().map(|(at, state)| (*state, flight.truth[*at])).unzip()
 }
 
+/// The states of a trajectory after alignment, and the true ones.
+fn laid_on_truth(
+    flight: &Real,
+    trajectory: &Trajectory,
+) -> Result<(Vec<NavState>, Vec<NavState>), NotMade> {
+    let (states, truth) = beside_truth(flight, trajectory);
+    let aligned = aligned(&states, &truth, Freedom::Four);
+    Ok((aligned.map_err(|error| NotMade::Failed(error.to_string()))?, truth))
+}
+
 /// What ISAM2 made of the same pictures.
 struct Isam {
     /// Causal, delayed and smoothed errors, in centimetres.
@@ -188,9 +198,7 @@ fn misread(said: &str) -> NotMade {
 
 /// How far off a trajectory is from time to time after alignment, in centimetres.
 fn off(flight: &Real, trajectory: &Trajectory) -> Result<Vec<f64>, NotMade> {
-    let (states, truth) = beside_truth(flight, trajectory);
-    let aligned = aligned(&states, &truth, Freedom::Four)
-        .map_err(|error| NotMade::Failed(error.to_string()))?;
+    let (aligned, truth) = laid_on_truth(flight, trajectory)?;
     let stride = (SHOWN * (20 / EVERY[0]) as f64).round() as usize;
     let away = aligned
         .iter()
@@ -201,8 +209,7 @@ fn off(flight: &Real, trajectory: &Trajectory) -> Result<Vec<f64>, NotMade> {
 
 /// Puts down how far off a trajectory is.
 fn push_off((kind, who, from): (&str, &str, u32), off: &[f64], values: &mut Vec<RecordValue>) {
-    let strays = who == "isam" && from == FROM[FROM.len() - 1];
-    let within = if strays { ASTRAY } else { 0.1 };
+    let within = within(who, from, 0.1);
     values.extend(off.iter().enumerate().map(|(at, off)| {
         RecordValue::new(format!("off_{kind}_{who}_{from}_{at}"), *off, "cm", 2, within)
     }));
@@ -218,6 +225,12 @@ fn push_off((kind, who, from): (&str, &str, u32), off: &[f64], values: &mut Vec<
 /// One of ISAM2's runs from the last place strays, and how far depends on the last digits of its start.
 const ASTRAY: f64 = 1.0;
 
+/// By what share of itself an error may differ when it is computed again.
+fn within(who: &str, from: u32, usual: f64) -> f64 {
+    let strays = who.starts_with("isam") && from == FROM[FROM.len() - 1];
+    if strays { ASTRAY } else { usual }
+}
+
 /// One trajectory over gates and rates: at the plain ones, the least and the greatest.
 #[derive(Default)]
 struct Spread(Vec<f64>);
@@ -226,8 +239,7 @@ impl Spread {
     fn push(self, name: &str, from: u32, values: &mut Vec<RecordValue>) {
         let low = self.0.iter().copied().fold(f64::INFINITY, f64::min);
         let high = self.0.iter().copied().fold(0.0, f64::max);
-        let strays = name.starts_with("isam") && from == FROM[FROM.len() - 1];
-        let farthest = if strays { ASTRAY } else { 0.02 };
+        let farthest = within(name, from, 0.02);
         for (end, value, within) in
             [("", self.0[0], 0.02), ("_low", low, 0.02), ("_high", high, farthest)]
         {
@@ -360,9 +372,7 @@ fn path(
         ("smoothed", smoothed),
     ];
     for (name, trajectory) in all {
-        let (states, truth) = beside_truth(flight, trajectory);
-        let states = aligned(&states, &truth, Freedom::Four)
-            .map_err(|error| NotMade::Failed(error.to_string()))?;
+        let (states, _) = laid_on_truth(flight, trajectory)?;
         for at in 0..PATH {
             let number = trajectory.iter().position(|(number, _)| *number == shown(at));
             let Some(state) = number.map(|number| states[number]) else {
