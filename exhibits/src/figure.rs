@@ -183,6 +183,23 @@ where
     Ok(chart)
 }
 
+/// The marks of the series and their names, so many in a row, over the whole width.
+pub fn keys<'a>(
+    drawing: &Drawing,
+    in_a_row: usize,
+    names: impl ExactSizeIterator<Item = &'a str>,
+) -> Drawn {
+    let (across, rows) = (in_a_row as f64, names.len().div_ceil(in_a_row) as f64);
+    let mut chart =
+        ChartBuilder::on(drawing).margin(10).build_cartesian_2d(0.0..across, 0.0..rows)?;
+    for (series, name) in names.enumerate() {
+        let (column, row) = ((series % in_a_row) as f64, (series / in_a_row) as f64);
+        let (x, y) = (column + across * 0.08 / 3.0, rows - 0.5 - row);
+        chart.key(series, name, (x, y), x + across * 0.05 / 3.0)?;
+    }
+    Ok(())
+}
+
 /// What points in a plane reach over.
 pub struct Extent {
     pub x: Range<f64>,

@@ -324,7 +324,7 @@
             if (face.kind === "count") {
                 this.buttons("Back", () => change(this, this.value + 1), () => change(this, this.value - 1));
             } else if (face.kind === "moment") {
-                this.buttons("Undo", () => change(this, "now"), () => change(this, face.start));
+                this.buttons("Undo", () => change(this, this.now()), () => change(this, face.start));
             } else if (face.kind === "switch") {
                 this.input = element("input", { type: "checkbox" });
                 this.input.addEventListener("change", () => change(this, Number(this.input.checked)));
@@ -429,6 +429,9 @@
             this.box.setAttribute("role", "group");
             this.box.setAttribute("aria-label", "Picture to take hold of");
             this.controls.filter(control => control.play).forEach(control => this.playable(control));
+            this.controls.filter(({ face }) => face.kind === "moment").forEach(control => {
+                control.now = () => this.now(control.face.most);
+            });
             figure.querySelector(".plot").after(this.box);
             figure.classList.add("alive");
             this.read();
@@ -461,15 +464,15 @@
         }
 
         change(control, value) {
-            this.session.controls[control.number] = value === "now" ? this.now(control) : value;
+            this.session.controls[control.number] = value;
             this.ask();
         }
 
         // Where the slider that is played stands. From there it goes on, for who presses a button wants to see what follows.
-        now({ face }) {
+        now(most) {
             const sweep = this.controls.find(control => control.play);
             const values = this.session.controls;
-            const value = values[sweep.number] = Math.min(values[sweep.number], face.most);
+            const value = values[sweep.number] = Math.min(values[sweep.number], most);
             sweep.way = 1;
             if (!still.matches && !this.playing) {
                 this.start(sweep);

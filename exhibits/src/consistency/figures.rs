@@ -10,7 +10,7 @@ use vislam::consistency::Policy;
 
 use super::flown::{MINUTES, SENSORS, recorded};
 use crate::chapter::Chapter;
-use crate::figure::{Column, Draw, Drawing, Drawn, decimals};
+use crate::figure::{self, Column, Drawing, Drawn, decimals};
 
 /// Those that are drawn; the two others are in the tables.
 const SHOWN: [Policy; 5] =
@@ -48,12 +48,5 @@ fn columns(recorded_as: &[(&'static str, &str)]) -> Vec<Column> {
 
 /// The marks of the policies and their names, over the whole width.
 fn keys(drawing: &Drawing) -> Drawn {
-    let mut chart = plotters::chart::ChartBuilder::on(drawing)
-        .margin(10)
-        .build_cartesian_2d(0.0..3.0, 0.0..2.0)?;
-    for (series, policy) in SHOWN.iter().enumerate() {
-        let (x, y) = ((series % 3) as f64 + 0.08, 1.5 - (series / 3) as f64);
-        chart.key(series, policy.name(), (x, y), x + 0.05)?;
-    }
-    Ok(())
+    figure::keys(drawing, 3, SHOWN.iter().map(|policy| policy.name()))
 }

@@ -36,16 +36,6 @@ fn panel(drawing: &Drawing, from: u32, kind: usize) -> Drawn {
     Ok(())
 }
 
-fn keys(drawing: &Drawing) -> Drawn {
-    let mut chart = plotters::chart::ChartBuilder::on(drawing)
-        .margin(10)
-        .build_cartesian_2d(0.0..4.0, 0.0..1.0)?;
-    for (series, (_, name)) in WHOSE.iter().enumerate() {
-        chart.key(series, name, (series as f64 + 0.1, 0.5), series as f64 + 0.17)?;
-    }
-    Ok(())
-}
-
 pub fn errors() -> Figure {
     let mut columns = vec![("begins at (s)", Vec::new()), ("time (s)", Vec::new())];
     for from in FROM {
@@ -71,7 +61,7 @@ pub fn errors() -> Figure {
     }
     Figure::new(1700, columns, |drawing| {
         let (head, panels) = drawing.split_vertically(80);
-        keys(&head)?;
+        figure::keys(&head, WHOSE.len(), WHOSE.iter().map(|(_, name)| *name))?;
         let rows = (1..FROM.len() as u32).map(|row| 405 * row).collect::<Vec<_>>();
         let panels = panels.split_by_breakpoints(COLUMNS, rows);
         for (number, panel) in panels.iter().enumerate() {
