@@ -5,9 +5,12 @@
 //! every kind of PDF, some twenty crates that each reader of the book would compile. A document that is written in another
 //! way is an error.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::sync::LazyLock;
 
 use anyhow::{Context, Result, bail};
+use regex::bytes::Regex;
 
 use super::syntax::{Object, Text};
 
@@ -171,11 +174,13 @@ fn leads_outside(address: &Object) -> bool {
     matches!(address, Object::Text(text) if text.starts_with("http://") || text.starts_with("https://") || text.starts_with("mailto:"))
 }
 
-/// The document without the time at which it was made. Chromium gives it no identifier, and nothing else of chance.
+/// The document without what another run would make otherwise: the time at which it was made, and the names that
+/// Chromium gives to nodes of a page by counting all that it has met before.
 ///
 /// # Errors
 /// As [`Document::read`].
-pub fn without_time(mut bytes: Vec<u8>) -> Result<Vec<u8>> {
+pub fn without_chance(mut bytes: Vec<u8>) -> Result<Vec<u8>> {
+    number_nodes(&mut bytes);
     let document = Document::read(&bytes)?;
     let info = match document.trailer.get("Info") {
         Some(Object::Reference(info)) => document.offsets.get(*info).copied(),
@@ -191,6 +196,21 @@ pub fn without_time(mut bytes: Vec<u8>) -> Result<Vec<u8>> {
         }
     }
     Ok(bytes)
+}
+
+/// Names nodes by their order among themselves, which keeps the tree of names in order and every letter in its place.
+fn number_nodes(bytes: &mut [u8]) {
+    static NODE: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"\(node([0-9]{8})\)").expect("a valid pattern"));
+    let places: Vec<Range<usize>> =
+        NODE.captures_iter(bytes).filter_map(|node| Some(node.get(1)?.range())).collect();
+    let names: BTreeSet<Vec<u8>> =
+        places.iter().map(|place| bytes[place.clone()].to_vec()).collect();
+    let numbers: BTreeMap<Vec<u8>, usize> = names.into_iter().zip(1..).collect();
+    for place in places {
+        let number = numbers[&bytes[place.clone()]];
+        bytes[place].copy_from_slice(format!("{number:08}").as_bytes());
+    }
 }
 
 /// Writes the time over another one, in the zone of Greenwich.
@@ -279,14 +299,28 @@ mod tests {
 
     #[test]
     fn two_documents_that_differ_by_their_time_become_the_same() {
-        let one = without_time(book(PROMISED, FONT, "20260101120000-05'30'")).unwrap();
-        let other = without_time(book(PROMISED, FONT, "20270203040506+00'00'")).unwrap();
+        let one = without_chance(book(PROMISED, FONT, "20260101120000-05'30'")).unwrap();
+        let other = without_chance(book(PROMISED, FONT, "20270203040506+00'00'")).unwrap();
         assert_eq!(one, other);
         let text = String::from_utf8(one).unwrap();
         assert!(
             text.contains("/CreationDate (D:19800101000000+00'00')\n/ModDate (D:19800101"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn two_documents_that_differ_by_what_was_counted_before_become_the_same() {
+        let counted = |first: usize| {
+            let [one, two] = [first, first + 7].map(|number| format!("(node{number:08})"));
+            let font =
+                format!("<</IDTree [{one} 9 0 R {two} 9 0 R]\n/Headers [{two} {one} {two}]>>");
+            let bytes = without_chance(book(PROMISED, &font, "20260101000000Z")).unwrap();
+            String::from_utf8(bytes).unwrap()
+        };
+        assert_eq!(counted(2392), counted(99_990));
+        let expected = "[(node00000002) (node00000001) (node00000002)]";
+        assert!(counted(2392).contains(expected), "{}", counted(2392));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use serde_json::json;
 
 use super::browser::Browser;
-use super::document::{Document, without_time};
+use super::document::{Document, without_chance};
 use super::imprint::Imprint;
 use crate::fault::Faults;
 use crate::steps::Steps;
@@ -56,7 +56,7 @@ pub fn print(steps: &Steps, site: &Path, imprint: &Imprint, profile: &Path) -> R
                 );
             }
             let pages = document.page_count();
-            return Ok(Printed { bytes: without_time(bytes)?, pages, rounds: round, faults });
+            return Ok(Printed { bytes: without_chance(bytes)?, pages, rounds: round, faults });
         }
         browser.evaluate(&format!("paper.number({})", json!(names)))?;
         known = names;
