@@ -370,7 +370,8 @@ impl One<'_> {
         let time = planned(stop.seconds[depth]).replace(' ', "\u{a0}");
         let text = PreEscaped(format!("{} {title}", stop.number));
         let way = link(self.prose.page, &stop.path, &stop.anchor, text);
-        format!("{} ({time})", way.into_string())
+        let whole = if stop.seconds[depth] > stop.seconds[0] { " with depth" } else { "" };
+        format!("{} ({time}{whole})", way.into_string())
     }
 
     /// The time that several chapters and sections take together on the main road; `all` as above.

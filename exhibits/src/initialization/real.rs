@@ -326,7 +326,7 @@ impl Values {
             self.add(format!("{name}_most"), ratios().fold(0.0, f64::max), "", 2);
             let sigma = median(scales.iter().map(|scale| scale.sigma));
             self.add(format!("{name}_sigma"), 100.0 * sigma, "%", 1);
-            let normalized = scales.iter().map(|scale| (scale.ratio - 1.0) / scale.sigma);
+            let normalized = scales.iter().map(|scale| scale.ratio.ln() / scale.sigma);
             self.add(format!("{name}_normalized"), root_mean_square(normalized), "", 1);
         }
         Ok(())
@@ -437,7 +437,7 @@ impl Half {
 struct Scale {
     /// Estimate over truth.
     ratio: f64,
-    /// The standard deviation that is reported, as a part of the estimate.
+    /// The standard deviation that is reported, of its logarithm.
     sigma: f64,
 }
 

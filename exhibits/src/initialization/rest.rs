@@ -254,7 +254,7 @@ fn numbers(chapter: &mut Chapter) {
     chapter.number("glide_speed", speed, "m/s", 0);
     chapter.number("glide_distance", distance, "m", 0);
     chapter.number("glide_focal", fx, "px", 0);
-    chapter.number("glide_px", fx * speed * seconds / distance, "px", 1);
+    chapter.number("glide_px", fx * speed * seconds / distance, "px", 2);
     let options = RestOptions::default();
     chapter.number("rest_motion_sigmas", options.motion, "", 0);
     chapter.number("rest_force_sigmas", options.force, "", 0);

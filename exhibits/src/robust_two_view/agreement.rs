@@ -160,7 +160,7 @@ fn all_right(right: usize, count: usize, sample: usize) -> f64 {
 fn numbers(chapter: &mut Chapter) {
     const MANY: usize = 1_000_000;
     let needed = |share: f64, sample| {
-        draws_needed(((1.0 - share) * MANY as f64) as usize, MANY, sample, 0.99) as f64
+        draws_needed(((1.0 - share) * MANY as f64).round() as usize, MANY, sample, 0.99) as f64
     };
     for (name, share, sample) in [
         ("draws_20_five", 0.2, 5),

@@ -1,6 +1,6 @@
 //! Equations, their numbers, and the quiet note beside them.
 
-use maud::html;
+use maud::{Markup, html};
 
 use super::Emitter;
 use crate::accepted::normal;
@@ -60,7 +60,9 @@ impl Emitter<'_, '_> {
                 "drop .definition, or the check",
             );
         }
-        "<p class=\"definition-mark margin\">definition</p>".to_owned()
+        let report = self.known.reports.on(id, &self.page.file);
+        html! { p.definition-mark.margin { "definition" (reported(report.as_deref())) } }
+            .into_string()
     }
 
     fn check(&mut self, line: usize, id: &str, tex: &str) -> String {
@@ -145,12 +147,16 @@ fn note(check: &Check, href: &str, report: Option<&str>) -> String {
         details.check.margin {
             summary { "checked: " span.quantity { (worst) } " over " (states) " states" }
             p {
-                (said) a href=(href) { "Its code" }
-                @if let Some(report) = report { ". " a href=(report) { "Report an error in it" } }
+                (said) a href=(href) { "Its code" } (reported(report))
             }
         }
     };
     note.into_string()
+}
+
+/// Where an error in an equation is reported, if there is such a place.
+fn reported(address: Option<&str>) -> Markup {
+    html! { @if let Some(address) = address { ". " a href=(address) { "Report an error in it" } } }
 }
 
 /// The unit of an error as it follows the number; nothing for a relative one.

@@ -9,6 +9,7 @@ mod new;
 mod paper;
 mod parts;
 mod recordings;
+mod reports;
 mod serve;
 mod sheets;
 mod small;

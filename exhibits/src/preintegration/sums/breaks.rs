@@ -70,8 +70,8 @@ fn gravity(chapter: &mut Chapter) {
     chapter.number("forgotten_position", forgotten[8].abs(), "m", 1);
     let sigmas = forgotten[5].abs() / sums.sigmas()[1];
     chapter.number("forgotten_sigmas", sigmas, "", 0);
-    // With gravity of another place on the Earth, 9.78 at the equator and 9.83 at the poles.
-    let elsewhere = residual(&(GRAVITY + 0.02 * Vector3::z()));
+    // Normal gravity is 9.780 m/s² at the equator and 9.824 m/s² at the polar circle.
+    let elsewhere = residual(&(GRAVITY + (9.824 - 9.780) * Vector3::z()));
     chapter.number("elsewhere_sigmas", elsewhere[5].abs() / sums.sigmas()[1], "", 1);
 }
 
