@@ -46,6 +46,18 @@ pub enum Kind {
     Unclosed(&'static str),
 }
 
+impl Block {
+    /// What is read of it: prose, captions, choices and titles.
+    pub fn said(&self) -> &str {
+        match &self.kind {
+            Kind::Text(text) | Kind::Choice { text, .. } | Kind::Step { text, .. } => text,
+            Kind::Figure { caption, .. } => caption,
+            Kind::Heading { title, .. } => title,
+            _ => "",
+        }
+    }
+}
+
 /// Splits a chapter into blocks.
 pub fn blocks(chapter: &str) -> Vec<Block> {
     let mut reader =

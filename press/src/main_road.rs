@@ -1,11 +1,10 @@
 //! The main road through the book stays so short that one can walk it in a term.
 
-use std::path::Path;
 use std::sync::LazyLock;
 
 use regex::Regex;
 
-use crate::blocks::{Block, Kind};
+use crate::blocks::Block;
 use crate::fault::Faults;
 use crate::pages::Page;
 
@@ -17,11 +16,9 @@ static NO_WORDS: LazyLock<Regex> = LazyLock::new(|| {
 
 /// Adds a fault when the numbered chapters have more words on the main road than this.
 pub fn check(pages: &[Page], longest: usize, faults: &mut Faults) {
-    // Exercises lie in folders, and are not read but worked.
-    let is_chapter =
-        |page: &&Page| page.number.is_some() && page.path.parent() == Some(Path::new(""));
+    let chapters = pages.iter().filter(|page| page.is_chapter());
     let mut chapters: Vec<(usize, &Page)> =
-        pages.iter().filter(is_chapter).map(|page| (of_blocks(&page.blocks), page)).collect();
+        chapters.map(|page| (of_blocks(&page.blocks), page)).collect();
     let all: usize = chapters.iter().map(|(words, _)| words).sum();
     chapters.sort_by_key(|(words, _)| std::cmp::Reverse(*words));
     let Some((most, page)) = chapters.first().filter(|_| all > longest) else { return };
@@ -35,13 +32,7 @@ pub fn check(pages: &[Page], longest: usize, faults: &mut Faults) {
 
 /// Words outside of depth, in prose, captions and choices.
 fn of_blocks(blocks: &[Block]) -> usize {
-    let of = |block: &Block| match &block.kind {
-        Kind::Text(text) | Kind::Choice { text, .. } | Kind::Step { text, .. } => words(text),
-        Kind::Figure { caption, .. } => words(caption),
-        Kind::Heading { title, .. } => words(title),
-        _ => 0,
-    };
-    blocks.iter().filter(|block| block.depth.is_none()).map(of).sum()
+    blocks.iter().filter(|block| block.depth.is_none()).map(|block| words(block.said())).sum()
 }
 
 /// Words that have a letter. Rows of tables are looked up, not read.

@@ -123,6 +123,11 @@ impl Page {
         title.unwrap_or(&self.slug)
     }
 
+    /// Whether it is a numbered chapter. Exercises lie in folders, and are not read but worked.
+    pub fn is_chapter(&self) -> bool {
+        self.number.is_some() && self.path.parent() == Some(Path::new(""))
+    }
+
     /// The way from this page to a file in `src`.
     pub fn way_to(&self, path: &Path) -> String {
         let depth = self.path.components().count() - 1;

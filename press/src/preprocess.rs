@@ -174,7 +174,7 @@ fn press(
     });
     unused(&pages, &exhibits, &mut found);
     unshown(&recordings.scenes, &mut found);
-    found.terms.check(&pages, &mut found.faults);
+    found.terms.check(&pages, &labels, &mut found.faults);
     found.symbols.check(&pages, &mut found.faults);
     found.lint.finish(&mut found.faults);
     let plan = Plan::new(layout, &settings, config, &pages, &known, &mut found)?;

@@ -195,7 +195,7 @@ fn faults(content: String, layout: &Layout) -> Faults {
         index::index(page, &pages, &known, &found);
         ledger::bibliography(page, &pages, &known, &found);
     }
-    found.terms.check(&pages, &mut found.faults);
+    found.terms.check(&pages, &labels, &mut found.faults);
     found.symbols.check(&pages, &mut found.faults);
     found.faults
 }
