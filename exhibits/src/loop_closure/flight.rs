@@ -49,6 +49,12 @@ impl Closed {
         own.iter().zip(truth).map(|(own, truth)| own.position - truth.position).collect()
     }
 
+    /// Where the figures draw the keyframes: at ten times their errors.
+    pub fn drawn(&self, poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
+        let both = self.keyframes.truth.iter().zip(self.off(poses));
+        both.map(|(truth, off)| truth.position + 10.0 * off).collect()
+    }
+
     pub fn errors_of(&self, poses: &[Isometry3<f64>]) -> RootMeanSquares {
         errors(poses, &self.keyframes.truth).expect("it goes somewhere")
     }

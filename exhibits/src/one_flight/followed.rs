@@ -284,9 +284,6 @@ fn to_the_end() -> Figure {
     ])
 }
 
-/// How much larger than they are the errors of keyframes are drawn.
-const LARGER: f64 = 10.0;
-
 /// The same flight with a second camera, which finds places again.
 fn found_again() -> &'static Closed {
     static CLOSED: OnceLock<Closed> = OnceLock::new();
@@ -309,13 +306,8 @@ pub fn recognized(chapter: &mut Chapter) {
 
 fn loops() -> Figure {
     let closed = found_again();
-    let truth = closed.keyframes.truth.iter().map(|state| state.position);
     let last = closed.keyframes.truth.len() - picture_at(DRAWN) / SPACING;
-    let line = |name, series, poses| {
-        let larger = truth.clone().zip(closed.off(poses)).map(|(at, off)| at + LARGER * off);
-        let places: Vec<Vector3<f64>> = larger.skip(last).collect();
-        Layer::line(name, series, &places)
-    };
+    let line = |name, series, poses| Layer::line(name, series, &closed.drawn(poses)[last..]);
     room(&[
         Layer::truth(path(SECONDS - DRAWN, SECONDS)),
         line("odometry", 1, &closed.graph.poses),
