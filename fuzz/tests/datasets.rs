@@ -122,9 +122,11 @@ fn recording() {
 #[test]
 fn calibration() {
     let seed = "\u{feff}# a camera on a board\n[camera]\nfx = 460   # pixels\nfy = 458.5\ncx = 367\n\
-        cy = 248\nwidth = 752.0\npixel_sigma = 0.5\ntime_offset = -2e-3\ntime_offset_sigma = 5e-3\n\n[imu]\r\ngyro = 1e-3\n\
+        cy = 248\nwidth = 752.0\npixel_sigma = 0.5\ntime_offset = -2e-3\n\
+        time_offset_sigma = 5e-3\n\n[imu]\r\ngyro = 1e-3\n\
         accelerometer = 2e-2\ngyro_walk = 3e-5\naccelerometer_walk = 0\ngravity = 9.8\n\n[stereo]\n\
-        baseline = 0.11\n[extrinsics]\ntranslation_sigma = 0.02\nrotation_sigma = 1e-2\nbody_from_camera = [\n    [0, 0, 1, 0.1], # ahead\n    \
+        baseline = 0.11\n[extrinsics]\ntranslation_sigma = 0.02\nrotation_sigma = 1e-2\n\
+        body_from_camera = [\n    [0, 0, 1, 0.1], # ahead\n    \
         [-1, 0, 0, 0.0],\n    [0, -1, 0, 0.05], [0, 0, 0, 1],\n]\n";
     Trial::of("calibration", [seed])
         .words(&["[", "]", "=", "[camera]\n", "x = [\n", "#", "\n", "[1, 0, 0, 0],"])

@@ -49,9 +49,9 @@ impl Closed {
         own.iter().zip(truth).map(|(own, truth)| own.position - truth.position).collect()
     }
 
-    /// Where the figures draw the keyframes: at ten times their errors.
-    pub fn drawn(&self, poses: &[Isometry3<f64>]) -> Vec<Vector3<f64>> {
-        let both = self.keyframes.truth.iter().zip(self.off(poses));
+    /// Where the figures draw keyframes with these errors of position: at ten times the errors.
+    pub fn drawn(&self, off: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let both = self.keyframes.truth.iter().zip(off);
         both.map(|(truth, off)| truth.position + 10.0 * off).collect()
     }
 

@@ -307,7 +307,8 @@ pub fn recognized(chapter: &mut Chapter) {
 fn loops() -> Figure {
     let closed = found_again();
     let last = closed.keyframes.truth.len() - picture_at(DRAWN) / SPACING;
-    let line = |name, series, poses| Layer::line(name, series, &closed.drawn(poses)[last..]);
+    let line =
+        |name, series, poses| Layer::line(name, series, &closed.drawn(&closed.off(poses))[last..]);
     room(&[
         Layer::truth(path(SECONDS - DRAWN, SECONDS)),
         line("odometry", 1, &closed.graph.poses),

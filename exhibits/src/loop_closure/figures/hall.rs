@@ -16,9 +16,8 @@ pub fn hall() -> Figure {
     let closed = shown();
     let truth: Vec<Vector3<f64>> =
         closed.keyframes.truth.iter().map(|state| state.position).collect();
-    let both = [&closed.graph.poses, &closed.four];
-    let errors = both.map(|poses| closed.off(poses));
-    let [odometry, four] = both.map(|poses| closed.drawn(poses));
+    let errors = [&closed.graph.poses, &closed.four].map(|poses| closed.off(poses));
+    let [odometry, four] = errors.each_ref().map(|off| closed.drawn(off));
     let lengths = |way: usize| {
         decimals(1, errors[way].iter().step_by(ROWS).map(|error| 100.0 * error.norm()))
     };
