@@ -43,3 +43,13 @@ fn a_sheet_that_is_not_closed_is_named() {
     let report = shown(&format!("# Sheet {{#sec:sheet}}\n\n::: sheet\n\n{SHOWN}")).faults();
     assert!(report.contains("a division (:::) is never closed"), "{report}");
 }
+
+#[test]
+fn the_time_of_a_way_says_when_it_counts_depth() {
+    let ways = "# Sheet {#sec:sheet}\n\n{{way one}}, {{way all one}}, {{way all one#sec:more}}\n";
+    let book = shown(ways);
+    let output = book.run(&["build"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = book.read("book/sheet.html");
+    assert_eq!(page.matches(" with depth)").count(), 1, "{page}");
+}
