@@ -355,6 +355,26 @@ fn kept_landmarks_say_nothing_of_yaw_if_derivatives_are_taken_at_first_estimates
 }
 
 #[test]
+fn a_landmark_that_enters_the_state_and_is_not_seen_again_changes_nothing() {
+    let mut recording = flown(&flight(10.0), 6);
+    let clones = 6;
+    // A track gets another name after as many pictures as the window has poses.
+    for (number, picture) in recording.pictures.iter_mut().enumerate() {
+        for feature in &mut picture.features {
+            feature.track = 1000 * (number / clones) + feature.track;
+        }
+    }
+    let flown = |landmarks| {
+        let told = MsckfOptions { clones, landmarks, ..MsckfOptions::of_flight(&recording.flight) };
+        fly(&recording, told, &start(&recording, 6), |_, _, _| ())
+    };
+    let (without, with) = (flown(0), flown(20));
+    assert!((without.state().position - with.state().position).norm() < 1e-9);
+    let (one, other) = (without.covariance(), with.covariance());
+    assert!((one - other).norm() < 1e-9 * one.norm());
+}
+
+#[test]
 fn a_body_at_rest_stays_where_it_is_and_keeps_its_window() {
     let rest = Rest { motion: 3.0, velocity_sigma: 0.01, turning_sigma: 0.01 };
     let hover = Flight { motion: Trajectory::hover(), ..flight(60.0) };

@@ -264,8 +264,8 @@ struct Damping {
 }
 
 impl Damping {
-    /// After a step that was taken with this gain, less of it, the better the prediction was.
-    /// After one that was refused, more, and faster every time.
+        /// After a step that was taken, less of it where the gain is above one half, more where it is
+    /// below. After one that was refused, more, and faster every time.
     fn learn(&mut self, gain: Option<f64>) {
         if let Some(gain) = gain {
             let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);

@@ -42,6 +42,8 @@ impl Msckf {
                 Err(refusal) => refusal.count(&mut report),
             }
         }
+        // A landmark that enters now has had its pixel of this picture.
+        let known = self.window.kept.len();
         for judged in &passed {
             self.keep_landmark(judged)?;
         }
@@ -51,7 +53,7 @@ impl Msckf {
             linear.constraints().for_each(|row| self.stack(&columns, row));
         }
         report.used = passed.len();
-        for place in 0..self.window.kept.len() {
+        for place in 0..known {
             match self.kept_rows(&self.window.kept[place], picture) {
                 Some((columns, rows)) => rows.iter().for_each(|row| self.stack(&columns, row)),
                 None => report.refused.gated += 1,

@@ -26,9 +26,9 @@ pub(super) fn chance_of_agreement(
 // ANCHOR_END: chance_of_agreement
 
 // ANCHOR: false_alarms
-/// How many estimates, of all that there are through samples of `sample` out of `count` wrong data,
-/// would find `agree` data or more within their gates, each of them with probability `chance`: a
-/// bound of the mean [@moisan2004]. Where it is far below one, the agreement is no accident.
+/// How many estimates, one through each sample of `sample` out of `count` wrong data, would find
+/// `agree` data or more within their gates, each of them with probability `chance`: a bound of the
+/// mean [@moisan2004]. A solver that gives several estimates of a sample multiplies it. Where it is far below one, the agreement is no accident.
 ///
 /// Implements {eq:false-alarms}. Infinite when nothing beyond the sample agrees.
 // ANCHOR: counted

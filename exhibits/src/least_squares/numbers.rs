@@ -71,15 +71,15 @@ fn by_hand(chapter: &mut Chapter) {
     let first = stepped(&garden(), &GUESS);
     chapter.number("step_x", first.x - GUESS.x, "m", 3);
     chapter.number("step_y", first.y - GUESS.y, "m", 3);
-    chapter.number("first_x", first.x, "m", 3);
-    chapter.number("first_y", first.y, "m", 3);
+    chapter.number("first_x", first.x, "m", 4);
+    chapter.number("first_y", first.y, "m", 4);
     chapter.number("first_off_mm", 1000.0 * (first - estimate(&garden())).norm(), "mm", 1);
 }
 
 fn converged(chapter: &mut Chapter) {
     let spot = estimate(&garden());
-    chapter.number("estimate_x", spot.x, "m", 3);
-    chapter.number("estimate_y", spot.y, "m", 3);
+    chapter.number("estimate_x", spot.x, "m", 4);
+    chapter.number("estimate_y", spot.y, "m", 4);
     for (name, tape) in ["left_0_cm", "left_1_cm", "left_2_cm"].into_iter().zip(garden()) {
         chapter.number(name, 100.0 * SIGMA * tape.residual_at(&spot), "cm", 1);
     }
