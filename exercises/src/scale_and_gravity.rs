@@ -30,8 +30,8 @@ pub fn split_residual(
     todo!("what grows with the scale, and what stays")
 }
 
-/// Whether the readings leave the scale free, for states that agree with them. The biases
-/// are known and taken off.
+/// Whether the readings leave the scale free, for states that agree with them and whose
+/// attitudes are exact. The biases are known and taken off.
 ///
 /// An interval leaves it free when the derivative of its residual by log s, at s = 1 and for
 /// states that agree with its readings, is no longer than what a constant acceleration of

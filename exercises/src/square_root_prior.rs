@@ -23,7 +23,7 @@ pub fn absorb(prior: Prior, row: DVector<f32>, residual: f32) -> Prior {
 /// `rows` has a column for each coordinate, first those of the old prior in their order, which
 /// may be none, and then new ones. A row is a whitened measurement, of the residual r where x
 /// is zero and r + `rows` x elsewhere. `gone` are the columns of the coordinates that go, each
-/// once, in any order. Those that stay keep theirs.
+/// once, in any order. Those that stay keep their order.
 ///
 /// The result has as many rows as coordinates stay and zeros below the diagonal. Together,
 /// prior and rows determine all coordinates; some of them ten thousand times as well as

@@ -102,9 +102,9 @@ pub fn at_scale(views: Vec<View>, lever: Vector3<f64>, gravity: f64, scale: f64)
 /// than that by `gate` at most. There are two allowed scales at the most.
 ///
 /// The `sigma` of a solution is the standard deviation of its scale over the scale, to first
-/// order: from the inverse of JᵀJ, where J holds the derivatives of the residuals over
-/// their standard deviations by scale, velocity and two directions in which gravity moves on its
-/// sphere. When that is more than `most` for any allowed scale, all are refused.
+/// order: from the inverse of JᵀJ, where J holds the derivatives of the quotients, residual over
+/// standard deviation (the scale is in both), by scale, velocity and two directions in which
+/// gravity moves on its sphere. When that is more than `most` for any allowed scale, all are refused.
 pub fn scales(
     views: Vec<View>,
     lever: Vector3<f64>,

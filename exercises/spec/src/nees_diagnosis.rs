@@ -73,7 +73,7 @@ pub enum Fault {
     /// Nothing.
     None,
     /// The density of the accelerometer's noise is taken for something else: what a step adds to
-    /// the variance of the velocity is too small or too large by the factor dt, which is below 0.05.
+    /// the variance of the velocity is dt or 1/dt times what it should be; dt is below 0.05.
     Density,
     /// A term of the transition is missing: the one by which the bias enters the velocity, or the
     /// one by which the velocity enters the position.

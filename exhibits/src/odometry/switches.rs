@@ -135,7 +135,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("switch_seconds", SECONDS, "s", 0);
     chapter.number("switch_told", TOLD, "", 0);
     let plain = options(&flown(&flight(1.0), 0), Estimator::Smoother);
-    chapter.number("waiting_seconds", 3.0 * (plain.begin.longest() + 0.5), "s", 0);
+    chapter.number("waiting_seconds", 3.0 * (plain.begin.longest() + 0.5), "s", 1);
     chapter.number("patience", plain.patience, "s", 0);
     chapter.number("longest_gap", plain.longest_gap, "s", 1);
     let of = |switch: Switch| {

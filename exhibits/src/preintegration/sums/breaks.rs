@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
-use vislam::preintegration::{Preintegrator, Rule, imu_residual};
+use vislam::preintegration::{Preintegrated, Preintegrator, Rule, imu_residual};
 use vislam::simulation::Trajectory;
 
 use super::oracle::{deltas_of_states, difference, summed, true_deltas};
@@ -48,7 +48,7 @@ fn order_of_updates(chapter: &mut Chapter) {
     let sums = summed(&rest, DT, &ImuBias::default());
     let off = DT * sums.deltas.velocity.norm();
     chapter.number("order_rest_mm", 1e3 * off, "mm", 0);
-    chapter.number("order_rest_sigmas", off / sums.sigmas()[2], "", 1);
+    chapter.number("order_rest_sigmas", off / vertical(&sums, 8), "", 1);
 
     // The rotation before the force: the reading turned by itself.
     let (mut rotation, mut velocity) = (Rotation3::identity(), Vector3::zeros());
@@ -68,11 +68,16 @@ fn gravity(chapter: &mut Chapter) {
     let forgotten = residual(&Vector3::zeros());
     chapter.number("forgotten_velocity", forgotten[5].abs(), "m/s", 2);
     chapter.number("forgotten_position", forgotten[8].abs(), "m", 1);
-    let sigmas = forgotten[5].abs() / sums.sigmas()[1];
+    let sigmas = forgotten[5].abs() / vertical(&sums, 5);
     chapter.number("forgotten_sigmas", sigmas, "", 0);
     // Normal gravity is 9.780 m/s² at the equator and 9.824 m/s² at the polar circle.
     let elsewhere = residual(&(GRAVITY + (9.824 - 9.780) * Vector3::z()));
-    chapter.number("elsewhere_sigmas", elsewhere[5].abs() / sums.sigmas()[1], "", 1);
+    chapter.number("elsewhere_sigmas", elsewhere[5].abs() / vertical(&sums, 5), "", 1);
+}
+
+/// The standard deviation of one coordinate.
+fn vertical(sums: &Preintegrated, coordinate: usize) -> f64 {
+    sums.covariance[(coordinate, coordinate)].sqrt()
 }
 
 fn clipping(chapter: &mut Chapter) {
