@@ -199,7 +199,7 @@ impl Window {
     // ANCHOR_END: tiles
 
     // ANCHOR: take_out
-        /// Takes out the oldest state and its bias, keeps the information of their factors as a prior, and
+    /// Takes out the oldest state and its bias, keeps the information of their factors as a prior, and
     /// freezes the linearization points of the variables in it, unless an earlier prior froze them.
     pub fn take_out_oldest(&mut self, values: &Values) -> Result<Vec<usize>, Box<dyn Error>> {
         let oldest = [self.states.remove(0).index(), self.biases.remove(0).index()];

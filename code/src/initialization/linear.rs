@@ -142,7 +142,8 @@ impl LinearAlignment {
     // ANCHOR_END: beyond
 
     // ANCHOR: alignment_spectrum
-    /// The singular values of the matrix, its columns scaled to the length of one, descending.
+    /// The singular values of the matrix, its columns scaled to the length of one, descending: roots of
+    /// eigenvalues of the normal equations, so that zero comes out as up to 1e-8.
     pub fn spectrum(&self) -> SVector<f64, UNKNOWNS> {
         let normal = self.normal(0.0);
         let lengths = normal.diagonal().map(f64::sqrt);

@@ -264,7 +264,7 @@ struct Damping {
 }
 
 impl Damping {
-        /// After a step that was taken, less of it where the gain is above one half, more where it is
+    /// After a step that was taken, less of it where the gain is above one half, more where it is
     /// below. After one that was refused, more, and faster every time.
     fn learn(&mut self, gain: Option<f64>) {
         if let Some(gain) = gain {

@@ -162,9 +162,7 @@ fn near_a_half_turn(chapter: &mut Chapter) {
     let after = so3::retract(&before, &about_z(step));
     chapter.number("near_half_deg", angle, "°", 1);
     chapter.number("near_half_step_deg", step, "°", 1);
-    let (first, second) = (so3::log(&before), so3::log(&after));
-    chapter.number("near_half_after_deg", second.z.to_degrees(), "°", 1);
-    chapter.number("near_half_jump_deg", (second - first).norm().to_degrees(), "°", 1);
+    chapter.number("near_half_after_deg", so3::log(&after).z.to_degrees(), "°", 1);
     chapter.number("near_half_local_deg", so3::local(&before, &after).z.to_degrees(), "°", 1);
 }
 

@@ -1,9 +1,11 @@
 //! Points from noisy pixels, again and again.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Vector2, Vector3};
 use vislam::two_views::{View, triangulate, triangulate_nonlinear};
 
-use super::worked::{depth_sigma_of, point_at, side_by_side};
+use super::worked::{approach, depth_sigma_of, point_at, side_by_side};
 use crate::random::Random;
 
 /// What became of many noisy copies of the same views.
@@ -54,6 +56,12 @@ impl Draws {
     pub fn share_without_point(&self) -> f64 {
         self.without_point as f64 / (self.without_point + self.likely.len()) as f64
     }
+}
+
+/// Draws of the point that a robot drives towards.
+pub fn on_the_drive() -> &'static Draws {
+    static DRAWS: OnceLock<Draws> = OnceLock::new();
+    DRAWS.get_or_init(|| Draws::of(&approach().1, 5000, 41))
 }
 
 /// Draws of the worked point's ray at one depth, by two cameras side by side.

@@ -9,7 +9,7 @@ use vislam::two_views::{
 };
 
 use super::NOWHERE;
-use super::draws::{Draws, mean_error, rms_error};
+use super::draws::{Draws, mean_error, on_the_drive, rms_error};
 use super::figures::NINETY_FIVE;
 use super::five_points::{self, Found, JUDGES, NOISE, SCENES, STARTS};
 use super::worked::{
@@ -127,11 +127,9 @@ fn ends(counts: impl Iterator<Item = usize>) -> [f64; 2] {
     [counts.iter().min(), counts.iter().max()].map(|end| end.map_or(0.0, |end| *end as f64))
 }
 
-const DRIVING_DRAWS: usize = 5000;
-
 fn driving(chapter: &mut Chapter) {
     let (point, views) = approach();
-    let draws = Draws::of(&views, DRIVING_DRAWS, 41);
+    let draws = on_the_drive();
     let first = views[0].centre();
     let last = views[views.len() - 1].centre();
     chapter.number("drive_far", point.z - first.z, "m", 0);
@@ -142,7 +140,7 @@ fn driving(chapter: &mut Chapter) {
     chapter.number("drive_side_cm", 100.0 * point.x, "cm", 0);
     chapter.number("drive_views", views.len() as f64, "", 0);
     chapter.number("ellipse_percent", 100.0 * (1.0 - (-0.5 * NINETY_FIVE.powi(2)).exp()), "%", 0);
-    chapter.number("drive_draws", 2.0 * DRIVING_DRAWS as f64, "", 0);
+    chapter.number("drive_draws", draws.likely.len() as f64, "", 0);
     let [linear, likely] =
         [&draws.linear, &draws.likely].map(|points| rms_error(points, &point, 2));
     chapter.number("drive_linear_cm", 100.0 * linear, "cm", 1);

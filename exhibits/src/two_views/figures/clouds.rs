@@ -6,11 +6,9 @@ use plotters::style::{Color, RGBColor};
 use vislam::two_views::triangulate_nonlinear;
 
 use crate::figure::{self, Draw, Drawing, Drawn, ESTIMATED, Figure, INK, decimals, letters_around};
-use crate::two_views::draws::{Draws, rms_error};
+use crate::two_views::draws::{Draws, on_the_drive, rms_error};
 use crate::two_views::worked::approach;
 
-const PAIRS: usize = 400;
-const SEED: u64 = 61;
 /// How many errors are shown.
 const DOTS: usize = 300;
 /// Standard deviations at which an ellipse holds 95 % of a plane normal distribution.
@@ -18,14 +16,14 @@ pub const NINETY_FIVE: f64 = 2.4477;
 
 pub fn clouds() -> Figure {
     let (point, views) = approach();
-    let Draws { linear, likely, .. } = Draws::of(&views, PAIRS, SEED);
+    let Draws { linear, likely, .. } = on_the_drive();
     let found = triangulate_nonlinear(&views, &point).expect("pixels without noise have a point");
     // Depth to the right and the side up, as the picture has them.
     let c = found.covariance;
     let plane = Matrix2::new(c.m33, c.m13, c.m13, c.m11);
     let inverse = plane.try_inverse().expect("the depth is known");
-    let scatter = |axis| [&linear, &likely].map(|points| 100.0 * rms_error(points, &point, axis));
-    let inside = [&linear, &likely].map(|points| {
+    let scatter = |axis| [linear, likely].map(|points| 100.0 * rms_error(points, &point, axis));
+    let inside = [linear, likely].map(|points| {
         let errors = points.iter().map(|found| error_in_plane(found, &point));
         let inside = errors.filter(|error| error.dot(&(inverse * error)) < NINETY_FIVE.powi(2));
         100.0 * inside.count() as f64 / points.len() as f64
@@ -40,8 +38,8 @@ pub fn clouds() -> Figure {
         let (left, right) = drawing.split_horizontally(690);
         let outline = ellipse(&plane);
         let side = ("error to the side (cm)", 5);
-        panel(&left, &linear, &point, &outline, ("linear", INK), side)?;
-        panel(&right, &likely, &point, &outline, ("most likely", ESTIMATED), ("", 0))
+        panel(&left, linear, &point, &outline, ("linear", INK), side)?;
+        panel(&right, likely, &point, &outline, ("most likely", ESTIMATED), ("", 0))
     })
 }
 
