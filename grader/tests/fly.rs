@@ -42,6 +42,10 @@ fn the_filter_gets_full_marks_and_what_it_writes_wrongly_has_a_name() {
     let judged = course.judged(&answer).unwrap();
     println!("{}", judged.table());
     assert_eq!((earned(&judged), named(&judged)), (100.0, None));
+    let dense = course.judged(&at_readings(&answer, flights)).unwrap();
+    assert_eq!((earned(&dense), named(&dense)), (100.0, None));
+    let rougher = dense.measured.roughness / judged.measured.roughness;
+    assert!((0.7..1.4).contains(&rougher), "an answer with more lines is {rougher} times as rough");
     written_wrongly(&course, KEYS[0], &answer);
 }
 
@@ -245,6 +249,26 @@ fn a_hostile_file_gets_a_sentence() {
         ("kind", refused(|at| fs::write(at.join("answer.toml"), "kind = \"both\"").unwrap())),
     ] {
         assert!(sentences.len() == 1 && sentences[0].contains(said), "{said}: {sentences:?}");
+    }
+}
+
+#[test]
+fn a_hole_is_seen_wherever_it_begins() {
+    let at = tempdir().unwrap();
+    let flights = Graded::all(&Key::of(9), FOLDER);
+    for (flight, hole) in [(1, [2.4, 9.0]), (8, [4.9, 19.7])] {
+        let mut answer = of_truth(&flights);
+        answer.flights[flight] = whole_truth(&flights[flight]);
+        write(&answer, at.path());
+        assert!(Answer::read(at.path(), &flights).is_ok());
+        answer.flights[flight].retain(|line| {
+            let seconds = flights[flight].seconds(line.nanoseconds);
+            seconds <= hole[0] || seconds >= hole[1]
+        });
+        write(&answer, at.path());
+        let read = Answer::read(at.path(), &flights);
+        let Err(NoAnswer::Refused(sentences)) = read else { panic!("{hole:?}: {read:?}") };
+        assert!(sentences.len() == 1 && sentences[0].contains("must begin by"), "{sentences:?}");
     }
 }
 

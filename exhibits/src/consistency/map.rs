@@ -53,12 +53,12 @@ impl Cell {
     }
 
     /// The cell that is the same, if there is one: a track has no more pixels than the window has poses, and
-    /// a landmark says nothing in the state whose track is no longer than the window.
+    /// no landmark is kept whose track is shorter than the window.
     pub fn twin(&self) -> Option<Self> {
         let Self { longest: (_, longest), clones, kept, .. } = *self;
         if kept == 0 && longest > clones && clones <= LONGEST[0].1 {
             Some(Self { longest: LONGEST[0], ..*self })
-        } else if kept > 0 && longest <= clones {
+        } else if kept > 0 && longest < clones {
             Some(Self { kept: 0, ..*self })
         } else {
             None

@@ -199,10 +199,13 @@ fn in_time(lines: &[Line], flight: &Graded) -> Result<(), String> {
                 .to_owned(),
         );
     }
+    // Nothing is missed while the body stands, and in a gap nothing can be asked for.
+    let since = flight.from().max(STAND + 0.5);
     let from = flight.from() + LEAVES_OUT[0];
-    if *first > from || *last < SECONDS - LEAVES_OUT[1] {
+    let begins = seconds.iter().find(|time| **time >= since).unwrap_or(first);
+    if *begins > from || *last < SECONDS - LEAVES_OUT[1] {
         return Err(format!(
-            "it goes from {first:.1} s to {last:.1} s of the flight; it must begin by {from:.1} s and \
+            "it goes from {begins:.1} s to {last:.1} s of the flight; it must begin by {from:.1} s and \
              go on to the end"
         ));
     }
@@ -210,8 +213,6 @@ fn in_time(lines: &[Line], flight: &Graded) -> Result<(), String> {
     if let Some(at) = order {
         return Err(format!("pose {} is not later than the one before; sort them", at + 2));
     }
-    // Nothing is missed while the body stands, and in a gap nothing can be asked for.
-    let since = flight.from().max(STAND + 0.5);
     match seconds.windows(2).find(|pair| pair[0] >= since && pair[1] - pair[0] > APART) {
         Some(pair) => Err(format!(
             "there is nothing between {:.1} s and {:.1} s of the flight; give a pose for each picture",

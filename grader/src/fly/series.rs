@@ -13,8 +13,11 @@ use super::reference::Line;
 const SWEEPS: usize = 200;
 /// When the parts of a state are looked at, in seconds: late enough that something has been learnt.
 pub const TIMES: [f64; 3] = [10.0, 15.0, 20.0];
-/// A line may be so far off such a time, in seconds.
-const NEAR: f64 = 0.11;
+/// A line may be so far off such a time, in seconds: an answer may end as early.
+const NEAR: f64 = 0.16;
+/// Of lines that are nearer to each other, in seconds, some are left out, so that an answer with a line for each
+/// reading is measured like one with a line for each picture.
+const LEAST_APART: f64 = 0.075;
 
 /// One line of an answer in the world of the truth.
 #[derive(Debug, Clone, Copy)]
@@ -77,6 +80,7 @@ impl Series {
     /// Lays an answer onto the truth by yaw and position of its first line; `None` when it has no two
     /// lines or numbers that are none.
     pub fn of(flight: &Graded, lines: &[Line]) -> Option<Self> {
+        let lines = thinned(flight, lines);
         let states: Vec<NavState> = lines.iter().map(|line| line.state).collect();
         let truth: Vec<NavState> =
             lines.iter().map(|line| flight.truth(line.nanoseconds)).collect();
@@ -118,6 +122,20 @@ impl Series {
         let squares: f64 = self.turns.iter().map(off).sum();
         (mean, (squares / self.turns.len() as f64).sqrt())
     }
+}
+
+/// Lines about as far apart as pictures.
+fn thinned(flight: &Graded, lines: &[Line]) -> Vec<Line> {
+    let mut last = f64::NEG_INFINITY;
+    let is_next = |line: &&Line| {
+        let seconds = flight.seconds(line.nanoseconds);
+        let is_next = seconds - last >= LEAST_APART;
+        if is_next {
+            last = seconds;
+        }
+        is_next
+    };
+    lines.iter().filter(is_next).copied().collect()
 }
 
 /// The rotation nearest to a matrix, whatever the matrix is.
