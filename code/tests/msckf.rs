@@ -16,7 +16,7 @@ use vislam::consistency::Policy;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
 use vislam::filtering::{Belief, Form, attitude_in_world, nees};
-use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample};
+use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample, WindowError};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::msckf::{
     LandmarkError, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Rest, Rows,
@@ -361,7 +361,7 @@ fn a_landmark_that_enters_the_state_and_is_not_seen_again_changes_nothing() {
     // A track gets another name after as many pictures as the window has poses.
     for (number, picture) in recording.pictures.iter_mut().enumerate() {
         for feature in &mut picture.features {
-            feature.track = 1000 * (number / clones) + feature.track;
+            feature.track += 1000 * (number / clones);
         }
     }
     let flown = |landmarks| {
@@ -441,6 +441,53 @@ fn what_comes_late_or_too_early_is_refused_and_nothing_is_lost() {
         filter.picture(&Picture { nanoseconds: 100_000_000 * k, features }).unwrap();
     }
     assert!(state.position.iter().chain(&filter.state().position).all(|x| x.is_finite()));
+}
+
+#[test]
+fn nothing_is_made_up_over_a_gap_into_which_pictures_fall() {
+    let flight = Flight { gap: Some([1.0, 1.6]), picture_rate: 20.0, ..flight(3.0) };
+    let recording = flown(&flight, 9);
+    let options = MsckfOptions::of_flight(&recording.flight);
+    let mut filter = Msckf::new(options, &start(&recording, 9)).unwrap();
+    let until = (0..).find_map(|number| Some((number, filter.follow(&recording, number).err()?)));
+    let (number, error) = until.unwrap();
+    assert!((20..=22).contains(&number), "{number}");
+    assert!(matches!(error, MsckfError::Readings(WindowError::Gap { .. })), "{error}");
+}
+
+#[test]
+fn numbers_that_are_none_and_windows_that_are_too_short_are_refused() {
+    let recording = flown(&flight(2.0), 8);
+    let options =
+        MsckfOptions { landmarks: 24, gate: 1.0, ..MsckfOptions::of_flight(&recording.flight) };
+    let start = start(&recording, 8);
+    for clones in [0, 1, 2] {
+        let short = Msckf::new(MsckfOptions { clones, ..options }, &start);
+        assert!(matches!(short, Err(MsckfError::Window { .. })), "{clones}");
+    }
+    let mut filter = Msckf::new(options, &start).unwrap();
+    let mut broken = recording.readings[0];
+    broken.sample.gyro.x = f64::NAN;
+    let refused = filter.reading(broken);
+    assert_eq!(refused, Err(MsckfError::Reading { nanoseconds: broken.nanoseconds }));
+    let mut recording = recording;
+    recording.pictures[15].features.iter_mut().for_each(|feature| feature.pixel.x = f64::NAN);
+    (0..recording.pictures.len()).for_each(|at| drop(filter.follow(&recording, at).unwrap()));
+    assert!(position_error(&recording, recording.pictures.len() - 1, &filter) < 0.3);
+}
+
+#[test]
+fn pixels_of_kept_landmarks_count_as_used() {
+    let recording = hover(6.0);
+    let options = MsckfOptions { landmarks: 24, ..MsckfOptions::of_flight(&recording.flight) };
+    let (mut used, mut gated) = (0, 0);
+    fly(&recording, options, &start(&recording, 4), |number, _, report| {
+        if number > 20 {
+            used += report.used;
+            gated += report.refused.gated;
+        }
+    });
+    assert!(used > 20 * gated.max(1), "{used} {gated}");
 }
 
 /// What rounding leaves in a column may be so small that its square is zero. The rows are turned all

@@ -8,7 +8,7 @@ use crate::manifold::so3;
 // ANCHOR: exposure
 /// How a body goes on from a state to the picture: with the velocity that it had, and with this
 /// angular velocity, in its frame, in rad/s.
-pub(super) struct Exposure<'a> {
+pub(crate) struct Exposure<'a> {
     pub angular_velocity: &'a Vector3<f64>,
 }
 

@@ -24,6 +24,7 @@ pub(crate) use anchor_change::carried;
 pub use between_poses::{BetweenPoses, GraphPose, LinearizedError};
 pub use chordal_pose::ChordalPose;
 pub use epipolar::Epipolar;
+pub(crate) use exposure::Exposure;
 pub use inertial::{BiasWalkFactor, CombinedInertialFactor, InertialFactor};
 pub use pixel_by_anchor::{AnchoredPixel, PixelAtAnchor, PixelByAnchor};
 pub use pixel_by_body::{BodyPixel, PixelByBody, pixel_by_state, twist_by_state};

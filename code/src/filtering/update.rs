@@ -48,7 +48,7 @@ pub struct Update {
 impl Belief {
     // ANCHOR: update
     /// Updates the belief by the factors of a problem of the same variables, wherever they begin
-    /// there. What the problem holds is not corrected.
+    /// there. What the problem holds its factors take for exact; what it ties is not tied here.
     ///
     /// Each iteration is a step of Gauss and Newton for the factors together with the belief, taken
     /// at the estimates that the last one found [@bell1993]. Implements {eq:iterated-step}. The covariance is that of the last linearization,

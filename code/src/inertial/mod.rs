@@ -17,5 +17,5 @@ pub use axis_noise::AxisNoise;
 pub use camera::{Calibrated, CameraImu};
 pub use gravity::Gravity;
 pub use noise::{ImuNoise, NoiseError};
-pub use sample::{ImuBias, ImuSample, StampedSample, WindowError, between};
+pub use sample::{ImuBias, ImuSample, LONGEST_STEP, StampedSample, WindowError, between};
 pub use state::{BodyPose, GRAVITY, NavState};

@@ -133,14 +133,17 @@ fn seconds_between(from: i64, to: i64) -> f64 {
     1e-9 * (i128::from(to) - i128::from(from)) as f64
 }
 
+/// Steps longer than this many seconds are taken for a gap in the readings.
+pub const LONGEST_STEP: f64 = 0.1;
+
 // ANCHOR: between
 /// The readings from one time to another. Images seldom come at the time of a reading, so the
 /// first and the last are interpolated where they do not.
 ///
 /// # Errors
 ///
-/// [`WindowError`] when the times are not in order or not covered by the readings, or when the
-/// readings are not in order.
+/// [`WindowError`] when the times are not in order or not covered by the readings, when the
+/// readings are not in order, or when the first or the last would be interpolated over a gap.
 pub fn between(
     samples: &[StampedSample],
     start: i64,
@@ -170,6 +173,13 @@ fn cut(window: &mut [StampedSample], start: i64, end: i64) -> Result<(), WindowE
     if count < 2 {
         return Err(WindowError::NotCovered { start, end });
     }
+    for at in [1, count - 1] {
+        let [before, after] = [window[at - 1], window[at]];
+        if before.seconds_to(&after) > LONGEST_STEP {
+            let (from, to) = (before.nanoseconds, after.nanoseconds);
+            return Err(WindowError::Gap { from, to });
+        }
+    }
     let first = StampedSample::interpolate(&window[0], &window[1], start);
     let last = StampedSample::interpolate(&window[count - 2], &window[count - 1], end);
     (window[0], window[count - 1]) = (first, last);
@@ -197,6 +207,17 @@ pub enum WindowError {
         start: i64,
         /// End given, in nanoseconds.
         end: i64,
+    },
+    /// An end of the interval lies where nothing was measured.
+    #[error(
+        "there is no reading between {from} ns and {to} ns, where the interval begins or ends; begin \
+         after the gap"
+    )]
+    Gap {
+        /// Time of the last reading before, in nanoseconds.
+        from: i64,
+        /// Time of the first reading after, in nanoseconds.
+        to: i64,
     },
     /// Readings are not in the order of their times.
     #[error("the reading at {nanoseconds} ns is not later than the one before; sort them")]

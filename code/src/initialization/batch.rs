@@ -7,10 +7,8 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector2, Vector3};
 use super::rest::GAUGE_SIGMA;
 use super::{BatchError, Sensors};
 use crate::bearing::parallax;
-use crate::factors::{BodyPixel, CombinedInertialFactor, PixelByBody, Prior};
-use crate::inertial::{
-    BodyPose, Calibrated, Gravity, ImuBias, ImuNoise, NavState, StampedSample, between,
-};
+use crate::factors::{BodyPixel, CombinedInertialFactor, Exposure, PixelByBody, Prior};
+use crate::inertial::{Calibrated, Gravity, ImuBias, ImuNoise, NavState, StampedSample, between};
 use crate::least_squares::{
     Covariance, Fronts, Kernel, Key, LinearPrior, Options, Problem, ProblemError, Solution,
     SolveError, Values, sqrt_information,
@@ -266,7 +264,8 @@ impl Batch {
     ) -> f64 {
         let Sensors { camera, pixel_sigma, .. } = self.sensors;
         let body_from_camera = &values[self.extrinsics];
-        let body = BodyPose::from(&values[self.states[state]]);
+        let exposure = Exposure { angular_velocity: &self.turning[state] };
+        let body = exposure.body(&values[self.states[state]], values[self.delay].x);
         let seen = BodyPixel { camera: &camera, pixel, inverse_sigma: 1.0 / pixel_sigma };
         let residual = seen.residual((&body, &values[landmark], body_from_camera));
         residual.map_or(f64::INFINITY, |residual| residual.norm())

@@ -17,6 +17,23 @@ pub enum MsckfError {
         /// That of the last reading.
         last: i64,
     },
+    /// A reading has a number that is none.
+    #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
+    Reading {
+        /// Its time.
+        nanoseconds: i64,
+    },
+    /// The window holds fewer poses than a track needs, or hardly any.
+    #[error(
+        "a window of {clones} poses is too short; give it 2 or more, and no fewer than the \
+         {least_sights} pictures that a track needs"
+    )]
+    Window {
+        /// How many poses it holds.
+        clones: usize,
+        /// How many pictures a track needs.
+        least_sights: usize,
+    },
     /// The readings do not reach from the estimate to the picture.
     #[error(transparent)]
     Readings(#[from] WindowError),

@@ -68,6 +68,10 @@ impl Msckf {
     ///
     /// An [`MsckfError`] names the number that cannot be.
     pub fn new(options: MsckfOptions, start: &Start) -> Result<Self, MsckfError> {
+        let MsckfOptions { clones, least_sights, .. } = options;
+        if clones < least_sights.max(2) {
+            return Err(MsckfError::Window { clones, least_sights });
+        }
         let mut belief = Belief::new();
         let part = |from: usize, size: usize| {
             DMatrix::from_fn(size, size, |row, column| {
@@ -174,8 +178,12 @@ impl Msckf {
     ///
     /// # Errors
     ///
-    /// [`MsckfError::Late`] when it is not later than the last one.
+    /// [`MsckfError::Late`] when it is not later than the last one, [`MsckfError::Reading`] when it
+    /// is not finite.
     pub fn reading(&mut self, reading: StampedSample) -> Result<(), MsckfError> {
+        if !reading.sample.is_finite() {
+            return Err(MsckfError::Reading { nanoseconds: reading.nanoseconds });
+        }
         match self.readings.last() {
             Some(last) if last.nanoseconds >= reading.nanoseconds => {
                 let (nanoseconds, last) = (reading.nanoseconds, last.nanoseconds);

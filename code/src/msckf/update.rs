@@ -55,7 +55,10 @@ impl Msckf {
         report.used = passed.len();
         for place in 0..known {
             match self.kept_rows(&self.window.kept[place], picture) {
-                Some((columns, rows)) => rows.iter().for_each(|row| self.stack(&columns, row)),
+                Some((columns, rows)) => {
+                    rows.iter().for_each(|row| self.stack(&columns, row));
+                    report.used += 1;
+                }
                 None => report.refused.gated += 1,
             }
         }
@@ -237,6 +240,9 @@ impl Msckf {
         let pixel = BodyPixel { camera, pixel: feature.pixel, inverse_sigma };
         let extrinsics = self.rig().body_from_camera;
         let residual = pixel.residual((&pose, &landmark, &extrinsics))?;
+        if !residual.sum().is_finite() {
+            return None;
+        }
         let (_, (by_pose, by_landmark, by_camera)) =
             pixel.linearize((&linearized_at, &linearized, &extrinsics))?;
         let rows = [0, 1].map(|axis| {

@@ -244,10 +244,13 @@ impl Odometry {
     ) -> Result<(), OdometryError> {
         let mut readings = readings.iter();
         for picture in pictures {
-            let time = self.imu_nanoseconds(picture);
-            // The first reading behind a gap is not yet believed.
-            let is_short = |last: StampedSample| last.nanoseconds < time;
-            while self.before_gap.is_some() || self.last_reading.is_none_or(is_short) {
+            // The first reading behind a gap is not yet believed. Where one ends what was followed, the clock is
+            // the nominal one again.
+            let is_short = |flight: &Self| {
+                let time = flight.imu_nanoseconds(picture);
+                flight.last_reading.is_none_or(|last| last.nanoseconds < time)
+            };
+            while self.before_gap.is_some() || is_short(self) {
                 let Some(reading) = readings.next() else { break };
                 if let Some(lost) = self.reading(*reading)? {
                     told(self, Progress::Lost(lost));
@@ -318,8 +321,13 @@ impl Odometry {
             engine.reading(*reading)?;
         }
         let mut seen = Seen::default();
+        let last = waiting.readings.last().map(|reading| reading.nanoseconds);
         for picture in waiting.pictures.iter().skip(from + 1) {
-            seen = engine.picture(picture)?;
+            // A filter may move its clock meanwhile, to where readings do not reach yet.
+            let clock = engine.clock(&self.options.sensors.rig);
+            if Some(clock.imu_nanoseconds(picture.nanoseconds)) <= last {
+                seen = engine.picture(picture)?;
+            }
         }
         self.worlds += 1;
         (self.phase, self.beginning) = (Phase::Following(engine), Some(beginning));

@@ -2,7 +2,7 @@
 
 use super::OdometryOptions;
 use crate::datasets::tracks::Picture;
-use crate::inertial::StampedSample;
+use crate::inertial::{CameraImu, StampedSample};
 use crate::initialization::{Beginning, StartSearch};
 use crate::msckf::Start;
 
@@ -10,6 +10,7 @@ use crate::msckf::Start;
 #[derive(Debug)]
 pub(super) struct Waiting {
     search: StartSearch,
+    rig: CameraImu,
     pub readings: Vec<StampedSample>,
     pub pictures: Vec<Picture>,
 }
@@ -17,12 +18,17 @@ pub(super) struct Waiting {
 impl Waiting {
     pub fn new(options: &OdometryOptions) -> Self {
         let search = StartSearch::new(options.sensors, options.begin.clone());
-        Self { search, readings: Vec::new(), pictures: Vec::new() }
+        let rig = options.sensors.rig;
+        Self { search, rig, readings: Vec::new(), pictures: Vec::new() }
     }
 
     // ANCHOR: waiting
-    /// Looks for a beginning with one picture more.
+    /// Looks for a beginning with one picture more. Of one from before the first reading nothing can begin.
     pub fn look(&mut self, picture: &Picture) -> Option<Beginning> {
+        let time = self.rig.imu_nanoseconds(picture.nanoseconds);
+        if self.readings.first().is_none_or(|first| time < first.nanoseconds) {
+            return None;
+        }
         self.pictures.push(picture.clone());
         self.search.look(&self.readings, &self.pictures)
     }

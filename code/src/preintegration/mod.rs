@@ -39,9 +39,7 @@ pub type Matrix9x6 = SMatrix<f64, 9, 6>;
 /// The nine errors (φ, v, p).
 pub type Vector9 = SMatrix<f64, 9, 1>;
 
-/// Steps longer than this many seconds are taken for a gap in the readings, unless
-/// [`Preintegrator::longest_step`] says otherwise.
-pub const LONGEST_STEP: f64 = 0.1;
+pub use crate::inertial::LONGEST_STEP;
 
 // ANCHOR: deltas
 /// What the readings of an interval say about the motion from its first to its last frame,

@@ -6,8 +6,8 @@ use crate::inertial::WindowError;
 use crate::least_squares::{ProblemError, SolveError, WhiteningError};
 use crate::preintegration::PreintegrationError;
 
-/// Why a smoother cannot go on. It is as it was after a late reading, a late picture and readings that do
-/// not reach; after all others, begin another one.
+/// Why a smoother cannot go on. It is as it was after a reading that is late or not finite, a late picture
+/// and readings that do not reach; after all others, begin another one.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SmootherError {
     /// A reading is not later than the one before.
@@ -17,6 +17,12 @@ pub enum SmootherError {
         nanoseconds: i64,
         /// That of the last reading.
         last: i64,
+    },
+    /// A reading has a number that is none.
+    #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
+    Reading {
+        /// Its time.
+        nanoseconds: i64,
     },
     /// A picture is not later than the one before.
     #[error("the picture at {nanoseconds} ns is not later than that at {last} ns; leave it out")]

@@ -7,7 +7,9 @@ use super::window::{Frame, Seen, Waiting};
 use super::{Smoothed, Smoother, SmootherError};
 use crate::bearing::back_project;
 use crate::datasets::tracks::{Feature, Picture};
-use crate::factors::{AnchoredPixel, BodyPixel, PixelAtAnchor, PixelByAnchor, PixelByBody};
+use crate::factors::{
+    AnchoredPixel, BodyPixel, Exposure, PixelAtAnchor, PixelByAnchor, PixelByBody,
+};
 use crate::inertial::BodyPose;
 use crate::initialization::Sensors;
 use crate::least_squares::ProblemError;
@@ -65,17 +67,24 @@ impl Smoother {
         [Some(first), self.options.right.zip(feature.right)].into_iter().flatten()
     }
 
+    /// Where the body was when a picture was taken.
+    fn body(&self, frame: &Frame) -> BodyPose {
+        let values = self.problem.values();
+        let exposure = Exposure { angular_velocity: &frame.turning };
+        exposure.body(&values[frame.state], values[self.window.delay].x)
+    }
+
     // ANCHOR: off
     /// By how many standard deviations a pixel is off; infinite behind the camera.
     fn off(&self, frame: &Frame, (anchor, place): Place, (camera, pixel): &Sight) -> f64 {
         let values = self.problem.values();
         let (extrinsics, pixel) = (&values[self.window.extrinsics], *pixel);
         let inverse_sigma = 1.0 / self.options.sensors.pixel_sigma;
-        let body = BodyPose::from(&values[frame.state]);
+        let body = self.body(frame);
         let residual = match anchor.and_then(|serial| self.window.frame(serial)) {
             None => BodyPixel { camera, pixel, inverse_sigma }.residual((&body, place, extrinsics)),
             Some(anchor) => {
-                let first = BodyPose::from(&values[anchor.state]);
+                let first = self.body(anchor);
                 let seen = AnchoredPixel { camera, pixel, inverse_sigma };
                 seen.residual((&first, &body, extrinsics, place))
             }
@@ -179,10 +188,10 @@ impl Smoother {
 
     /// The point that its pixels show, if their rays meet.
     fn triangulated(&self, waiting: &Waiting) -> Option<Vector3<f64>> {
-        let Sensors { pixel_sigma: sigma, rig, .. } = self.options.sensors;
+        let (sigma, rig) = (self.options.sensors.pixel_sigma, self.rig());
         let views = waiting.iter().filter_map(|(serial, feature)| {
-            let state = &self.problem.values()[self.window.frame(*serial)?.state];
-            let first_from_world = rig.camera_from_world(state);
+            let body = self.body(self.window.frame(*serial)?);
+            let first_from_world = rig.camera_from_world(&body.at_rest());
             Some(self.sights(feature).map(
                 move |(RigCamera { camera, camera_from_first }, pixel)| {
                     let camera_from_world = camera_from_first * first_from_world;
@@ -198,8 +207,8 @@ impl Smoother {
     /// Ray and inverse depth of a point of the world in a picture.
     fn in_anchor(&self, serial: usize, point: &Vector3<f64>) -> Option<Vector3<f64>> {
         let values = self.problem.values();
-        let state = &values[self.window.frame(serial)?.state];
-        let world_from_camera = state.pose() * values[self.window.extrinsics];
+        let body = self.body(self.window.frame(serial)?).at_rest();
+        let world_from_camera = body.pose() * values[self.window.extrinsics];
         let in_camera = se3::transform(&world_from_camera.inverse(), point);
         (in_camera.z > Z_MIN).then(|| (in_camera.xy() / in_camera.z).push(1.0 / in_camera.z))
     }
@@ -209,10 +218,10 @@ impl Smoother {
         let values = self.problem.values();
         let place = values[seen.landmark];
         let Some(anchor) = seen.anchor else { return Some(place) };
-        let state = &values[self.window.frame(anchor)?.state];
+        let body = self.body(self.window.frame(anchor)?);
         let in_camera = place.xy().push(1.0) / place.z;
         let in_body = se3::transform(&values[self.window.extrinsics], &in_camera);
-        (place.z > 0.0).then(|| state.world_from_body * in_body + state.position)
+        (place.z > 0.0).then(|| body.world_from_body * in_body + body.position)
     }
 
     // ANCHOR: along_first_ray
@@ -221,13 +230,13 @@ impl Smoother {
     /// if it was near.
     fn along_first_ray(&self, waiting: &Waiting, largest_sigma: f64) -> Option<Vector3<f64>> {
         let (values, (first, feature)) = (self.problem.values(), waiting.first()?);
-        let anchor = BodyPose::from(&values[self.window.frame(*first)?.state]);
+        let anchor = self.body(self.window.frame(*first)?);
         let Sensors { camera, pixel_sigma, .. } = self.options.sensors;
         let mut landmark = back_project(&camera, &feature.pixel, 1.0).xy().push(0.0);
         for _ in 0..STEPS {
             let (mut information, mut gradient) = (0.0, 0.0);
             for (serial, feature) in waiting {
-                let body = BodyPose::from(&values[self.window.frame(*serial)?.state]);
+                let body = self.body(self.window.frame(*serial)?);
                 for (camera, pixel) in self.sights(feature) {
                     let camera = &camera;
                     let seen = AnchoredPixel { camera, pixel, inverse_sigma: 1.0 / pixel_sigma };
