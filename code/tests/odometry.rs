@@ -317,6 +317,105 @@ fn a_missing_reading_is_flown_through_and_a_gap_is_said() {
     }
 }
 
+/// A start that is known, at the first picture of a recording.
+fn known(recording: &FlightRecording) -> Start {
+    let mut start = Start::at_the_origin(recording, [0.01, 0.05, 2e-3, 0.02], 5).unwrap();
+    (0..9).for_each(|at| start.covariance[(at, at)] += 1e-8);
+    start
+}
+
+#[test]
+fn pictures_that_fall_between_two_readings_are_flown_through() {
+    let mut recording = flown_at(20.0, 0.0);
+    let begins = recording.readings[0].nanoseconds;
+    recording.readings.retain(|reading| {
+        let milliseconds = (reading.nanoseconds - begins) / 1_000_000;
+        !(4002..4088).contains(&milliseconds)
+    });
+    for estimator in [Estimator::Smoother, Estimator::Msckf] {
+        let options = OdometryOptions::new(Sensors::of_flight(&recording.flight), estimator);
+        let mut odometry = Odometry::begun(options, &known(&recording)).unwrap();
+        let flown = fly(&mut odometry, &recording.readings, &recording.pictures[1..]);
+        assert!(flown.lost.is_empty(), "{estimator}: {:?}", flown.lost);
+    }
+}
+
+/// A recording with so many pictures a second, a clock that is so many seconds off, and a long focal length.
+fn flown_at(picture_rate: f64, time_offset: f64) -> FlightRecording {
+    let mut flight = Flight::new(Trajectory::figure_eight());
+    (flight.camera.fx, flight.camera.fy) = (500.0, 500.0);
+    (flight.seconds, flight.picture_rate, flight.tracks) = (8.0, picture_rate, 40);
+    flight.rig.time_offset = time_offset;
+    flight.record(&flight.room(3.0, 1200, 2).unwrap(), 2).unwrap()
+}
+
+#[test]
+fn gates_ask_where_the_camera_was_by_the_clock_that_is_estimated() {
+    let recording = flown_at(10.0, 0.04);
+    let mut sensors = Sensors::of_flight(&recording.flight);
+    (sensors.rig.time_offset, sensors.calibrated.time_offset) = (0.0, Some(0.03));
+    let mut start = known(&recording);
+    start.rig.time_offset = 0.0;
+    let options = OdometryOptions::new(sensors, Estimator::Smoother);
+    let mut odometry = Odometry::begun(options, &start).unwrap();
+    let (mut used, mut refused) = (0, 0);
+    let count = |_: &Odometry, progress: Progress| match progress {
+        Progress::Following { used: more, refused: fewer } => {
+            used += more;
+            refused += fewer;
+        }
+        other => panic!("{other:?}"),
+    };
+    let pictures = &recording.pictures[1..recording.pictures.len() - 1];
+    odometry.fly(&recording.readings, pictures, count).unwrap();
+    assert!(refused * 100 < used, "{refused} of {used}");
+    let offset = odometry.rig().unwrap().time_offset;
+    assert!((offset - 0.04).abs() < 2e-3, "{offset}");
+}
+
+#[test]
+fn landmarks_that_a_filter_keeps_do_not_contradict_it() {
+    let mut flight = Flight::new(Trajectory::about_one_spot());
+    (flight.seconds, flight.picture_rate, flight.tracks) = (20.0, 10.0, 24);
+    let recording = flight.record(&flight.room(2.5, 250, 4).unwrap(), 4).unwrap();
+    let mut options = OdometryOptions::new(Sensors::of_flight(&recording.flight), Estimator::Msckf);
+    options.msckf.landmarks = 24;
+    let mut odometry = Odometry::begun(options, &known(&recording)).unwrap();
+    let flown = fly(&mut odometry, &recording.readings, &recording.pictures[1..]);
+    assert!(flown.lost.is_empty(), "{:?}", flown.lost);
+}
+
+#[test]
+fn a_body_is_seen_to_stand_though_pictures_came_before_the_readings() {
+    let mut recording = flown(12.0, 3);
+    let hover = Flight { motion: Trajectory::hover(), seconds: 4.0, ..recording.flight.clone() };
+    recording = hover.record(&hover.room(3.0, 400, 3).unwrap(), 3).unwrap();
+    let readings = &recording.readings[30..];
+    let mut odometry = odometry(&recording, Estimator::Smoother);
+    let mut standing = 0;
+    let count = |_: &Odometry, progress: Progress| {
+        standing += usize::from(progress == Progress::Standing);
+    };
+    odometry.fly(readings, &recording.pictures, count).unwrap();
+    assert!(standing > 10, "{standing}");
+}
+
+#[test]
+fn a_flight_that_is_lost_goes_on_by_the_clock_that_was_told() {
+    let recording = flown(12.0, 3);
+    let mut sensors = Sensors::of_flight(&recording.flight);
+    (sensors.rig.time_offset, sensors.calibrated.time_offset) = (0.03, Some(0.03));
+    let mut readings = recording.readings.clone();
+    readings[1200].nanoseconds += 3_600_000_000_000;
+    let mut start = known(&recording);
+    start.rig.time_offset = 0.03;
+    let options = OdometryOptions::new(sensors, Estimator::Msckf);
+    let mut odometry = Odometry::begun(options, &start).unwrap();
+    let pictures = &recording.pictures[1..recording.pictures.len() - 2];
+    let flown = fly(&mut odometry, &readings, pictures);
+    assert!(matches!(flown.lost[..], [Lost::Gap { .. }, ..]), "{:?}", flown.lost);
+}
+
 #[test]
 fn one_reading_from_the_future_costs_a_beginning_and_no_more() {
     let recording = flown(12.0, 3);
