@@ -345,7 +345,7 @@ fn flown_at(picture_rate: f64, time_offset: f64) -> FlightRecording {
     let mut flight = Flight::new(Trajectory::figure_eight());
     (flight.camera.fx, flight.camera.fy) = (500.0, 500.0);
     (flight.seconds, flight.picture_rate, flight.tracks) = (8.0, picture_rate, 40);
-    flight.rig.time_offset = time_offset;
+    (flight.rig.time_offset, flight.pixel_sigma) = (time_offset, 0.3);
     flight.record(&flight.room(3.0, 1200, 2).unwrap(), 2).unwrap()
 }
 
