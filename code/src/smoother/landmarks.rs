@@ -48,7 +48,7 @@ impl Smoother {
         };
         for sight in self.sights(feature) {
             let place = &self.problem.values()[seen.landmark];
-            if self.off(frame, (seen.anchor, place), &sight) > self.options.gate {
+            if !self.fits(frame, (seen.anchor, place), &sight) {
                 smoothed.gated += 1;
                 continue;
             }
@@ -72,6 +72,12 @@ impl Smoother {
         let values = self.problem.values();
         let exposure = Exposure { angular_velocity: &frame.turning };
         exposure.body(&values[frame.state], values[self.window.delay].x)
+    }
+
+    /// Whether a pixel passes the gate. None behind the camera does, however wide it is.
+    fn fits(&self, frame: &Frame, place: Place, sight: &Sight) -> bool {
+        let off = self.off(frame, place, sight);
+        off.is_finite() && off <= self.options.gate
     }
 
     // ANCHOR: off
@@ -179,8 +185,7 @@ impl Smoother {
         let (anchor, value) = &place;
         let fits = |(serial, feature): &(usize, Feature)| {
             let Some(frame) = self.window.frame(*serial) else { return false };
-            let off = |sight| self.off(frame, (*anchor, value), &sight);
-            self.sights(feature).all(|sight| off(sight) <= self.options.gate)
+            self.sights(feature).all(|sight| self.fits(frame, (*anchor, value), &sight))
         };
         waiting.iter().all(fits).then_some(place)
     }

@@ -73,7 +73,7 @@ pub struct SmootherOptions {
     pub kernel: Kernel,
     /// The most steps for a picture.
     pub iterations: usize,
-    /// A step that lowers the cost by less than this part of it is the last.
+    /// Of several steps for a picture, one that lowers the cost by less than this part of it is the last.
     pub tolerance: f64,
     /// The fewest pictures that must show a landmark; of a pair of pixels, one does.
     pub least_sightings: usize,
@@ -89,8 +89,9 @@ pub struct SmootherOptions {
 }
 // ANCHOR_END: options
 
-/// Steps begin with so little damping, by the diagonal, that a covariance does not notice it.
-const SMALL_DAMPING: f64 = 1e-9;
+/// Steps begin with so little damping, by the diagonal, that a covariance does not notice it: readings fix the
+/// place of a state beside its neighbours so well that more of it would hold the whole window where it is.
+const SMALL_DAMPING: f64 = 1e-13;
 
 impl SmootherOptions {
     /// How the minimum of a window is looked for.
@@ -98,7 +99,8 @@ impl SmootherOptions {
         Options {
             method: Method::LevenbergMarquardt { initial_damping: SMALL_DAMPING },
             max_iterations: self.iterations,
-            decrease_tolerance: self.tolerance,
+            // A single step is taken, however little it is beside all that the window says.
+            decrease_tolerance: if self.iterations == 1 { 0.0 } else { self.tolerance },
             ..Options::default()
         }
     }
