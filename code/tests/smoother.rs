@@ -92,7 +92,7 @@ fn the_step_of_a_picture_is_taken_however_much_else_the_window_says() {
     let mut smoother = Smoother::new(all, &start(&recording, 7)).unwrap();
     for number in 1..recording.pictures.len() {
         let smoothed = follow(&mut smoother, &recording, number).unwrap();
-        assert_eq!(smoothed.iterations, usize::from(smoothed.pixels > 0), "picture {number}");
+        assert!(smoothed.pixels == 0 || smoothed.iterations == 1, "picture {number}");
     }
 }
 
