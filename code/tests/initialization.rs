@@ -250,13 +250,16 @@ fn what_cannot_be_a_batch_is_refused() {
     let backwards = [times[1], times[0]];
     let expected = WindowError::Order { start: times[1], end: times[0] };
     assert_eq!(error(&backwards, &truth[..2]), BatchError::Readings(expected));
+    let between_two = [times[1] + 1_000_000, times[1] + 2_000_000];
+    let refused = error(&between_two, &truth[..2]);
+    assert!(matches!(refused, BatchError::NoReading { .. }), "{refused}");
 
     let with_gap = |gap: [f64; 2]| {
         let lost = flown(&Flight { gap: Some(gap), ..recording.flight.clone() }, 5);
         Batch::new(&sensors, &lost.readings, &times, &truth).err().unwrap()
     };
     let error = with_gap([1.0, 1.5]);
-    assert!(matches!(error, BatchError::NoReading { .. }), "{error}");
+    assert!(matches!(error, BatchError::Readings(WindowError::Gap { .. })), "{error}");
     let error = with_gap([1.05, 1.15]);
     assert!(
         matches!(error, BatchError::Preintegration(PreintegrationError::Gap { .. })),
