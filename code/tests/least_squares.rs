@@ -783,7 +783,7 @@ fn a_start_without_a_value_or_with_nan_is_an_error_that_names_the_factor() {
 #[test]
 fn wrong_options_and_wrong_values_are_refused() {
     let (problem, _) = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
-    for initial_damping in [0.0, -1.0, f64::NAN] {
+    for initial_damping in [-1.0, f64::NAN] {
         let method = Method::LevenbergMarquardt { initial_damping };
         let error = problem.solve(&Options { method, ..Options::default() }).unwrap_err();
         assert!(error.to_string().contains("initial_damping"), "{error}");

@@ -96,6 +96,25 @@ fn the_step_of_a_picture_is_taken_however_much_else_the_window_says() {
     }
 }
 
+#[test]
+fn a_place_known_to_ten_metres_is_not_known_better_after_steps_that_see_none() {
+    let fast = Flight { picture_rate: 20.0, ..flight(3.0) };
+    let recording = fast.record(&fast.room(3.0, 400, 3).unwrap(), 3).unwrap();
+    let mut start = start(&recording, 7);
+    (6..9).for_each(|at| start.covariance[(at, at)] = 100.0);
+    for iterations in [1, 3] {
+        let often = SmootherOptions { iterations, ..options(&recording) };
+        let mut smoother = Smoother::new(often, &start).unwrap();
+        for number in 1..recording.pictures.len() {
+            follow(&mut smoother, &recording, number).unwrap();
+            let variances = smoother.covariance().diagonal();
+            for variance in variances.fixed_rows::<3>(6).iter() {
+                assert!((variance.sqrt() - 10.0).abs() < 0.2, "{number}: {}", variance.sqrt());
+            }
+        }
+    }
+}
+
 /// The newest position is that of a batch of the same measurements to a part of its standard deviation, and the
 /// covariances are the same.
 fn is_the_batch(recording: &FlightRecording, all: SmootherOptions, part: f64) {

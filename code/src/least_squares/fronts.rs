@@ -38,6 +38,8 @@ pub struct Fronts {
     curvature: Vec<f64>,
     /// Pivots must be above this.
     smallest: Vec<f64>,
+    /// The damping of the last elimination.
+    damping: f64,
     step: Vec<f64>,
     linear: Linearized,
 }
@@ -153,6 +155,7 @@ impl Fronts {
     /// Eliminates all variables with the widest registers that the processor has. False when a pivot
     /// is lost in rounding.
     fn eliminate_all(&mut self, damping: f64) -> bool {
+        self.damping = damping;
         wide(
             #[inline(always)]
             || self.eliminate_each(damping),
@@ -223,10 +226,15 @@ impl Fronts {
     // ANCHOR_END: covariances
 
     // ANCHOR: covariance_of
-    /// The covariance of some variables of a problem, given by number, by what the last elimination
-    /// knows: from its last front back to the first that names one of them. `None` when no front has
-    /// all of them.
-    pub fn covariance_of(&self, problem: &Problem, variables: &[usize]) -> Option<DMatrix<f64>> {
+    /// The covariance of some variables of a problem, given by number, as of the last linearization:
+    /// from the last front back to the first that names one of them. `None` when no front has all of
+    /// them, or when rounding has lost what is known. It is to be asked after a step. A damped one is
+    /// eliminated again without its damping, which would count as knowledge.
+    pub fn covariance_of(
+        &mut self,
+        problem: &Problem,
+        variables: &[usize],
+    ) -> Option<DMatrix<f64>> {
         let values = problem.values();
         let coordinates = variables.iter().filter_map(|index| values.coordinates_of(*index));
         let columns = coordinates.flat_map(|own| self.columns.select(own));
@@ -236,6 +244,9 @@ impl Fronts {
         let is_here = |column: &usize| node.own.contains(column) || node.rest.contains(column);
         let places = columns.iter().map(|column| is_here(column).then(|| node.place(*column)));
         let places: Vec<usize> = places.collect::<Option<_>>()?;
+        if self.damping > 0.0 && !self.eliminate_all(0.0) {
+            return None;
+        }
         Some(self.covariance_at(front).select_rows(&places).select_columns(&places))
     }
 

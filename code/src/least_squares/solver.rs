@@ -59,9 +59,9 @@ pub(super) struct Pivots;
 
 impl Pivots {
     /// Pivots below this fraction of the curvature before elimination are rounding errors.
-    pub(super) const ROUNDING: f64 = 1e-12;
+    pub(super) const ROUNDING: f64 = 1e-14;
     /// Pivots below this many of those ask whether the Jacobian has full rank.
-    const SUSPICIOUS: f64 = 1e4;
+    const SUSPICIOUS: f64 = 1e6;
     /// No curvature counts as smaller than this when it is damped, so that an unknown that no
     /// factor depends on stays where it is.
     const SMALLEST_CURVATURE: f64 = 1e-6;
@@ -97,7 +97,8 @@ pub enum Method {
     GaussNewton,
     /// Steps are damped, and refused when the cost does not fall ([@nielsen1999; @nocedal2006]).
     LevenbergMarquardt {
-        /// The first damping, relative to the Hessian's diagonal.
+        /// The first damping, relative to the Hessian's diagonal. At zero, steps are damped once one
+        /// has been tried.
         initial_damping: f64,
     },
 }
@@ -569,6 +570,11 @@ impl<S: LinearSystem> Search<S> {
         &self.system
     }
 
+    /// The linear system, to be asked for what it has to compute.
+    pub fn system_mut(&mut self) -> &mut S {
+        &mut self.system
+    }
+
     /// Where the search stands.
     pub fn values(&self) -> &Values {
         &self.values
@@ -599,12 +605,9 @@ impl<S: LinearSystem> Search<S> {
 
 impl Options {
     fn check(&self) -> Result<(), SolveError> {
-        let damping = match self.method {
-            Method::GaussNewton => 1.0,
-            Method::LevenbergMarquardt { initial_damping } => initial_damping,
-        };
+        let damping = Damping::begin(self).value;
         let numbers = [
-            ("initial_damping", damping, damping > 0.0),
+            ("initial_damping", damping, damping >= 0.0),
             ("gradient_tolerance", self.gradient_tolerance, self.gradient_tolerance >= 0.0),
             ("step_tolerance", self.step_tolerance, self.step_tolerance >= 0.0),
             ("decrease_tolerance", self.decrease_tolerance, self.decrease_tolerance >= 0.0),
@@ -711,7 +714,7 @@ pub enum SolveError {
         variable: usize,
     },
     /// An option has an impossible value.
-    #[error("option {name} is {value}; tolerances are zero or positive, the damping is positive")]
+    #[error("option {name} is {value}; tolerances and damping are zero or positive")]
     Option {
         /// Its name.
         name: &'static str,

@@ -188,7 +188,7 @@ impl Smoother {
         smoothed.iterations = search.iterations().len();
         let newest = self.window.frames[self.window.frames.len() - 1];
         let newest = [newest.state.index(), newest.bias.index()];
-        let covariance = search.system().covariance_of(problem, &newest);
+        let covariance = search.system_mut().covariance_of(problem, &newest);
         let covariance = covariance.filter(|matrix| matrix.shape() == (15, 15));
         self.covariance = covariance
             .map_or(Matrix15::repeat(f64::NAN), |m| Matrix15::from_column_slice(m.as_slice()));

@@ -89,15 +89,12 @@ pub struct SmootherOptions {
 }
 // ANCHOR_END: options
 
-/// Steps begin with so little damping, by the diagonal, that a covariance does not notice it: readings fix the
-/// place of a state beside its neighbours so well that more of it would hold the whole window where it is.
-const SMALL_DAMPING: f64 = 1e-13;
-
 impl SmootherOptions {
-    /// How the minimum of a window is looked for.
+    /// How the minimum of a window is looked for. The first step is not damped: readings fix the place of a
+    /// state beside its neighbours so well that hardly any damping would hold the whole window where it is.
     pub(super) fn search(&self) -> Options {
         Options {
-            method: Method::LevenbergMarquardt { initial_damping: SMALL_DAMPING },
+            method: Method::LevenbergMarquardt { initial_damping: 0.0 },
             max_iterations: self.iterations,
             // A single step is taken, however little it is beside all that the window says.
             decrease_tolerance: if self.iterations == 1 { 0.0 } else { self.tolerance },
