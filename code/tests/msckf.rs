@@ -405,6 +405,41 @@ fn either_window_policy_follows_the_flight_within_its_size() {
 }
 
 #[test]
+fn of_as_many_poses_thinned_ones_know_more_and_landmarks_enter_all_the_same() {
+    let flights: Vec<FlightRecording> = (0..4).map(|seed| flown(&flight(30.0), seed)).collect();
+    let error = |policy| {
+        let mut squares = 0.0;
+        for (seed, recording) in (0..).zip(&flights) {
+            let options = MsckfOptions { policy, ..MsckfOptions::of_flight(&recording.flight) };
+            fly(recording, options, &start(recording, seed), |number, filter, _| {
+                squares += position_error(recording, number, filter).powi(2);
+            });
+        }
+        squares
+    };
+    let [thin, oldest] = [WindowPolicy::Thin, WindowPolicy::Oldest].map(error);
+    assert!(thin < oldest, "{thin} {oldest}");
+    let thinned = MsckfOptions {
+        policy: WindowPolicy::Thin,
+        landmarks: 20,
+        ..MsckfOptions::of_flight(&flights[0].flight)
+    };
+    let filter = fly(&flights[0], thinned, &start(&flights[0], 0), |_, _, _| ());
+    assert!(filter.belief().dimension() > 15 + 6 * 11);
+}
+
+#[test]
+fn tracks_that_stay_in_view_correct_again_and_again_where_poses_are_thinned() {
+    let recording = hover(30.0);
+    let options =
+        MsckfOptions { policy: WindowPolicy::Thin, ..MsckfOptions::of_flight(&recording.flight) };
+    fly(&recording, options, &start(&recording, 4), |number, filter, _| {
+        let error = position_error(&recording, number, filter);
+        assert!(error < 0.3, "{number} {error}");
+    });
+}
+
+#[test]
 fn both_forms_fly_alike() {
     let recording = flown(&flight(10.0), 7);
     let end = |form| {

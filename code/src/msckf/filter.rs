@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, SMatrix, Vector1, Vector3};
 
 use super::update::seen;
 use super::window::{Clone, Kept, Window};
-use super::{MsckfError, MsckfOptions, PictureReport, Rows};
+use super::{MsckfError, MsckfOptions, PictureReport, Rows, WindowPolicy};
 use crate::consistency::{Linearization, Point, certificate, constrained};
 use crate::datasets::tracks::{Feature, Picture};
 use crate::filtering::{Belief, Transition, chi_square_quantile};
@@ -220,9 +220,11 @@ impl Msckf {
                 waiting.push((serial, feature.pixel));
             }
         }
-        let due = self.window.due(picture, self.options.clones);
+        let mut due = self.window.due(picture, self.longest());
+        let leaving = self.window.leaving(self.options.clones, self.options.policy);
+        due.extend(self.window.take(&leaving));
         let report = self.correct(&due, picture)?;
-        self.slide()?;
+        self.slide(&leaving)?;
         self.last.clone_from(&picture.features);
         Ok(report)
     }
@@ -368,13 +370,20 @@ impl Msckf {
         self.drop_variables(&lost)
     }
 
+    /// At how many pixels a track is due at the latest. Where poses are thinned, pixels are used as
+    /// their poses leave, and only what may be kept as a landmark is due as a whole.
+    fn longest(&self) -> usize {
+        let MsckfOptions { clones, policy, landmarks, .. } = self.options;
+        let has_room = self.window.kept.len() < landmarks;
+        if policy == WindowPolicy::Oldest || has_room { clones } else { usize::MAX }
+    }
+
     // ANCHOR: slide
     /// Drops the poses that leave the window.
-    fn slide(&mut self) -> Result<(), MsckfError> {
-        let places = self.window.leaving(self.options.clones, self.options.policy);
-        let gone: Vec<usize> =
-            places.iter().map(|place| self.window.clones[*place].variable).collect();
-        self.window.forget(&places);
+    fn slide(&mut self, places: &[usize]) -> Result<(), MsckfError> {
+        let variable = |place: &usize| self.window.clones[*place].variable;
+        let gone: Vec<usize> = places.iter().map(variable).collect();
+        self.window.clones.retain(|clone| !gone.contains(&clone.variable));
         self.drop_variables(&gone)
     }
     // ANCHOR_END: slide

@@ -14,7 +14,9 @@ pub enum WindowPolicy {
     /// The oldest one.
     #[default]
     Oldest,
-    /// Every third one but the newest, all at once, so that what stays spans the same time.
+    /// Every third one but the oldest and the newest, all at once, so that what stays spans the same
+    /// time ([@mourikis2007]). Two pixels that a track has at them correct the filter before, and it
+    /// goes on with the others. A pose for which no pixel waits goes as well.
     Thin,
 }
 
@@ -46,7 +48,7 @@ pub struct MsckfOptions {
     pub clones: usize,
     /// Which of them goes.
     pub policy: WindowPolicy,
-    /// Pictures that a track needs to count.
+    /// Pictures that a track needs to count when it has ended.
     pub least_sights: usize,
     /// Two rays of a track have to meet at this angle, in radians.
     pub least_parallax: f64,

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::landmark::contradicts;
 use super::track::entries;
-use super::window::{Kept, Waiting};
+use super::window::{Due, Kept, Waiting};
 use super::{
     LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Sight, TrackError, landmark,
 };
@@ -31,13 +31,13 @@ impl Msckf {
     /// Lets tracks correct the filter, all at once.
     pub(super) fn correct(
         &mut self,
-        due: &[(usize, Waiting)],
+        due: &[Due],
         picture: &Picture,
     ) -> Result<PictureReport, MsckfError> {
         let mut report = PictureReport::default();
         let mut passed = Vec::new();
-        for (track, waiting) in due {
-            match self.judge(*track, waiting) {
+        for due in due {
+            match self.judge(due) {
                 Ok(judged) => passed.push(judged),
                 Err(refusal) => refusal.count(&mut report),
             }
@@ -98,9 +98,10 @@ impl Msckf {
 
     // ANCHOR: judge
     /// The rows of a track and its landmark, if it may correct the filter.
-    fn judge<'a>(&self, track: usize, waiting: &'a Waiting) -> Result<Judged<'a>, Refusal> {
+    fn judge<'a>(&self, due: &'a Due) -> Result<Judged<'a>, Refusal> {
         let MsckfOptions { ref camera, least_sights, largest_sigma, .. } = self.options;
-        if waiting.len() < least_sights {
+        let Due { track, ref waiting, is_part } = *due;
+        if waiting.len() < least_sights && !is_part {
             return Err(Refusal::Short);
         }
         let sights = self.sights(waiting);

@@ -1,6 +1,6 @@
 //! The poses of a filter, and the tracks that wait until they can correct it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
 
@@ -35,6 +35,15 @@ pub(super) struct Kept {
 /// Pixels that have not corrected anything yet: the number of the pose, and where.
 pub(super) type Waiting = Vec<(usize, Vector2<f64>)>;
 
+/// Pixels of a track that are to correct the filter now.
+#[derive(Debug, Clone)]
+pub(super) struct Due {
+    pub track: usize,
+    pub waiting: Waiting,
+    /// Whether the track goes on with the pixels that it has at other poses.
+    pub is_part: bool,
+}
+
 /// What the belief has besides state, biases and calibration, and what it has not used yet.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Window {
@@ -53,36 +62,46 @@ impl Window {
 
     // ANCHOR: due
     /// Takes out the tracks that are to correct the filter now, because they have ended or because
-    /// as many poses wait for them as the window holds.
-    pub fn due(&mut self, picture: &Picture, clones: usize) -> Vec<(usize, Waiting)> {
+    /// they were seen from so many poses.
+    pub fn due(&mut self, picture: &Picture, longest: usize) -> Vec<Due> {
         let is_due = |track: &usize, waiting: &mut Waiting| {
-            seen(picture, *track).is_none() || waiting.len() >= clones
+            seen(picture, *track).is_none() || waiting.len() >= longest
         };
-        self.waiting.extract_if(.., is_due).collect()
+        let due = self.waiting.extract_if(.., is_due);
+        due.map(|(track, waiting)| Due { track, waiting, is_part: false }).collect()
     }
     // ANCHOR_END: due
 
     // ANCHOR: leaving
-    /// The places of the poses that go now.
+    /// The places of the poses that go now. The newest one never does.
     pub fn leaving(&self, capacity: usize, policy: WindowPolicy) -> Vec<usize> {
         let count = self.clones.len();
-        match policy {
-            _ if count < capacity => Vec::new(),
-            WindowPolicy::Oldest => (0..count + 1 - capacity).collect(),
-            WindowPolicy::Thin => (1..count - 1).step_by(3).collect(),
+        if policy == WindowPolicy::Oldest {
+            return (0..(count + 1).saturating_sub(capacity)).collect();
         }
+        let needed = self.waiting.values().flatten().map(|(serial, _)| *serial);
+        let needed: BTreeSet<usize> = needed.collect();
+        let is_idle = |place: &usize| !needed.contains(&self.clones[*place].serial);
+        let idle: Vec<usize> = (0..count - 1).filter(is_idle).collect();
+        let is_full = count - idle.len() >= capacity;
+        if is_full { (1..count - 1).step_by(3).collect() } else { idle }
     }
-    // ANCHOR_END: leaving
 
-    /// Forgets poses by their places, and the pixels that were seen from them.
-    pub fn forget(&mut self, places: &[usize]) {
-        let gone: Vec<usize> = places.iter().map(|place| self.clones[*place].serial).collect();
-        self.clones.retain(|clone| !gone.contains(&clone.serial));
-        for waiting in self.waiting.values_mut() {
-            waiting.retain(|(serial, _)| !gone.contains(serial));
+    /// Takes out the pixels at poses that leave, given by their places: where a track has two of them,
+    /// they are due.
+    pub fn take(&mut self, places: &[usize]) -> Vec<Due> {
+        let leaves = |serial| places.iter().any(|place| self.clones[*place].serial == serial);
+        let mut due = Vec::new();
+        for (track, waiting) in &mut self.waiting {
+            let own: Waiting = waiting.extract_if(.., |(serial, _)| leaves(*serial)).collect();
+            if own.len() > 1 {
+                due.push(Due { track: *track, waiting: own, is_part: true });
+            }
         }
         self.waiting.retain(|_, waiting| !waiting.is_empty());
+        due
     }
+    // ANCHOR_END: leaving
 
     /// Calls the variables by other numbers.
     pub fn renumber(&mut self, number: impl Fn(usize) -> usize) {
@@ -94,7 +113,7 @@ impl Window {
 /// What became of the tracks of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PictureReport {
-    /// Tracks that corrected the filter.
+    /// Tracks that corrected the filter, those of kept landmarks among them.
     pub used: usize,
     /// Rows of the correction.
     pub rows: usize,
