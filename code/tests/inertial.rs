@@ -421,7 +421,7 @@ fn an_interval_between_readings_begins_and_ends_with_interpolated_ones() {
     let window = between(&ramp(), 5_000_000, 15_000_000).unwrap();
     assert_eq!(millis(&window), [(5_000_000, 5.0), (10_000_000, 10.0), (15_000_000, 15.0)]);
     let window = between(&ramp(), 6_000_000, 8_000_000).unwrap();
-    assert_eq!(millis(&window), [(6_000_000, 6.0), (8_000_000, 8.0)]);
+    assert_eq!(millis(&window), [(6_000_000, 6.0), (7_000_000, 7.0), (8_000_000, 8.0)]);
     assert_eq!(between(&ramp(), 0, 20_000_000).unwrap(), ramp());
 }
 

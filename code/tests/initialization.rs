@@ -7,9 +7,9 @@ use rand_distr::{Distribution, StandardNormal};
 use vislam::filtering::{Freedom, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{Calibrated, ImuBias, NavState, WindowError};
 use vislam::initialization::{
-    AlignmentRefused, Batch, BatchError, BeginOptions, LandmarkRefused, MotionOptions, NoStart,
-    NotAtRest, RestOptions, Sensors, Started, UniformMotion, VisualMotion, Whole, WholeOptions,
-    align_motion, at_rest, begin, in_motion,
+    AlignmentRefused, Batch, BatchError, BeginOptions, Known, LandmarkRefused, MotionOptions,
+    NoStart, NotAtRest, RestOptions, Sensors, Started, UniformMotion, VisualMotion, Whole,
+    WholeOptions, align_motion, at_rest, begin, in_motion,
 };
 use vislam::least_squares::{Kernel, Manifold, Options};
 use vislam::preintegration::PreintegrationError;
@@ -251,8 +251,7 @@ fn what_cannot_be_a_batch_is_refused() {
     let expected = WindowError::Order { start: times[1], end: times[0] };
     assert_eq!(error(&backwards, &truth[..2]), BatchError::Readings(expected));
     let between_two = [times[1] + 1_000_000, times[1] + 2_000_000];
-    let refused = error(&between_two, &truth[..2]);
-    assert!(matches!(refused, BatchError::NoReading { .. }), "{refused}");
+    assert!(Batch::new(&sensors, readings, &between_two, &truth[..2]).is_ok());
 
     let with_gap = |gap: [f64; 2]| {
         let lost = flown(&Flight { gap: Some(gap), ..recording.flight.clone() }, 5);
@@ -412,6 +411,23 @@ fn the_batch_of_a_flight_grows_from_a_stand_and_wrong_tracks_are_refused() {
     assert!(found.refused.values().filter(|why| by_gate(why)).count() < 5);
 }
 
+#[test]
+fn what_a_stand_has_shown_counts_once() {
+    let recording = taking_off(5);
+    let sensors = Sensors::of_flight(&recording.flight);
+    let (readings, pictures) = (&recording.readings, &recording.pictures);
+    let begun = begin(&sensors, readings, pictures, &BeginOptions::default()).unwrap();
+    assert!(begun.known.start.is_some() && begun.known.first > 0);
+    let grown = |known| {
+        let options = WholeOptions::default();
+        let whole = Whole::grown(&sensors, readings, pictures, known, &options).unwrap();
+        whole.covariance.of(whole.batch.biases[0]).unwrap().diagonal()
+    };
+    let unknown = Known { start: None, ..begun.known.clone() };
+    let (with, without) = (grown(begun.known), grown(unknown));
+    assert!((with.clone() - &without).amax() < 1e-6 * without.amax(), "{with} {without}");
+}
+
 /// A flight that stands for two seconds, glued together from a stand and the flight that begins there.
 fn taking_off(seed: u64) -> FlightRecording {
     let wave = ScalarTrajectory::wave;
@@ -459,6 +475,19 @@ fn taking_off(seed: u64) -> FlightRecording {
     standing.pictures.append(&mut flight.pictures);
     standing.truth.states.append(&mut flight.truth.states);
     standing
+}
+
+#[test]
+fn a_body_that_need_not_stand_begins_all_the_same() {
+    let recording = taking_off(5);
+    let sensors = Sensors::of_flight(&recording.flight);
+    for stand in [0.0, -1.0, f64::NAN] {
+        let options = BeginOptions { stand, ..BeginOptions::default() };
+        let begun = begin(&sensors, &recording.readings, &recording.pictures, &options);
+        assert!(begun.is_ok_and(|begun| begun.seconds > 2.0), "{stand}");
+        let still = BeginOptions { stand, ..BeginOptions::at_rest() };
+        let _ = begin(&sensors, &recording.readings, &recording.pictures, &still);
+    }
 }
 
 #[test]

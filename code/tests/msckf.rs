@@ -16,7 +16,9 @@ use vislam::consistency::Policy;
 use vislam::datasets::tracks::{Feature, Picture};
 use vislam::factors::PixelByBody;
 use vislam::filtering::{Belief, Form, attitude_in_world, nees};
-use vislam::inertial::{Calibrated, GRAVITY, ImuSample, NavState, StampedSample, WindowError};
+use vislam::inertial::{
+    Calibrated, GRAVITY, ImuNoise, ImuSample, NavState, StampedSample, WindowError,
+};
 use vislam::least_squares::{Kernel, Manifold, Problem};
 use vislam::msckf::{
     LandmarkError, LinearizedTrack, Msckf, MsckfError, MsckfOptions, PictureReport, Rest, Rows,
@@ -389,6 +391,25 @@ fn a_body_at_rest_stays_where_it_is_and_keeps_its_window() {
     assert!(position_error(&recording, last, &filter) < 0.1);
     let adrift = fly(&recording, told(None), &start(&recording, 5), |_, _, _| ());
     assert!(position_error(&recording, last, &adrift) > 1.0);
+}
+
+#[test]
+fn by_a_poor_gyroscope_at_rest_its_bias_is_known_no_worse_than_is_said() {
+    let rest = Rest { motion: 3.0, velocity_sigma: 0.01, turning_sigma: 1e-3 };
+    let noise = ImuNoise::mems();
+    let hover = Flight { motion: Trajectory::hover(), noise, ..flight(10.0) };
+    let mut squares = 0.0;
+    for seed in 0..20 {
+        let recording = flown(&hover, seed);
+        let told = MsckfOptions { rest: Some(rest), ..MsckfOptions::of_flight(&recording.flight) };
+        let filter = fly(&recording, told, &start(&recording, seed), |_, _, _| ());
+        let truth = recording.truth.biases[recording.pictures.len() - 1].gyro;
+        let off = filter.bias().gyro - truth;
+        let covariance = filter.covariance();
+        squares += nees(&off, &covariance.fixed_view::<3, 3>(9, 9)).unwrap();
+    }
+    // The body rests better than the filter is told, so it is too modest.
+    assert!(squares / 60.0 < 1.3, "{}", squares / 60.0);
 }
 
 #[test]

@@ -138,7 +138,8 @@ pub const LONGEST_STEP: f64 = 0.1;
 
 // ANCHOR: between
 /// The readings from one time to another. Images seldom come at the time of a reading, so the
-/// first and the last are interpolated where they do not.
+/// first and the last are interpolated where they do not. Where none lies between the two, one is
+/// interpolated in their middle: the covariance of a single step has no inverse.
 ///
 /// # Errors
 ///
@@ -164,8 +165,9 @@ pub fn between(
 }
 // ANCHOR_END: between
 
-/// Moves the first reading to the start and the last one to the end.
-fn cut(window: &mut [StampedSample], start: i64, end: i64) -> Result<(), WindowError> {
+/// Moves the first reading to the start and the last one to the end, and adds one between them where there is
+/// none.
+fn cut(window: &mut Vec<StampedSample>, start: i64, end: i64) -> Result<(), WindowError> {
     if let Some(late) = window.windows(2).position(|w| w[0].nanoseconds >= w[1].nanoseconds) {
         return Err(WindowError::Unsorted { nanoseconds: window[late + 1].nanoseconds });
     }
@@ -183,6 +185,10 @@ fn cut(window: &mut [StampedSample], start: i64, end: i64) -> Result<(), WindowE
     let first = StampedSample::interpolate(&window[0], &window[1], start);
     let last = StampedSample::interpolate(&window[count - 2], &window[count - 1], end);
     (window[0], window[count - 1]) = (first, last);
+    let middle = start.midpoint(end);
+    if count == 2 && middle > start {
+        window.insert(1, StampedSample::interpolate(&first, &last, middle));
+    }
     Ok(())
 }
 

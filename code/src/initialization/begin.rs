@@ -166,8 +166,9 @@ impl StartSearch {
     /// nothing has moved until it has stood.
     fn stands(&mut self, readings: &[StampedSample], pictures: &[Picture]) -> bool {
         let after = |from: usize, seconds: f64| {
-            let time = pictures[from].nanoseconds.saturating_add((1e9 * seconds) as i64);
-            pictures.iter().position(|picture| picture.nanoseconds >= time)
+            let begin = pictures.get(from)?.nanoseconds;
+            let time = begin.saturating_add((1e9 * seconds) as i64);
+            (from..pictures.len()).find(|picture| pictures[*picture].nanoseconds >= time)
         };
         while let Some(from) = self.window {
             let Some(until) = after(from, self.options.stand) else { return true };

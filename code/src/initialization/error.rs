@@ -33,17 +33,7 @@ pub enum BatchError {
     /// The readings do not reach from one state to the next.
     #[error(transparent)]
     Readings(#[from] WindowError),
-    /// There is no reading between two states.
-    #[error(
-        "no reading lies between the states at {start} ns and {end} ns; leave one of them out, or end \
-         before the gap or begin behind it"
-    )]
-    NoReading {
-        /// The time of the first state, in nanoseconds.
-        start: i64,
-        /// The time of the second, in nanoseconds.
-        end: i64,
-    },
+
     /// The readings cannot be summed up.
     #[error(transparent)]
     Preintegration(#[from] PreintegrationError),

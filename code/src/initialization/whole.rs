@@ -245,11 +245,9 @@ impl Growing<'_> {
         let times: Vec<i64> =
             (known.first..=self.last()).map(|picture| self.nanoseconds(picture)).collect();
         let mut batch = Batch::new(self.sensors, self.readings, &times, &known.states)?;
-        let start = known
-            .start
-            .and_then(|(picture, start)| Some((picture.checked_sub(known.first)?, start)));
-        match start.filter(|(state, _)| *state < known.states.len()) {
-            Some((state, start)) => batch.know_start(state, &start)?,
+        // The readings that showed it are counted themselves once earlier states are there.
+        match known.start.filter(|(picture, _)| *picture == known.first) {
+            Some((_, start)) => batch.know_start(0, &start)?,
             None => {
                 batch.fix_gauge()?;
                 let [g, a] = options.biases;

@@ -61,6 +61,15 @@ pub struct Msckf {
 }
 // ANCHOR_END: msckf
 
+/// How fast the body turns by a reading, free of bias.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turning {
+    /// The angular velocity, in its own frame.
+    pub velocity: Vector3<f64>,
+    /// For how many seconds the reading stands.
+    pub seconds: f64,
+}
+
 impl Msckf {
     /// A filter that begins with this.
     ///
@@ -212,7 +221,7 @@ impl Msckf {
         if let Some(rest) = self.options.rest.filter(|rest| self.is_at_rest(picture, rest)) {
             return self.stand_still(&rest, &turning);
         }
-        let serial = self.add_clone(&turning)?;
+        let serial = self.add_clone(&turning.velocity)?;
         self.drop_lost_landmarks(picture)?;
         for feature in &picture.features {
             if !self.window.kept.iter().any(|kept| kept.track == feature.track) {
@@ -232,14 +241,14 @@ impl Msckf {
 
     // ANCHOR: carry_to
     /// Carries state and biases to a time, and gives the angular velocity there.
-    fn carry_to(&mut self, nanoseconds: i64) -> Result<Vector3<f64>, MsckfError> {
+    fn carry_to(&mut self, nanoseconds: i64) -> Result<Turning, MsckfError> {
         let bias = *self.bias();
         let at_end = |readings: &[StampedSample]| {
             let last = readings.iter().rfind(|reading| reading.nanoseconds <= nanoseconds);
             last.map_or(Vector3::zeros(), |last| last.sample.corrected(&bias).gyro)
         };
         if nanoseconds == self.nanoseconds {
-            return Ok(at_end(&self.readings));
+            return Ok(Turning { velocity: at_end(&self.readings), seconds: 0.0 });
         }
         let readings = between(&self.readings, self.nanoseconds, nanoseconds)?;
         let transition = self.transition(&readings)?;
@@ -248,7 +257,9 @@ impl Msckf {
         self.nanoseconds = nanoseconds;
         let before = self.readings.partition_point(|reading| reading.nanoseconds <= nanoseconds);
         self.readings.drain(..before.saturating_sub(1));
-        Ok(at_end(&readings))
+        let all = readings[0].seconds_to(&readings[readings.len() - 1]);
+        let seconds = all / (readings.len() - 1) as f64;
+        Ok(Turning { velocity: at_end(&readings), seconds })
     }
     // ANCHOR_END: carry_to
 

@@ -28,7 +28,8 @@ pub struct Rest {
     pub motion: f64,
     /// The standard deviation of the velocity of a body at rest, in m/s on each axis.
     pub velocity_sigma: f64,
-    /// That of its angular velocity, in rad/s on each axis.
+    /// That of its angular velocity, in rad/s on each axis. The noise of the reading by which it is
+    /// measured comes on top.
     pub turning_sigma: f64,
 }
 

@@ -1,7 +1,8 @@
 //! A body at rest: no track has parallax, and no picture is worth a pose.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
+use super::filter::Turning;
 use super::{Msckf, MsckfError, PictureReport, Rest};
 use crate::datasets::tracks::Picture;
 
@@ -21,18 +22,20 @@ impl Msckf {
     // ANCHOR_END: is_at_rest
 
     // ANCHOR: stand_still
-    /// Tells the filter that the body neither moves nor turns. The window keeps the poses from
+    /// Tells the filter that the body neither moves nor turns. Its turning is measured by a reading, whose noise
+    /// counts too. The window keeps the poses from
     /// which it last moved, and so the parallax of its tracks.
     pub(super) fn stand_still(
         &mut self,
         rest: &Rest,
-        turning: &Vector3<f64>,
+        turning: &Turning,
     ) -> Result<PictureReport, MsckfError> {
+        let noise = self.options.noise.gyro / turning.seconds.sqrt();
+        let sigmas = [rest.velocity_sigma, rest.turning_sigma.hypot(noise)];
         let mut jacobian = DMatrix::zeros(6, self.belief.dimension());
-        jacobian.view_mut((0, 3), (3, 3)).fill_diagonal(1.0 / rest.velocity_sigma);
-        jacobian.view_mut((3, 9), (3, 3)).fill_diagonal(-1.0 / rest.turning_sigma);
-        let velocity = self.state().velocity / rest.velocity_sigma;
-        let turning = turning / rest.turning_sigma;
+        jacobian.view_mut((0, 3), (3, 3)).fill_diagonal(1.0 / sigmas[0]);
+        jacobian.view_mut((3, 9), (3, 3)).fill_diagonal(-1.0 / sigmas[1]);
+        let [velocity, turning] = [self.state().velocity / sigmas[0], turning.velocity / sigmas[1]];
         let residual = DVector::from_iterator(6, velocity.iter().chain(&turning).copied());
         let claimed = self.apply(jacobian, &residual)?;
         Ok(PictureReport { at_rest: true, rows: 6, claimed, ..PictureReport::default() })

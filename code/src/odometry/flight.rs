@@ -7,7 +7,7 @@ use super::engine::{Engine, Seen};
 use super::waiting::Waiting;
 use super::{OdometryError, OdometryOptions};
 use crate::datasets::tracks::{Feature, Picture};
-use crate::inertial::{CameraImu, ImuBias, NavState, StampedSample};
+use crate::inertial::{CameraImu, ImuBias, LONGEST_STEP, NavState, StampedSample};
 use crate::initialization::Beginning;
 use crate::msckf::Start;
 use crate::observability::Similarity;
@@ -158,8 +158,7 @@ impl Odometry {
     /// [`OdometryError::LateReading`], [`OdometryError::Reading`] and [`OdometryError::FirstReading`].
     pub fn reading(&mut self, reading: StampedSample) -> Result<Option<Lost>, OdometryError> {
         let nanoseconds = reading.nanoseconds;
-        let sample = &reading.sample;
-        if !sample.gyro.iter().chain(&sample.accelerometer).all(|number| number.is_finite()) {
+        if !reading.sample.is_finite() {
             return Err(OdometryError::Reading { nanoseconds });
         }
         self.forget_wrong_time(nanoseconds);
@@ -170,7 +169,7 @@ impl Odometry {
             }
             Some(last) => {
                 let seconds = last.seconds_to(&reading);
-                let is_gap = seconds > self.options.longest_gap;
+                let is_gap = seconds > LONGEST_STEP;
                 is_gap.then_some(Lost::Gap { nanoseconds: last.nanoseconds, seconds })
             }
             None => {
@@ -299,7 +298,7 @@ impl Odometry {
     /// Looks for a beginning. What has come since then is followed at once.
     fn wait(&mut self, picture: &Picture) -> Progress {
         let Phase::Waiting(waiting) = &mut self.phase else { return Progress::Waiting };
-        let Some(beginning) = waiting.look(picture) else {
+        let Some(beginning) = waiting.look(picture, &self.options) else {
             waiting.forget(&self.options);
             return if waiting.stand().is_some() { Progress::Standing } else { Progress::Waiting };
         };

@@ -77,8 +77,6 @@ pub struct OdometryOptions {
     /// For so many seconds most of what pictures show may contradict what is believed, before the
     /// odometry says that it is lost.
     pub patience: f64,
-    /// Readings may be so many seconds apart.
-    pub longest_gap: f64,
 }
 // ANCHOR_END: odometry_options
 
@@ -97,6 +95,6 @@ impl OdometryOptions {
             ..MsckfOptions::new(camera, pixel_sigma, noise)
         };
         let smoother = SmootherOptions::new(sensors);
-        Self { sensors, estimator, begin, smoother, msckf, patience: 1.0, longest_gap: 0.1 }
+        Self { sensors, estimator, begin, smoother, msckf, patience: 1.0 }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::OdometryOptions;
 use crate::datasets::tracks::Picture;
-use crate::inertial::{CameraImu, StampedSample};
+use crate::inertial::StampedSample;
 use crate::initialization::{Beginning, StartSearch};
 use crate::msckf::Start;
 
@@ -10,7 +10,8 @@ use crate::msckf::Start;
 #[derive(Debug)]
 pub(super) struct Waiting {
     search: StartSearch,
-    rig: CameraImu,
+    /// What was found when the search looked at pictures again.
+    found: Option<Beginning>,
     pub readings: Vec<StampedSample>,
     pub pictures: Vec<Picture>,
 }
@@ -18,19 +19,18 @@ pub(super) struct Waiting {
 impl Waiting {
     pub fn new(options: &OdometryOptions) -> Self {
         let search = StartSearch::new(options.sensors, options.begin.clone());
-        let rig = options.sensors.rig;
-        Self { search, rig, readings: Vec::new(), pictures: Vec::new() }
+        Self { search, found: None, readings: Vec::new(), pictures: Vec::new() }
     }
 
     // ANCHOR: waiting
     /// Looks for a beginning with one picture more. Of one from before the first reading nothing can begin.
-    pub fn look(&mut self, picture: &Picture) -> Option<Beginning> {
-        let time = self.rig.imu_nanoseconds(picture.nanoseconds);
+    pub fn look(&mut self, picture: &Picture, options: &OdometryOptions) -> Option<Beginning> {
+        let time = options.sensors.rig.imu_nanoseconds(picture.nanoseconds);
         if self.readings.first().is_none_or(|first| time < first.nanoseconds) {
             return None;
         }
         self.pictures.push(picture.clone());
-        self.search.look(&self.readings, &self.pictures)
+        self.found.take().or_else(|| self.search.look(&self.readings, &self.pictures))
     }
 
     /// What is known of the body while it stands.
@@ -71,9 +71,9 @@ impl Waiting {
         let before = self.readings.partition_point(|reading| reading.nanoseconds <= first);
         self.readings.drain(..before.saturating_sub(1));
         self.search = StartSearch::new(options.sensors, options.begin.clone());
-        for until in 1..self.pictures.len() {
-            self.search.look(&self.readings, &self.pictures[..until]);
-        }
+        let (search, readings) = (&mut self.search, &self.readings);
+        let mut looked_at = (1..self.pictures.len()).map(|until| &self.pictures[..until]);
+        self.found = looked_at.find_map(|pictures| search.look(readings, pictures));
     }
     // ANCHOR_END: waiting
 }

@@ -142,7 +142,7 @@ impl Smoother {
         let last = self.last_keyframe();
         let values = self.problem.values();
         let (state, bias) = (values[last.state], values[last.bias]);
-        let readings = in_two_steps(between(&self.readings, last.nanoseconds, nanoseconds)?);
+        let readings = between(&self.readings, last.nanoseconds, nanoseconds)?;
         let sensors = &self.options.sensors;
         let sums = preintegrate_combined(&readings, &bias, &sensors.noise)?;
         let next = sums.sums.predict(&state, &sensors.gravity(), &bias);
@@ -277,15 +277,4 @@ impl Smoother {
         let values = self.problem.values();
         (frame.nanoseconds, values[frame.state], values[frame.bias])
     }
-}
-
-/// The covariance of a single step has no inverse: where a whole interval lies between two readings, the
-/// line through them is read in the middle too.
-fn in_two_steps(mut readings: Vec<StampedSample>) -> Vec<StampedSample> {
-    if let [first, last] = readings[..] {
-        let half = last.nanoseconds.abs_diff(first.nanoseconds) / 2;
-        let middle = first.nanoseconds.saturating_add_unsigned(half);
-        readings.insert(1, StampedSample::interpolate(&first, &last, middle));
-    }
-    readings
 }
