@@ -781,6 +781,15 @@ fn a_start_without_a_value_or_with_nan_is_an_error_that_names_the_factor() {
 }
 
 #[test]
+fn a_search_whose_steps_are_used_up_is_not_settled() {
+    let (problem, _) = three_tapes(Vector2::new(30.0, 40.0), Kernel::Squared);
+    let one = Options { max_iterations: 1, ..Options::default() };
+    let refused = problem.solve(&one).unwrap().settled().unwrap_err();
+    assert_eq!(refused, SolveError::NotConverged { stop: Stop::IterationLimit });
+    assert!(problem.solve(&Options::default()).unwrap().settled().is_ok());
+}
+
+#[test]
 fn wrong_options_and_wrong_values_are_refused() {
     let (problem, _) = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
     for initial_damping in [-1.0, f64::NAN] {

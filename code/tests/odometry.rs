@@ -1,10 +1,13 @@
 //! The assembled system on simulated flights: each estimator from nothing to the end, and what is wrong with readings
 //! and pictures.
 
+mod take_off;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::Vector3;
+use take_off::taking_off;
 use vislam::datasets::tracks::Picture;
 use vislam::filtering::{Freedom, StateError, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{NavState, StampedSample};
@@ -371,6 +374,20 @@ fn gates_ask_where_the_camera_was_by_the_clock_that_is_estimated() {
     assert!(refused * 100 < used, "{refused} of {used}");
     let offset = odometry.rig().unwrap().time_offset;
     assert!((offset - 0.04).abs() < 2e-3, "{offset}");
+}
+
+#[test]
+fn a_filter_whose_clock_moves_while_it_catches_up_keeps_its_beginning() {
+    for seed in 0..3 {
+        let recording = taking_off(seed);
+        let mut sensors = Sensors::of_flight(&recording.flight);
+        (sensors.rig.time_offset, sensors.calibrated.time_offset) = (-0.008, Some(0.01));
+        let mut odometry = Odometry::new(OdometryOptions::new(sensors, Estimator::Msckf));
+        let pictures = &recording.pictures[..recording.pictures.len() - 1];
+        let flown = fly(&mut odometry, &recording.readings, pictures);
+        assert!(flown.lost.is_empty(), "{seed}: {:?}", flown.lost);
+        assert_eq!(odometry.worlds(), 1, "{seed}");
+    }
 }
 
 #[test]

@@ -244,6 +244,22 @@ pub struct Solution {
     pub report: Report,
 }
 
+impl Solution {
+    /// The same, if steps led as far as they could.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::NotConverged`] when they were used up, or led to where a residual is undefined.
+    pub fn settled(self) -> Result<Self, SolveError> {
+        match self.report.stop {
+            stop @ (Stop::IterationLimit | Stop::LeftDomain) => {
+                Err(SolveError::NotConverged { stop })
+            }
+            _ => Ok(self),
+        }
+    }
+}
+
 /// Above this damping, relative to the Hessian's diagonal, the search for a step is given up.
 const LARGEST_DAMPING: f64 = 1e12;
 /// Below it, damping is lost in rounding.
@@ -663,6 +679,12 @@ pub enum SolveError {
     /// The step is not determined.
     #[error(transparent)]
     Singular(#[from] SingularSystem),
+    /// The search has ended elsewhere than at a minimum.
+    #[error("{stop}; begin nearer to the minimum, or leave out what contradicts the rest")]
+    NotConverged {
+        /// Why it ended.
+        stop: Stop,
+    },
     /// It cannot be said whether the step is determined.
     #[error(transparent)]
     NullSpace(#[from] NullSpaceError),

@@ -61,7 +61,7 @@ impl Measurement {
     ) -> Result<Self, LoopClosureError> {
         let (problem, second) = stereo_problem(pixels, sights)?;
         let fronts = Fronts::new(&problem)?;
-        let solution = problem.solve_with(fronts.clone(), &Options::default())?;
+        let solution = problem.solve_with(fronts.clone(), &Options::default())?.settled()?;
         let covariance = problem.covariance_with(fronts, &solution.values);
         let covariance = covariance.map_err(|_| unsure(numbers))?.of(second);
         let covariance = covariance.ok_or_else(|| unsure(numbers))?;

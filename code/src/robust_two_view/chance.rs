@@ -17,7 +17,7 @@ pub(super) fn chance_of_agreement(
     let shifts = PAIRS.div_ceil(count).min(count - 1);
     let pairs = (1..=shifts).flat_map(|k| {
         // Shifts spread over all of the data, since neighbours may have something in common.
-        let shift = k * (count - 1) / shifts;
+        let shift = k * count / (shifts + 1);
         (0..count).map(move |here| (here, (here + shift) % count))
     });
     let agree = pairs.filter(|(here, there)| squared_error(*here, *there) <= gate).count();

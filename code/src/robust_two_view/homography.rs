@@ -99,9 +99,13 @@ pub struct PlaneMotion {
 /// Squared singular values that differ by less from one are one: the camera only turned.
 const TURNED: f64 = 1e-12;
 
+/// Of so many rays one may lie beyond the horizon of the plane.
+const ACCIDENTS: usize = 20;
+
 // ANCHOR: plane_motions
 /// The motions and planes, at most two, whose homography R + s t nᵀ {eq:plane-homography} a matrix is,
-/// up to scale, with all rays of the first camera meeting the plane in front of it [@ma2004].
+/// up to scale, with the rays of the first camera meeting the plane in front of it [@ma2004]. One ray in
+/// twenty may not: it belongs to a wrong match that agrees by accident.
 ///
 /// With the scale that makes its second singular value one, R + s t nᵀ changes no length in the plane
 /// that is orthogonal to n. Two planes of directions keep their lengths: those spanned by the middle
@@ -155,8 +159,9 @@ fn keeping(
     let rotation = Rotation3::from_matrix(&(after * before.transpose()));
     let shift = (matrix - rotation.matrix()) * normal;
     let ahead = rays.iter().filter(|ray| normal.dot(ray) > 0.0).count();
-    let sign = if 2 * ahead >= rays.len() { 1.0 } else { -1.0 };
-    let in_front = rays.iter().all(|ray| sign * normal.dot(ray) > 0.0);
+    let behind = rays.len() - ahead;
+    let sign = if ahead >= behind { 1.0 } else { -1.0 };
+    let in_front = ACCIDENTS * ahead.min(behind) <= rays.len();
     let direction = Unit::try_new(sign * shift, 0.0)?;
     let normal = Unit::new_unchecked(sign * normal);
     let motion = RelativeMotion { rotation, direction };

@@ -45,8 +45,8 @@ impl Map<'_> {
     }
     // ANCHOR_END: complete
 
-    /// Half the sum of squared errors of all keypoints that are matched, in pixels, each counted as
-    /// at most the gate.
+    /// Half the sum of squared errors of all keypoints, in pixels: at most the gate of each, and the gate
+    /// where there is no point.
     fn truncated_cost(&self) -> f64 {
         let known = self.tracks.iter().filter_map(|track| Some((track, track.point?)));
         let explained: f64 = known

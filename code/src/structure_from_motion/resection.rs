@@ -86,7 +86,7 @@ pub fn resect(
     }
     let data = points.iter().copied().zip(pixels.iter().copied());
     let (problem, pose) = of_points(camera, data, sigma, start)?;
-    let solution = problem.solve(&Options::default())?;
+    let solution = problem.solve(&Options::default())?.settled()?;
     let covariance = problem.covariance(&solution.values)?.of(pose);
     let covariance = covariance.ok_or(ResectionError::Degenerate)?;
     Ok(Resected {

@@ -102,6 +102,11 @@ fn the_motion_of_a_plane_is_one_of_two() {
                 && (found.baseline - 0.5 * NORMAL.norm()).abs() < 1e-6
         };
         assert_eq!(motions.iter().filter(|found| is_true(found)).count(), 1);
+        // One of many wrong matches that agree by accident may lie beyond the horizon.
+        let mut many = directions.repeat(2);
+        many.push(Vector3::z() - 10.0 * NORMAL);
+        let motions = plane_motions(&homography, &many).unwrap();
+        assert_eq!(motions.iter().filter(|found| is_true(found)).count(), 1);
     }
 }
 

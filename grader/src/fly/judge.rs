@@ -74,7 +74,7 @@ impl Course {
         beside.collect()
     }
 
-    /// The largest aligned error of a flight with a gap beside the filter's of those with nothing wrong.
+    /// The largest aligned error of a flight with a gap beside the mean of the filter's in all others.
     fn after_gap(&self, answer: &Answer) -> f64 {
         let filter: Vec<f64> = self.references.iter().flatten().map(|it| it.aligned).collect();
         let mean = filter.iter().sum::<f64>() / filter.len() as f64;
