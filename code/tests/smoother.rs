@@ -113,6 +113,12 @@ fn a_place_known_to_ten_metres_is_not_known_better_after_steps_that_see_none() {
             }
         }
     }
+    (6..9).for_each(|at| start.covariance[(at, at)] = 1e6);
+    let mut smoother = Smoother::new(options(&recording), &start).unwrap();
+    for number in 1..20 {
+        follow(&mut smoother, &recording, number).unwrap();
+    }
+    assert!(smoother.covariance().iter().any(|number| number.is_nan()), "rounding has lost it");
 }
 
 /// The newest position is that of a batch of the same measurements to a part of its standard deviation, and the

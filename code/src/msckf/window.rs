@@ -86,6 +86,7 @@ impl Window {
         let is_full = count - idle.len() >= capacity;
         if is_full { (1..count - 1).step_by(3).collect() } else { idle }
     }
+    // ANCHOR_END: leaving
 
     /// Takes out the pixels at poses that leave, given by their places: where a track has two of them,
     /// they are due.
@@ -101,7 +102,6 @@ impl Window {
         self.waiting.retain(|_, waiting| !waiting.is_empty());
         due
     }
-    // ANCHOR_END: leaving
 
     /// Calls the variables by other numbers.
     pub fn renumber(&mut self, number: impl Fn(usize) -> usize) {
