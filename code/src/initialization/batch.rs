@@ -97,7 +97,6 @@ impl Batch {
         for state in 1..states {
             let [start, end] = [nanoseconds[state - 1], nanoseconds[state]];
             let readings = between(readings, start, end)?;
-
             batch.add_interval(rule, state, &readings)?;
         }
         Ok(batch)

@@ -33,7 +33,6 @@ pub enum BatchError {
     /// The readings do not reach from one state to the next.
     #[error(transparent)]
     Readings(#[from] WindowError),
-
     /// The readings cannot be summed up.
     #[error(transparent)]
     Preintegration(#[from] PreintegrationError),

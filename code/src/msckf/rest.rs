@@ -22,9 +22,9 @@ impl Msckf {
     // ANCHOR_END: is_at_rest
 
     // ANCHOR: stand_still
-    /// Tells the filter that the body neither moves nor turns. Its turning is measured by a reading, whose noise
-    /// counts too. The window keeps the poses from
-    /// which it last moved, and so the parallax of its tracks.
+    /// Tells the filter that the body neither moves nor turns; the noise of the reading that says how it
+    /// turns counts too. The window keeps the poses from which it last moved, and so the parallax of its
+    /// tracks.
     pub(super) fn stand_still(
         &mut self,
         rest: &Rest,
