@@ -34,6 +34,7 @@ pub mod reprojection;
 pub mod robust_two_view;
 pub mod scene;
 pub mod smoother;
+pub mod statistics;
 pub mod structure_from_motion;
 pub mod systems;
 pub mod two_views;

@@ -15,10 +15,11 @@ use vislam::simulation::{
     EulerAngles, Flight, FlightRecording, ScalarTrajectory, Trajectory, landmarks_around,
 };
 
-use super::judged::{Judged, Tilt, median};
+use super::judged::{Judged, Tilt};
 use crate::chapter::Chapter;
 use crate::random::Random;
 use crate::record::RecordValue;
+use crate::statistics::median;
 
 const FLIGHTS: u64 = 100;
 const LIVE: u64 = 5;

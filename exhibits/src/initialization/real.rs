@@ -13,10 +13,11 @@ use vislam::initialization::{
 use vislam::structure_from_motion::{ScaleFreedom, absolute_orientation};
 
 use super::flights::{any, first};
-use super::judged::{Judged, Tilt, median, root_mean_square};
+use super::judged::{Judged, Tilt};
 use crate::chapter::Chapter;
 use crate::data::{DataFile, NotMade};
 use crate::record::{RecordValue, accepted};
+use crate::statistics::{median, root_mean_square};
 
 /// Readings and tracks of half a minute of V1_01, and its ground truth.
 pub const FILES: [DataFile; 2] = [

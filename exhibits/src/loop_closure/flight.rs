@@ -9,6 +9,7 @@ use vislam::simulation::FlightRecording;
 
 use crate::chapter::Chapter;
 use crate::record::{RecordValue, accepted};
+use crate::statistics::median;
 
 #[allow(dead_code)]
 #[path = "../../../code/examples/loop_flight.rs"]
@@ -144,11 +145,6 @@ pub fn record(chapter: &mut Chapter) {
     chapter.record("loop_flights", inputs, flights);
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
 fn flights() -> Vec<RecordValue> {
     let all: Vec<([RootMeanSquares; 5], [f64; 3])> = (0..FLIGHTS)
         .map(|seed| {
@@ -160,7 +156,7 @@ fn flights() -> Vec<RecordValue> {
         })
         .collect();
     let of = |way: usize, what: fn(&RootMeanSquares) -> f64| {
-        median(all.iter().map(|(errors, _)| what(&errors[way])).collect())
+        median(all.iter().map(|(errors, _)| what(&errors[way])))
     };
     let mean =
         |at: usize| all.iter().map(|(_, squares)| squares[at]).sum::<f64>() / all.len() as f64;

@@ -13,6 +13,7 @@ use super::windows::window;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
 use crate::random::Random;
+use crate::statistics::median;
 
 pub fn exhibits(chapter: &mut Chapter) {
     let mutants: [(_, Bounds); 4] = [
@@ -156,11 +157,6 @@ fn digits(first_keyframe: f64) -> Digits {
     let gaussians = errors.each_ref().map(|errors| errors.iter().filter(|e| e.is_finite()).count());
     let errors = errors.map(|errors| Some(median(errors)).filter(|error| error.is_finite()));
     Digits { condition: median(conditions), errors, gaussians }
-}
-
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 fn condition(root: &DMatrix<f64>) -> f64 {

@@ -2,13 +2,14 @@
 
 use vislam::marginalization::{Couplings, Layout, divergence, fill_in, zero_link};
 
-use super::digits::{SEEDS as WINDOWS, all, lost, median};
+use super::digits::{SEEDS as WINDOWS, all, lost};
 use super::links::{COUNTEREXAMPLE, of_rows};
 use super::trees::{best_tree, left_out, tree};
 use super::windows::{
     Freeze, GONE, SEEDS, forgotten, free_after_two_slides, replaced, slid, usual, zeroed,
 };
 use crate::chapter::Chapter;
+use crate::statistics::median;
 
 pub fn numbers(chapter: &mut Chapter) {
     pattern(chapter);

@@ -13,6 +13,7 @@ use crate::initialization::real::{FILES, FROM, Real, ate};
 use crate::python::Python;
 use crate::record::{RecordValue, accepted};
 use crate::smoother::followed::Followed;
+use crate::statistics;
 
 const SCRIPT: &str = "odometry_isam2.py";
 /// Of so many runs the one in the middle is timed.
@@ -340,9 +341,8 @@ fn speed() -> Result<Vec<RecordValue>, NotMade> {
 
 /// The median of what some runs give.
 fn median(run: impl Fn() -> Result<f64, NotMade>) -> Result<f64, NotMade> {
-    let mut found: Vec<f64> = (0..TIMED_RUNS).map(|_| run()).collect::<Result<_, _>>()?;
-    found.sort_by(f64::total_cmp);
-    Ok(found[TIMED_RUNS / 2])
+    let found: Vec<f64> = (0..TIMED_RUNS).map(|_| run()).collect::<Result<_, _>>()?;
+    Ok(statistics::median(found))
 }
 
 /// The trajectories from above, each aligned for itself.

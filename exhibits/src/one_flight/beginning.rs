@@ -14,8 +14,9 @@ use super::{SECONDS, path, picture_at, place_of, recording, states};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::initialization::flights::{THINNED, started};
-use crate::initialization::judged::{Judged, root_mean_square};
+use crate::initialization::judged::Judged;
 use crate::observability::worked::{free, log_distance};
+use crate::statistics::root_mean_square;
 
 /// How long the window is, in seconds, and how many of its pictures a second are used.
 const WINDOW: f64 = 2.0;

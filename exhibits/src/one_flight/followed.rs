@@ -18,11 +18,11 @@ use super::{SECONDS, SEED, path, picture_at, recording};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
 use crate::filtering::flown::{self, Moment, RIGHT};
-use crate::initialization::judged::root_mean_square;
 use crate::loop_closure::flight::{Closed, closed_on, example::BASELINE, example::SPACING};
 use crate::msckf::flights::{self, Seen, example, options};
 use crate::smoother::consistency;
 use crate::smoother::followed::{self, Followed, rmse};
+use crate::statistics::root_mean_square;
 
 /// Of the path so many seconds are drawn, the last ones.
 pub const DRAWN: f64 = 10.0;

@@ -18,8 +18,8 @@ use super::from_above::{Layer, room};
 use super::{camera_from_world, camera_path, centre, picture_at, place_of, recording};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
-use crate::initialization::judged::root_mean_square;
 use crate::random::Random;
+use crate::statistics::root_mean_square;
 
 /// How many seconds are adjusted, and how many are put together from nothing.
 const ADJUSTED: f64 = 10.0;

@@ -12,7 +12,7 @@ use super::from_above::{Layer, is_inside, room};
 use super::{camera_from_world, camera_path, centre, path, picture_at, recording, seen};
 use crate::chapter::Chapter;
 use crate::figure::Figure;
-use crate::initialization::judged::root_mean_square;
+use crate::statistics::root_mean_square;
 
 /// How far the rays of a picture are drawn at most, and a step along them, in metres along the axis of the camera.
 const FARTHEST: f64 = 12.0;

@@ -10,6 +10,7 @@ use vislam::simulation::Trajectory;
 use super::oracle::summed_by;
 use crate::chapter::Chapter;
 use crate::record::RecordValue;
+use crate::statistics;
 
 /// Readings in a window, windows in a run, and runs of which the median counts.
 const WINDOW: usize = 200;
@@ -45,9 +46,7 @@ pub fn timed(calls: usize, call: impl FnMut(usize)) -> f64 {
 
 /// The median time of a call in nanoseconds, of runs of `calls` calls.
 fn median(calls: usize, mut call: impl FnMut(usize)) -> f64 {
-    let mut times: Vec<f64> = (0..RUNS).map(|_| 1e9 * timed(calls, &mut call)).collect();
-    times.sort_by(f64::total_cmp);
-    times[RUNS / 2]
+    statistics::median((0..RUNS).map(|_| 1e9 * timed(calls, &mut call)))
 }
 
 fn speed() -> Vec<RecordValue> {

@@ -3,12 +3,12 @@
 use plotters::coord::combinators::IntoLogRange;
 
 use super::super::flights::{FOLLOWED, TIMES};
-use super::super::judged::{median, root_mean_square};
 use super::super::motions::{RATE, equations};
 use crate::figure::{
     self, Draw, Figure, INK, SERIES, decimals, geometric, letters_around, letters_right_of,
 };
 use crate::record::accepted;
+use crate::statistics::{median, root_mean_square};
 use vislam::simulation::{ScalarTrajectory, Trajectory};
 
 /// The standard deviation of a camera's centre on each axis, in metres.
