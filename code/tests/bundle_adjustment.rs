@@ -1160,6 +1160,16 @@ fn a_point_on_one_ray_only_is_named_when_nothing_damps_it() {
     assert_eq!(solver(&problem).gauge_freedom().unwrap_err(), error);
     assert_eq!(solver(&problem).null_space().unwrap_err(), error);
     assert_eq!(solver(&problem).minimal_norm_covariance().unwrap_err(), error);
+    // Rays that lean a little hide it among rounding errors.
+    let centre = problem.cameras[4].camera_from_world.inverse().translation.vector;
+    for lean in [0.1, 0.03, 0.01, 1e-3, 1e-4] {
+        for place in 1..20 {
+            let along = Vector3::new(-centre.x, -centre.y, lean * centre.norm());
+            problem.points[40] = centre + 0.05 * f64::from(place) * along;
+            assert_eq!(solver(&problem).step(0.0).unwrap_err(), error, "{lean} {place}");
+        }
+    }
+    problem.points[40] = Vector3::zeros();
     problem.fixed.fill(false);
     assert_eq!(solver(&problem).gauge_freedom().unwrap_err(), error, "beside six others");
     assert!(problem.solve(&Options::large_problem()).is_ok());

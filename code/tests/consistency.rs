@@ -250,4 +250,6 @@ fn a_certificate_is_the_information_along_the_directions() {
     assert!((DMatrix::from_column_slice(4, 4, known.as_slice()) - expected).amax() < 1e-6);
     let known_exactly = DMatrix::zeros(12, 12);
     assert_eq!(certificate(&known_exactly, &free), None);
+    assert_eq!(certificate(&covariance, &DMatrix::zeros(12, 0)), None);
+    assert_eq!(certificate(&covariance, &DMatrix::zeros(11, 4)), None);
 }

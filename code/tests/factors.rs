@@ -532,6 +532,14 @@ fn without_covariance_between_them_deltas_and_walk_are_two_factors() {
     assert!((found.norm() / first.norm() - 1.0).abs() > 1e-3, "the covariance between them counts");
 }
 
+#[test]
+fn gravity_that_falls_upward_is_half_a_turn_away() {
+    let (down, mut step) = (Gravity(GRAVITY), [0.0; 2]);
+    down.local(&Gravity(-GRAVITY), &mut step);
+    assert!((step[0].hypot(step[1]) - std::f64::consts::PI).abs() < 1e-12);
+    assert!((down.retract(&step).0 + GRAVITY).norm() < 1e-12);
+}
+
 fn prior_of<V: Manifold, const N: usize>(draw: impl Fn(&mut Draws) -> V, seed: u64) {
     let mut draws = Draws::new(seed);
     for _ in 0..STATES {

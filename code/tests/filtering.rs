@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use vislam::factors::{PixelByCamera, Prior};
 use vislam::filtering::{
-    Belief, BeliefError, CorrectionError, Form, Transition, UpdateError, UpdateOptions, carry_root,
-    chi_square_quantile, correct, correct_root, innovation_squared,
+    Belief, BeliefError, CorrectionError, Form, Transition, TransitionError, UpdateError,
+    UpdateOptions, carry_root, chi_square_quantile, correct, correct_root, innovation_squared,
 };
 use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, ImuSample, NavState};
 use vislam::least_squares::{Kernel, Manifold, Options, Problem, sqrt_information};
@@ -136,6 +136,10 @@ fn carrying_on_is_the_product_with_the_transition_and_leaves_the_others() {
     let mut expected = &whole * belief.covariance() * whole.transpose();
     let mut own = expected.view_mut((3, 3), (15, 15));
     own += transition.noise;
+    let mut without_bias = belief.clone();
+    without_bias.keep(&[0, 1, 3]).unwrap();
+    let refused = without_bias.carry_on((state, bias), &transition);
+    assert_eq!(refused, Err(TransitionError::NoSuchVariable));
     belief.carry_on((state, bias), &transition).unwrap();
     let difference = (belief.covariance() - &expected).amax();
     assert!(difference < 1e-12 * expected.amax(), "{difference}");
@@ -187,8 +191,10 @@ fn a_root_is_carried_on_as_its_square() {
     let mut root = before.cholesky().unwrap().l().transpose();
     carry_root(&mut root, &transition, &noise).unwrap();
     assert!((root.tr_mul(&root) - &expected).amax() < 1e-12 * expected.amax());
-    let wrong = carry_root(&mut root, &DMatrix::zeros(6, 5), &noise);
-    assert!(matches!(wrong, Err(CorrectionError::Sizes { columns: 5, .. })));
+    for (rows, columns) in [(6, 5), (5, 6)] {
+        let wrong = carry_root(&mut root, &DMatrix::zeros(rows, columns), &noise);
+        assert!(matches!(wrong, Err(CorrectionError::Sizes { .. })), "{rows} {columns}");
+    }
 }
 
 #[test]

@@ -10,9 +10,9 @@ use take_off::{LEVER, taking_off};
 use vislam::filtering::{Freedom, absolute_trajectory_error, chi_square_band, nees};
 use vislam::inertial::{Calibrated, ImuBias, NavState, WindowError};
 use vislam::initialization::{
-    AlignmentRefused, Batch, BatchError, BeginOptions, Known, LandmarkRefused, MotionOptions,
-    NoStart, NotAtRest, RestOptions, Sensors, Started, UniformMotion, VisualMotion, Whole,
-    WholeOptions, align_motion, at_rest, begin, in_motion,
+    AlignmentRefused, Batch, BatchError, BeginOptions, LandmarkRefused, MotionOptions, NoStart,
+    NotAtRest, RestOptions, Sensors, Started, UniformMotion, VisualMotion, Whole, WholeOptions,
+    align_motion, at_rest, begin, in_motion,
 };
 use vislam::least_squares::{Kernel, Manifold, Options};
 use vislam::preintegration::PreintegrationError;
@@ -410,23 +410,6 @@ fn the_batch_of_a_flight_grows_from_a_stand_and_wrong_tracks_are_refused() {
     assert!(found.refused.contains_key(&wrong));
     let by_gate = |why: &LandmarkRefused| matches!(why, LandmarkRefused::Gate { .. });
     assert!(found.refused.values().filter(|why| by_gate(why)).count() < 5);
-}
-
-#[test]
-fn what_a_stand_has_shown_counts_once() {
-    let recording = taking_off(5);
-    let sensors = Sensors::of_flight(&recording.flight);
-    let (readings, pictures) = (&recording.readings, &recording.pictures);
-    let begun = begin(&sensors, readings, pictures, &BeginOptions::default()).unwrap();
-    assert!(begun.known.start.is_some() && begun.known.first > 0);
-    let grown = |known| {
-        let options = WholeOptions::default();
-        let whole = Whole::grown(&sensors, readings, pictures, known, &options).unwrap();
-        whole.covariance.of(whole.batch.biases[0]).unwrap().diagonal()
-    };
-    let unknown = Known { start: None, ..begun.known.clone() };
-    let (with, without) = (grown(begun.known), grown(unknown));
-    assert!((with.clone() - &without).amax() < 1e-6 * without.amax(), "{with} {without}");
 }
 
 #[test]

@@ -293,7 +293,17 @@ fn a_graph_that_cannot_be_solved_is_refused_in_words() {
         refused(&|graph| graph.measurements[2].measured.translation.vector.x = f64::NAN),
         LoopClosureError::NotFinite { measurement: 2 }
     );
-    for (row, column, number) in [(0, 0, -1.0), (4, 4, 0.0), (0, 1, 5.0), (2, 2, f64::NAN)] {
+    assert_eq!(
+        refused(&|graph| graph.poses[7].translation.vector.y = f64::NAN),
+        LoopClosureError::PoseNotFinite { pose: 7 }
+    );
+    for (row, number) in [(2, f64::NAN), (0, f64::NAN), (0, f64::INFINITY)] {
+        assert_eq!(
+            refused(&|graph| graph.measurements[1].information[(row, 2)] = number),
+            LoopClosureError::NotFinite { measurement: 1 }
+        );
+    }
+    for (row, column, number) in [(0, 0, -1.0), (4, 4, 0.0), (0, 1, 5.0)] {
         assert_eq!(
             refused(&|graph| graph.measurements[1].information[(row, column)] = number),
             LoopClosureError::Information { measurement: 1 }

@@ -338,6 +338,11 @@ fn what_is_held_is_no_block_and_part_of_a_variable_is_no_prior() {
     assert!(whole.into_prior(problem.values()).is_ok());
     let part = window.into_prior(problem.values());
     assert!(matches!(part, Err(MarginalizationError::Prior(_))));
+    let swapped = [(11, 6), (2, 3)].map(|(name, dimension)| Block { name, dimension });
+    let swapped = Blocks::new(swapped.to_vec()).unwrap();
+    let swapped = SquareRoot::new(swapped, DMatrix::identity(9, 9), DVector::zeros(9)).unwrap();
+    let swapped = swapped.into_prior(problem.values());
+    assert!(matches!(swapped, Err(MarginalizationError::Prior(_))), "{swapped:?}");
 }
 
 #[test]

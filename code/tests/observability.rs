@@ -4,7 +4,7 @@
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
 use vislam::factors::{pixel_by_state, twist_by_state};
-use vislam::inertial::{GRAVITY, ImuBias, ImuNoise};
+use vislam::inertial::{GRAVITY, ImuBias, ImuNoise, NavState};
 use vislam::least_squares::{Manifold, NullSpaceError, Spectrum};
 use vislam::manifold::{se3, so3};
 use vislam::observability::{
@@ -49,6 +49,33 @@ fn free(motion: Trajectory) -> [String; 2] {
             .map(|assumption| window(motion, assumption).free_directions().unwrap().to_string());
     assert_eq!(constant, walking);
     [constant, known]
+}
+
+#[test]
+fn what_a_window_sees_fits_it_exactly_whatever_the_clock_of_the_camera() {
+    let mut flight = Flight::brief(Trajectory::figure_eight()).with_lever(LEVER);
+    flight.rig.time_offset = 0.01;
+    let landmarks = landmarks_around(&Vector3::zeros(), 60);
+    let window = flight.window(&landmarks, BiasAssumption::CONSTANT).unwrap();
+    assert!(window.residual().unwrap().norm() < 1e-6);
+}
+
+#[test]
+fn one_state_goes_to_another_by_the_turn_about_the_vertical_that_leaves_least() {
+    let turned = |yaw: f64, pitch: f64| NavState {
+        world_from_body: Rotation3::from_euler_angles(0.0, 0.0, yaw)
+            * Rotation3::from_euler_angles(pitch, 0.0, 0.0),
+        ..NavState::origin()
+    };
+    let by = |to: &NavState| Similarity::between(&turned(0.0, 0.0), to).rotation;
+    for (yaw, pitch) in [(2.5, 0.1), (1.5, 1.5), (-0.4, 0.0)] {
+        let found = by(&turned(yaw, pitch));
+        assert_abs_diff_eq!(
+            found.angle_to(&Rotation3::from_euler_angles(0.0, 0.0, yaw)),
+            0.0,
+            epsilon = 1e-9
+        );
+    }
 }
 
 const POSITION: &str = "translation x, translation y, translation z";

@@ -391,6 +391,20 @@ fn a_filter_whose_clock_moves_while_it_catches_up_keeps_its_beginning() {
 }
 
 #[test]
+fn a_place_of_which_rounding_loses_what_is_known_loses_no_flight() {
+    let recording = flown(8.0, 3);
+    let mut start = known(&recording);
+    (6..9).for_each(|at| start.covariance[(at, at)] = 1e8);
+    let options = OdometryOptions::new(Sensors::of_flight(&recording.flight), Estimator::Smoother);
+    let mut odometry = Odometry::begun(options, &start).unwrap();
+    let flown = fly(&mut odometry, &recording.readings, &recording.pictures[1..]);
+    assert!(flown.lost.is_empty(), "{:?}", flown.lost);
+    let last = flown.estimates.last().unwrap();
+    assert!(last.covariance.iter().all(|number| number.is_nan()));
+    assert!(error(&recording, &flown.estimates) < 0.05);
+}
+
+#[test]
 fn landmarks_that_a_filter_keeps_do_not_contradict_it() {
     let mut flight = Flight::new(Trajectory::about_one_spot());
     (flight.seconds, flight.picture_rate, flight.tracks) = (20.0, 10.0, 24);

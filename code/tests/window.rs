@@ -118,6 +118,10 @@ impl Reference {
 /// That eliminating the landmarks first gives what the dense system does.
 fn assert_landmarks_first(window: &mut Window) {
     let system = window.landmarks_first().unwrap();
+    let nowhere = Options { max_iterations: 0, ..Options::default() };
+    let all_at_once = window.problem.solve(&nowhere).unwrap().report.gradient_norm;
+    let found = window.problem.solve_with(system.clone(), &nowhere).unwrap().report.gradient_norm;
+    assert!((found / all_at_once - 1.0).abs() < 1e-9, "{found} {all_at_once}");
     Reference::of(&mut window.problem).assert_same(&mut window.problem, system);
 }
 

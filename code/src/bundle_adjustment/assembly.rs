@@ -21,7 +21,7 @@ pub struct Dropped {
     pub seen_once: usize,
     /// Points that have no usable observation, or only one.
     pub points: usize,
-    /// Cameras, among those not fixed, that see none of the points that are left.
+    /// Cameras, among those not fixed, of whose rig none sees any of the points that are left.
     pub cameras: usize,
 }
 // ANCHOR_END: dropped

@@ -84,8 +84,11 @@ fn part(gained: f64, whole: f64) -> Option<f64> {
 
 // ANCHOR: certificate
 /// The 4×4 matrix Nᵀ P⁻¹ N, {eq:certificate}: what a covariance P claims to know along the directions
-/// N. `None` when P is not positive definite.
+/// N. `None` when P is not positive definite, or when N has not four columns and as many rows as P.
 pub fn certificate(covariance: &DMatrix<f64>, free: &DMatrix<f64>) -> Option<SMatrix<f64, 4, 4>> {
+    if free.shape() != (covariance.nrows(), 4) {
+        return None;
+    }
     // In standard deviations, so that radians and metres have the same size.
     let sigmas = covariance.diagonal().map(f64::sqrt);
     let scaled = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |row, column| {

@@ -17,7 +17,8 @@ pub fn chi_square_below(x: f64, degrees: usize) -> f64 {
 
 // ANCHOR: quantile
 /// What the same sum stays below with this probability: the inverse of [`chi_square_below`], to 1e-9
-/// of itself or of one, whichever is larger.
+/// of itself or of one, whichever is larger, up to a probability of one less 1e-6: nearer to one, numbers do not
+/// tell probabilities apart well enough.
 ///
 /// # Errors
 ///

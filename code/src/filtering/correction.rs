@@ -142,15 +142,15 @@ pub fn correct_root<T: RealField + Copy>(
 ///
 /// # Errors
 ///
-/// [`CorrectionError::Sizes`], and [`CorrectionError::NotFinite`] with the row of the transition.
+/// [`CorrectionError::Sizes`], and [`CorrectionError::NotFinite`] with the row of transition or noise.
 pub fn carry_root<T: RealField + Copy>(
     root: &mut DMatrix<T>,
     transition: &DMatrix<T>,
     noise: &DMatrix<T>,
 ) -> Result<(), CorrectionError> {
-    check(root, transition, &DVector::zeros(transition.nrows()))?;
-    check(root, noise, &DVector::zeros(noise.nrows()))?;
     let dimension = root.nrows();
+    check(root, transition, &DVector::zeros(dimension))?;
+    check(root, noise, &DVector::zeros(noise.nrows()))?;
     let mut array = DMatrix::zeros(dimension + noise.nrows(), dimension);
     array.rows_mut(0, dimension).copy_from(&(&*root * transition.transpose()));
     array.rows_mut(dimension, noise.nrows()).copy_from(noise);

@@ -30,11 +30,11 @@ pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_squa
 pub use correction::{
     Correction, CorrectionError, Form, carry_root, correct, correct_root, innovation_squared,
 };
-pub(crate) use metrics::rotation_towards;
 pub use metrics::{
     AlignmentError, BandError, BlockNees, Freedom, NeesBand, NeesError, RootMeanSquares,
     StateError, TrajectoryError, absolute_trajectory_error, align, aligned, attitude_in_world,
     nees, nis, pairs_by_distance, pairs_by_time, relative_pose_errors,
 };
+pub(crate) use metrics::{rotation_towards, yaw_towards};
 pub use transition::{Transition, TransitionError};
 pub use update::{Update, UpdateError, UpdateOptions};

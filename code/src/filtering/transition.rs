@@ -86,8 +86,11 @@ impl Belief {
         (state, bias): (Key<NavState>, Key<ImuBias>),
         transition: &Transition,
     ) -> Result<(), TransitionError> {
-        let missing = TransitionError::NoSuchVariable;
-        let own = |index| self.values().coordinates_of(index).ok_or(missing);
+        let (missing, values) = (TransitionError::NoSuchVariable, self.values());
+        if values.get(state).is_none() || values.get(bias).is_none() {
+            return Err(missing);
+        }
+        let own = |index| values.coordinates_of(index).ok_or(missing);
         let places: [usize; 15] = {
             let (state, bias) = (own(state.index())?, own(bias.index())?);
             let mut places = state.chain(bias);

@@ -1,5 +1,7 @@
 //! Gravity whose size is known and whose direction is not.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Matrix3x2, Rotation3, Vector2, Vector3};
 
 use crate::least_squares::Manifold;
@@ -28,11 +30,17 @@ impl Gravity {
         -so3::hat(&self.0) * self.basis()
     }
 
-    /// The rotation vector of the shortest turn to another direction.
+    /// The rotation vector of the shortest turn to another direction; to the opposite one, of one of them.
     fn turn_to(&self, to: &Self) -> Vector3<f64> {
         let (sine, cosine) = (self.0.cross(&to.0), self.0.dot(&to.0));
         let length = sine.norm();
-        if length > 0.0 { sine * (length.atan2(cosine) / length) } else { Vector3::zeros() }
+        if length > 0.0 {
+            sine * (length.atan2(cosine) / length)
+        } else if cosine < 0.0 {
+            PI * self.basis().column(0)
+        } else {
+            Vector3::zeros()
+        }
     }
 }
 // ANCHOR_END: gravity

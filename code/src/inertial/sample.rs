@@ -143,8 +143,9 @@ pub const LONGEST_STEP: f64 = 0.1;
 ///
 /// # Errors
 ///
-/// [`WindowError`] when the times are not in order or not covered by the readings, when the
-/// readings are not in order, or when the first or the last would be interpolated over a gap.
+/// [`WindowError`] when the times are not in order or not covered by the readings, when the first or
+/// the last would be interpolated over a gap, or when the readings that are cut out are not in order.
+/// Those before and after have to be as well, which is not looked at.
 pub fn between(
     samples: &[StampedSample],
     start: i64,
@@ -186,7 +187,7 @@ fn cut(window: &mut Vec<StampedSample>, start: i64, end: i64) -> Result<(), Wind
     let last = StampedSample::interpolate(&window[count - 2], &window[count - 1], end);
     (window[0], window[count - 1]) = (first, last);
     let middle = start.midpoint(end);
-    if count == 2 && middle > start {
+    if count == 2 && start < middle && middle < end {
         window.insert(1, StampedSample::interpolate(&first, &last, middle));
     }
     Ok(())

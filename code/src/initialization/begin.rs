@@ -251,14 +251,14 @@ fn moving(
     seconds: f64,
 ) -> Beginning {
     let states = vec![(start.1.state, start.1.bias)];
-    let known = Known { first: start.0, states, standing: 0, start: None };
+    let known = Known { first: start.0, states, standing: 0 };
     Beginning { known, seconds, scale_sigma: Some(found.scale_sigma), start, origin }
 }
 
 /// What a stand knows at its last picture.
 fn standing((last, start): (usize, Start), pictures: &[Picture]) -> Beginning {
     let states = vec![(start.state, start.bias)];
-    let known = Known { first: last, states, standing: last + 1, start: Some((last, start)) };
+    let known = Known { first: last, states, standing: last + 1 };
     Beginning {
         known,
         seconds: seconds_to(pictures, last),

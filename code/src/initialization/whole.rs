@@ -10,7 +10,6 @@ use super::{Batch, BatchError, Sensors};
 use crate::datasets::tracks::Picture;
 use crate::inertial::{ImuBias, NavState, StampedSample, between};
 use crate::least_squares::{Covariance, Kernel, Options, Values};
-use crate::msckf::Start;
 use crate::preintegration::{LONGEST_STEP, Preintegrated, Rule, preintegrate_stamped};
 use crate::two_views::{TriangulationError, View, triangulate, triangulate_nonlinear};
 
@@ -59,8 +58,6 @@ pub struct Known {
     pub states: Vec<(NavState, ImuBias)>,
     /// The pictures up to this number show a body that stands.
     pub standing: usize,
-    /// What is known of the state at a picture, if the stand has shown it.
-    pub start: Option<(usize, Start)>,
 }
 
 /// The batch of a flight at its minimum.
@@ -245,16 +242,9 @@ impl Growing<'_> {
         let times: Vec<i64> =
             (known.first..=self.last()).map(|picture| self.nanoseconds(picture)).collect();
         let mut batch = Batch::new(self.sensors, self.readings, &times, &known.states)?;
-        // The readings that showed it are counted themselves once earlier states are there.
-        match known.start.filter(|(picture, _)| *picture == known.first) {
-            Some((_, start)) => batch.know_start(0, &start)?,
-            None => {
-                batch.fix_gauge()?;
-                let [g, a] = options.biases;
-                let free = [f64::INFINITY; 9];
-                batch.know((known.states[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
-            }
-        }
+        batch.fix_gauge()?;
+        let ([g, a], free) = (options.biases, [f64::INFINITY; 9]);
+        batch.know((known.states[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
         for state in 0..known.standing.saturating_sub(known.first).min(known.states.len()) {
             batch.stand_still(state, options.rest_velocity)?;
         }

@@ -101,7 +101,7 @@ impl SparseCholesky {
             let (order, panel) = (node.width() + 1, self.tree.panel(number));
             let (done, later) = self.factor.split_at_mut(panel.end);
             let done = &mut done[panel.start..];
-            if factorize(done, order, &zeros[..node.own.len()]).is_err() {
+            if factorize(done, order, &zeros[..node.own.len()], false).is_err() {
                 return false;
             }
             for update in self.updates.of(number) {

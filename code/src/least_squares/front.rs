@@ -15,15 +15,21 @@ use super::elimination_tree::{Node, Tree};
 ///
 /// # Errors
 ///
-/// The first column whose pivot is not above its entry of `smallest`.
+/// The first column whose pivot is not above its entry of `smallest`, unless `lifts` says that such a
+/// pivot is to be as large as that.
 #[inline(always)]
-pub fn factorize(panel: &mut [f64], order: usize, smallest: &[f64]) -> Result<(), usize> {
+pub fn factorize(
+    panel: &mut [f64],
+    order: usize,
+    smallest: &[f64],
+    lifts: bool,
+) -> Result<(), usize> {
     for (block, smallest) in smallest.chunks(COLUMNS).enumerate() {
         let first = COLUMNS * block;
         let (done, own) = panel.split_at_mut(first * order);
         let starts: [usize; COLUMNS] = from_fn(|column| column * order + first);
         subtract_products(own, &starts[..smallest.len()], (done, order), first..order, first);
-        factorize_block(own, order, first, smallest).map_err(|column| first + column)?;
+        factorize_block(own, order, first, (smallest, lifts)).map_err(|column| first + column)?;
     }
     Ok(())
 }
@@ -34,7 +40,7 @@ fn factorize_block(
     panel: &mut [f64],
     order: usize,
     first: usize,
-    smallest: &[f64],
+    (smallest, lifts): (&[f64], bool),
 ) -> Result<(), usize> {
     for (column, smallest) in smallest.iter().enumerate() {
         let (done, own) = panel.split_at_mut(column * order);
@@ -44,9 +50,14 @@ fn factorize_block(
             let by = done[0];
             own.iter_mut().zip(done).for_each(|(entry, other)| *entry -= by * other);
         }
-        let pivot = own[0];
+        let mut pivot = own[0];
         if pivot.is_nan() || pivot <= *smallest {
-            return Err(column);
+            if !lifts || pivot.is_nan() {
+                return Err(column);
+            }
+            // What no factor sees is tied to nothing, and any pivot does.
+            pivot = if *smallest > 0.0 { *smallest } else { 1.0 };
+            own[0] = pivot;
         }
         let reciprocal = 1.0 / pivot.sqrt();
         own.iter_mut().for_each(|entry| *entry *= reciprocal);

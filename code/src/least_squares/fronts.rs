@@ -38,7 +38,7 @@ pub struct Fronts {
     curvature: Vec<f64>,
     /// Pivots must be above this.
     smallest: Vec<f64>,
-    /// The damping of the last elimination.
+    /// The damping of the last elimination; infinite when a pivot was lost.
     damping: f64,
     step: Vec<f64>,
     linear: Linearized,
@@ -153,19 +153,21 @@ impl Fronts {
     // ANCHOR_END: along
 
     /// Eliminates all variables with the widest registers that the processor has. False when a pivot
-    /// is lost in rounding.
-    fn eliminate_all(&mut self, damping: f64) -> bool {
-        self.damping = damping;
-        wide(
+    /// is lost in rounding, unless its column comes before `lifted`.
+    fn eliminate_all(&mut self, damping: f64, lifted: usize) -> bool {
+        let is_done = wide(
             #[inline(always)]
-            || self.eliminate_each(damping),
-        )
+            || self.eliminate_each(damping, lifted),
+        );
+        self.damping = if is_done { damping } else { f64::INFINITY };
+        is_done
     }
 
     #[inline(always)]
     // ANCHOR: front_by_front
-    /// Eliminates front by front. False when a pivot is lost in rounding.
-    fn eliminate_each(&mut self, damping: f64) -> bool {
+    /// Eliminates front by front. False when a pivot is lost in rounding; before the column `lifted`
+    /// such a pivot is as large as rounding errors.
+    fn eliminate_each(&mut self, damping: f64, lifted: usize) -> bool {
         self.factor.copy_from_slice(&self.hessian);
         for (number, node) in self.tree.nodes.iter().enumerate() {
             let (order, panel) = (node.width() + 1, self.tree.panel(number));
@@ -176,7 +178,8 @@ impl Fronts {
                 done[place * (order + 1)] += Pivots::added(damping, curvature);
                 self.smallest[column] = Pivots::smallest(damping, curvature);
             }
-            if factorize(done, order, &self.smallest[node.own.clone()]).is_err() {
+            let lifts = node.own.end <= lifted;
+            if factorize(done, order, &self.smallest[node.own.clone()], lifts).is_err() {
                 return false;
             }
             for update in self.updates.of(number) {
@@ -229,7 +232,8 @@ impl Fronts {
     /// The covariance of some variables of a problem, given by number, as of the last linearization:
     /// from the last front back to the first that names one of them. `None` when no front has all of
     /// them, or when rounding has lost what is known. It is to be asked after a step. A damped one is
-    /// eliminated again without its damping, which would count as knowledge.
+    /// eliminated again without its damping, which would count as knowledge. What the others do not
+    /// determine, as the depth of a landmark at infinity, takes nothing away.
     pub fn covariance_of(
         &mut self,
         problem: &Problem,
@@ -244,7 +248,8 @@ impl Fronts {
         let is_here = |column: &usize| node.own.contains(column) || node.rest.contains(column);
         let places = columns.iter().map(|column| is_here(column).then(|| node.place(*column)));
         let places: Vec<usize> = places.collect::<Option<_>>()?;
-        if self.damping > 0.0 && !self.eliminate_all(0.0) {
+        let first = self.tree.nodes[front].own.start;
+        if self.damping > 0.0 && !self.eliminate_all(0.0, first) {
             return None;
         }
         Some(self.covariance_at(front).select_rows(&places).select_columns(&places))
@@ -311,7 +316,7 @@ impl LinearSystem for Fronts {
     }
 
     fn step(&mut self, damping: f64, into: &mut [f64]) -> Option<Prediction> {
-        if !self.eliminate_all(damping) {
+        if !self.eliminate_all(damping, 0) {
             return None;
         }
         let (twice, square) = self.substitute_back(damping);
@@ -343,7 +348,7 @@ impl LinearSystem for Fronts {
     fn covariance(&mut self, problem: &Problem, at: Point) -> Result<Covariance, SolveError> {
         let null_space = problem.null_space_at(at)?;
         self.linearize(problem, at)?;
-        if null_space.nullity() > 0 || !self.eliminate_all(0.0) {
+        if null_space.nullity() > 0 || !self.eliminate_all(0.0, 0) {
             return Err(null_space.undetermined());
         }
         let values = problem.values();

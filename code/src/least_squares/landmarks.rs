@@ -571,6 +571,9 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
             },
         )?;
         self.linearize_others(problem, at)?;
+        for &(row, axis) in &self.structure.held {
+            self.gradient[row][axis] = 0.0;
+        }
         if self.gradient_norm().is_finite() { Ok(None) } else { Err(problem.not_finite(at)) }
     }
 
@@ -595,7 +598,14 @@ impl<const D: usize, const C: usize> LinearSystem for LandmarkElimination<D, C> 
             let diagonal = self.schur.diagonal(row);
             (0..D).any(|axis| Pivots::are_suspicious(smallest[axis], diagonal[axis][axis].powi(-2)))
         };
-        self.smallest.iter().enumerate().any(small)
+        let hidden = |landmark: &Eliminated| {
+            let (curvatures, inverse) = (landmark.hessian.diagonal(), &landmark.inverse_factor);
+            (0..3).any(|axis| {
+                let smallest = Pivots::smallest(0.0, curvatures[axis]);
+                Pivots::are_suspicious(smallest, inverse[(axis, axis)].powi(-2))
+            })
+        };
+        self.smallest.iter().enumerate().any(small) || self.landmarks.iter().any(hidden)
     }
 
     fn gradient_norm(&self) -> f64 {

@@ -39,7 +39,8 @@ pub struct LinearPrior {
 impl LinearPrior {
     /// Takes variables out of a problem: eliminates them, in this order, from all factors that name one
     /// of them, as these are linearized at `values`, and keeps what they say of their other variables.
-    /// The result does not depend on the order; the time does: landmarks should come first.
+    /// The result does not depend on the order; the time does: landmarks should come first. A variable
+    /// that is held is known already: of its factors nothing is taken.
     ///
     /// The problem stays as it is. The one that goes on is made without these variables and factors,
     /// and with the prior, whose variables [`LinearPrior::renumbered`] calls by their new numbers.
@@ -137,11 +138,7 @@ impl LinearPrior {
         if let Some(&variable) = variables.iter().find(|variable| **variable >= anchors.len()) {
             return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
         }
-        for (at, &variable) in variables.iter().enumerate() {
-            if variables[..at].contains(&variable) {
-                return Err(ProblemError::RepeatedVariable { factor: 0, variable });
-            }
-        }
+        check_repeated(variables)?;
         let anchors = anchors.select(variables).unwrap_or_default();
         let is_finite = root.iter().chain(&offset).all(|number| number.is_finite());
         let (rows, columns, numbers) = (root.nrows(), root.ncols(), offset.len());
@@ -340,6 +337,15 @@ impl FactorGroup for LinearPrior {
     // ANCHOR_END: prior_linearize
 }
 
+/// That no variable is named twice.
+fn check_repeated(variables: &[usize]) -> Result<(), ProblemError> {
+    let mut each = variables.iter().enumerate();
+    match each.find(|(at, variable)| variables[..*at].contains(variable)) {
+        Some((_, &variable)) => Err(ProblemError::RepeatedVariable { factor: 0, variable }),
+        None => Ok(()),
+    }
+}
+
 impl Problem {
     // ANCHOR: marginalize_here
     /// Takes variables out of this problem: holds them where they are at `values`, and puts a
@@ -369,9 +375,11 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::NoSuchVariable`] when a variable does not exist or is of another kind, and
+    /// [`ProblemError::NoSuchVariable`] when a variable does not exist or is of another kind,
+    /// [`ProblemError::RepeatedVariable`] when [`LinearPrior::renumbered`] has made two of them one, and
     /// [`ProblemError::EmptyFactor`] when nothing was said.
     pub fn add_prior(&mut self, prior: LinearPrior) -> Result<usize, ProblemError> {
+        check_repeated(&prior.variables)?;
         if let Some(variable) = prior.misfit(self.values()) {
             return Err(ProblemError::NoSuchVariable { variable, variables: self.values().len() });
         }

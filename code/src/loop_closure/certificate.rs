@@ -27,7 +27,8 @@ pub enum Certificate {
     Refused {
         /// What the poses cost.
         cost: f64,
-        /// The smallest eigenvalue: an upper bound of it, which is the eigenvalue to a few digits.
+        /// The smallest eigenvalue of the certificate matrix with the positions eliminated: an upper bound of
+        /// it, which is the eigenvalue to a few digits.
         smallest_eigenvalue: f64,
     },
     /// Nothing can be said.

@@ -48,6 +48,12 @@ pub enum LoopClosureError {
         /// The pose.
         pose: usize,
     },
+    /// A pose has a number that is not finite.
+    #[error("pose {pose} has a number that is not finite; give another one to begin with")]
+    PoseNotFinite {
+        /// The pose.
+        pose: usize,
+    },
     /// A measurement has a number that is not finite.
     #[error("measurement {measurement} has a number that is not finite; remove it")]
     NotFinite {

@@ -218,6 +218,14 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
         if poses == 0 || measurements == 0 {
             return Err(LoopClosureError::Empty { poses, measurements });
         }
+        let is_finite = |pose: &P| {
+            let mut none = [0.0; D];
+            pose.local(pose, &mut none);
+            none.iter().all(|number| number.is_finite())
+        };
+        if let Some(pose) = self.poses.iter().position(|pose| !is_finite(pose)) {
+            return Err(LoopClosureError::PoseNotFinite { pose });
+        }
         for (measurement, it) in self.measurements.iter().enumerate() {
             if let Some(&pose) = [it.first, it.second].iter().find(|pose| **pose >= poses) {
                 return Err(LoopClosureError::NoSuchPose { measurement, pose, poses });
@@ -225,7 +233,8 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
             if it.first == it.second {
                 return Err(LoopClosureError::SamePose { measurement, pose: it.first });
             }
-            if !P::is_finite(&it.measured) {
+            let mut information = it.information.iter();
+            if !(P::is_finite(&it.measured) && information.all(|number| number.is_finite())) {
                 return Err(LoopClosureError::NotFinite { measurement });
             }
             let asymmetry = (it.information - it.information.transpose()).amax();

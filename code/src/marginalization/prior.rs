@@ -1,7 +1,7 @@
 //! From a problem to blocks, and from blocks to a prior.
 
 use super::{Block, Blocks, Information, MarginalizationError, SquareRoot};
-use crate::least_squares::{LinearPrior, Problem, Values};
+use crate::least_squares::{LinearPrior, Problem, ProblemError, Values};
 
 impl SquareRoot<f64> {
     // ANCHOR: of_problem
@@ -36,6 +36,13 @@ impl SquareRoot<f64> {
     /// block, some of its coordinates being held, or when there are no rows.
     pub fn into_prior(self, anchors: &Values) -> Result<LinearPrior, MarginalizationError> {
         let names: Vec<usize> = self.blocks().names().collect();
+        for (slot, (name, own)) in names.iter().zip(self.blocks().ranges()).enumerate() {
+            let dimension = anchors.coordinates_of(*name).map_or(own.len(), |it| it.len());
+            if dimension != own.len() {
+                let columns = own.len();
+                return Err(ProblemError::Columns { factor: 0, slot, columns, dimension }.into());
+            }
+        }
         let (root, offset) = (self.root().clone(), self.offset().clone());
         Ok(LinearPrior::of_root(anchors, &names, root, offset)?)
     }

@@ -206,7 +206,8 @@ impl Msckf {
     }
 
     /// Takes a picture's tracks, when the readings reach its time: carries the estimate on, adds
-    /// the pose, and lets the tracks correct it that have ended or grown as long as the window.
+    /// the pose, and lets the tracks correct it that have ended or grown as long as the window; where
+    /// poses are thinned, also what tracks have shown of those that leave.
     ///
     /// # Errors
     ///

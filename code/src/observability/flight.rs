@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{BiasAssumption, ObservabilityError, UnknownCalibration, Window};
+use crate::factors::Exposure;
 use crate::inertial::{ImuBias, ImuSample, NavState};
 use crate::manifold::{se3, so3};
 use crate::preintegration::{Preintegrated, preintegrate};
@@ -52,6 +53,12 @@ impl Flight {
         (self.imu_rate / self.picture_rate).round() as usize
     }
 
+    /// That of the body at a picture.
+    fn angular_velocity(&self, picture: usize) -> Vector3<f64> {
+        let interval = self.readings_between() as f64 * self.step();
+        self.motion.at(picture as f64 * interval).angular_velocity
+    }
+
     fn assemble(
         &self,
         states: Vec<NavState>,
@@ -59,15 +66,13 @@ impl Flight {
         (landmarks, observations): (Vec<Vector3<f64>>, Vec<ReprojFactor>),
         assumption: BiasAssumption,
     ) -> Window {
-        let interval = self.readings_between() as f64 * self.step();
-        let rate = |k: usize| self.motion.at(k as f64 * interval).angular_velocity;
         let copies = if assumption.walk.is_some() { states.len() } else { 1 };
         Window {
             camera: self.camera,
             rig: self.rig,
             gravity: self.gravity,
             assumption,
-            angular_velocities: (0..states.len()).map(rate).collect(),
+            angular_velocities: (0..states.len()).map(|k| self.angular_velocity(k)).collect(),
             states,
             biases: vec![ImuBias::default(); copies],
             landmarks,
@@ -84,7 +89,9 @@ impl Flight {
         landmarks: &[Vector3<f64>],
     ) -> Result<(Vec<Vector3<f64>>, Vec<ReprojFactor>), ObservabilityError> {
         let in_camera = |k: usize, landmark: &Vector3<f64>| {
-            se3::transform(&self.rig.camera_from_world(&states[k]), landmark)
+            let exposure = Exposure { angular_velocity: &self.angular_velocity(k) };
+            let body = exposure.body(&states[k], self.rig.time_offset).at_rest();
+            se3::transform(&self.rig.camera_from_world(&body), landmark)
         };
         let mut kept = Vec::new();
         let mut observations = Vec::new();

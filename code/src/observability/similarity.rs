@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::Window;
-use crate::filtering::StateError;
+use crate::filtering::yaw_towards;
 use crate::inertial::NavState;
 
 // ANCHOR: similarity
@@ -25,11 +25,11 @@ impl Similarity {
         Self { scale: 1.0, rotation: Rotation3::identity(), translation: Vector3::zeros() }
     }
 
-    /// The turn about the vertical and the shift that take yaw and position of a state to those of another one:
-    /// what camera and inertial sensor leave open.
+    /// The turn about the vertical that brings the attitude of a state nearest to that of another one, and the shift
+    /// that takes one position to the other: what camera and inertial sensor leave open.
     pub fn between(from: &NavState, to: &NavState) -> Self {
-        let yaw = StateError::between(from, to).yaw();
-        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+        let turned = to.world_from_body * from.world_from_body.inverse();
+        let rotation = yaw_towards(turned.matrix(), 0.0).unwrap_or_else(Rotation3::identity);
         let translation = to.position - rotation * from.position;
         Self { scale: 1.0, rotation, translation }
     }

@@ -215,7 +215,7 @@ impl Smoother {
     }
 
     /// The 15×15 covariance of the errors of the newest state and its biases, as of the last
-    /// linearization.
+    /// linearization. No numbers where rounding has lost what is known of its place.
     pub fn covariance(&self) -> &Matrix15 {
         &self.covariance
     }

@@ -85,6 +85,31 @@ fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
 }
 
 #[test]
+fn a_landmark_at_infinity_takes_nothing_of_what_is_known_of_a_state() {
+    let (mut problem, trunk) = window();
+    let landmark = of_kind::<Vector3<f64>>(&problem)[0];
+    let mut values = problem.values().clone();
+    let place = 1e9 * values[landmark];
+    assert!(values.set(landmark, place));
+    problem.set_values(values).unwrap();
+    let newest = &trunk[trunk.len() - 2..];
+    let known = |problem: &Problem| {
+        let order = Fronts::order_along(problem, &trunk).unwrap();
+        let mut fronts = Fronts::in_order(problem, &order).unwrap();
+        let at = Point { values: problem.values(), frozen: None };
+        fronts.linearize(problem, at).unwrap();
+        let mut step = vec![0.0; problem.values().dimension()];
+        assert!(fronts.step(1e-6, &mut step).is_some());
+        fronts.covariance_of(problem, newest).expect("what is known").diagonal()
+    };
+    let free = known(&problem);
+    problem.hold(landmark).unwrap();
+    let held = known(&problem);
+    assert!(free.iter().zip(&held).all(|(free, held)| free >= &(0.999 * held)), "{free} {held}");
+    assert!(free.iter().zip(&held).all(|(free, held)| *free < 100.0 * held), "{free} {held}");
+}
+
+#[test]
 fn fronts_give_the_covariance_of_the_dense_system() {
     let (problem, trunk) = window();
     let dense = problem.covariance(problem.values()).unwrap();

@@ -226,6 +226,9 @@ fn what_does_not_fit_is_refused_by_number() {
     }
     let refused = other.add_prior(prior()).unwrap_err();
     assert_eq!(refused, ProblemError::NoSuchVariable { variable: 1, variables: 4 });
+    let twice = LinearPrior::marginalize(&whole, &values, &[0]).unwrap().renumbered(|_| 1);
+    let refused = graph.problem(&start_of(&values), |_| true).0.add_prior(twice).unwrap_err();
+    assert!(matches!(refused, ProblemError::RepeatedVariable { variable: 1, .. }), "{refused}");
     let all = LinearPrior::marginalize(&whole, &values, &[0, 1, 2, 3]).unwrap();
     assert!(all.variables().is_empty());
     assert!(matches!(other.add_prior(all), Err(ProblemError::EmptyFactor { .. })));

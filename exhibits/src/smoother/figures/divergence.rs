@@ -27,7 +27,13 @@ fn all() -> [Vec<At>; 2] {
     [lags.collect(), clones.collect()]
 }
 
-fn panel(drawing: &Drawing, curves: &[Vec<At>; 2], y_title: &str, of: fn(&At) -> f64) -> Drawn {
+/// One of the numbers over the time. Labels stand above the marks, or by the series below them.
+fn panel(
+    drawing: &Drawing,
+    curves: &[Vec<At>; 2],
+    (y_title, of): (&str, fn(&At) -> f64),
+    sides: [f64; 2],
+) -> Drawn {
     let each = || curves.iter().flatten();
     let lowest = each().map(|at| at.time).fold(f64::INFINITY, f64::min);
     let slowest = each().map(|at| at.time).fold(0.0, f64::max);
@@ -38,9 +44,9 @@ fn panel(drawing: &Drawing, curves: &[Vec<At>; 2], y_title: &str, of: fn(&At) ->
         chart.line(curve.iter().map(|at| (at.time, of(at))), SERIES[series], 4)?;
         chart.marks(curve.iter().map(|at| (at.time, of(at))), series)?;
         for (number, at) in curve.iter().enumerate() {
-            // Where points are close, every other label stands higher.
+            // Where points are close, every other label stands farther off.
             let height = if number % 2 == 1 { 0.15 } else { 0.07 };
-            let place = (at.time, of(at) + height * most);
+            let place = (at.time, of(at) + sides[series] * height * most);
             chart.write(&at.size, place, letters_around(SERIES[series]))?;
         }
     }
@@ -64,7 +70,7 @@ pub fn divergence() -> Figure {
         chart.key(0, "smoother, by its lag", (0.03, 0.5), 0.05)?;
         chart.key(1, "filter, by its poses", (0.5, 0.5), 0.52)?;
         let halves = panels.split_evenly((2, 1));
-        panel(&halves[0], &curves, "divergence (nats)", |at| at.nats)?;
-        panel(&halves[1], &curves, "RMSE (cm)", |at| at.rmse)
+        panel(&halves[0], &curves, ("divergence (nats)", |at| at.nats), [1.0, 1.0])?;
+        panel(&halves[1], &curves, ("RMSE (cm)", |at| at.rmse), [-1.0, 1.0])
     })
 }
