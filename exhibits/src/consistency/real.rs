@@ -73,11 +73,7 @@ fn follow(flight: &Real, start: &Start, policy: Policy, kept: usize) -> Result<F
 
 fn real() -> Result<Vec<RecordValue>, NotMade> {
     let mut flight = Real::read()?;
-    let begun = flight.begun()?;
-    let (picture, start) = begun
-        .known
-        .start
-        .ok_or_else(|| NotMade::Failed("the flight does not begin with a stand".to_owned()))?;
+    let (picture, start) = flight.stood()?.start;
     flight.pictures = flight.pictures[picture..].iter().step_by(EVERY).cloned().collect();
     flight.truth = flight.truth[picture..].iter().step_by(EVERY).copied().collect();
     let seconds = 1e-9

@@ -151,6 +151,13 @@ impl Real {
             .map_err(|error| NotMade::Failed(format!("no start: {error}")))
     }
 
+    /// The beginning, if the body stands there.
+    pub fn stood(&self) -> Result<Beginning, NotMade> {
+        let begun = self.begun()?;
+        let none = || NotMade::Failed("the flight does not begin with a stand".to_owned());
+        begun.scale_sigma.is_none().then_some(begun).ok_or_else(none)
+    }
+
     /// The batch of all pictures from a beginning.
     pub fn whole(&self, beginning: &Beginning, gate: f64) -> Result<Whole, NotMade> {
         let options = WholeOptions { gate, ..WholeOptions::default() };
@@ -228,11 +235,8 @@ impl Values {
 
     /// The stand with which the flight begins.
     fn waiting(&mut self, flight: &Real) -> Result<(), NotMade> {
-        let begun = flight.begun()?;
-        let (picture, start) = begun
-            .known
-            .start
-            .ok_or_else(|| NotMade::Failed("the flight does not begin with a stand".to_owned()))?;
+        let begun = flight.stood()?;
+        let (picture, start) = begun.start;
         let turns = start.covariance.fixed_view::<3, 3>(0, 0).into_owned();
         let tilt = Tilt::of(&start.state, &flight.truth[picture], &turns);
         self.add("wait", begun.seconds, "s", 1);
