@@ -137,15 +137,14 @@ fn seconds_between(from: i64, to: i64) -> f64 {
 pub const LONGEST_STEP: f64 = 0.1;
 
 // ANCHOR: between
-/// The readings from one time to another. Images seldom come at the time of a reading, so the
-/// first and the last are interpolated where they do not. Where none lies between the two, one is
-/// interpolated in their middle: the covariance of a single step has no inverse.
+/// The readings from one time to another. The first and the last are interpolated where none comes at
+/// that time, and one in the middle where none lies between: a single step has no covariance with an
+/// inverse.
 ///
 /// # Errors
 ///
-/// [`WindowError`] when the times are not in order or not covered by the readings, when the first or
-/// the last would be interpolated over a gap, or when the readings that are cut out are not in order.
-/// Those before and after have to be as well, which is not looked at.
+/// [`WindowError`] when times are not in order or not covered, or an end lies in a gap. Of the
+/// readings only those that are cut out are looked at: all have to be in order.
 pub fn between(
     samples: &[StampedSample],
     start: i64,
