@@ -137,9 +137,8 @@ fn seconds_between(from: i64, to: i64) -> f64 {
 pub const LONGEST_STEP: f64 = 0.1;
 
 // ANCHOR: between
-/// The readings from one time to another. The first and the last are interpolated where none comes at
-/// that time, and one in the middle where none lies between: a single step has no covariance with an
-/// inverse.
+/// The readings from one time to another. The first and the last are interpolated where they do not
+/// come then, and one in the middle where none lies between: one step has no inverse covariance.
 ///
 /// # Errors
 ///
