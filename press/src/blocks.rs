@@ -282,7 +282,7 @@ impl Reader<'_> {
     fn step(&self) -> Option<(Kind, usize)> {
         let (number, text) = numbered(self.lines[self.at])?;
         let ends = |line: &&str| {
-            let start = line.trim();
+            let start = line.trim_start();
             start.is_empty() || start.starts_with(":::") || numbered(start).is_some()
         };
         let rest = &self.lines[self.at + 1..];

@@ -75,7 +75,7 @@ impl<'a> Paragraph<'a> {
         static LINK: LazyLock<Regex> =
             LazyLock::new(|| Regex::new(r"\]\(([^)#]+)").expect("a valid pattern"));
         for token in tokens(text) {
-            let line = line + text[..token.at].matches('\n').count();
+            let line = line + token.line;
             match token.mark {
                 Mark::Plain(text) => {
                     self.words.push((line, text));

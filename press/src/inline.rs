@@ -7,11 +7,13 @@ use regex::Regex;
 
 use crate::attributes::Attributes;
 
-/// A piece of a paragraph, with the byte at which it begins.
+/// A piece of a paragraph, and where it begins.
 #[derive(Debug, PartialEq)]
 pub struct Token<'a> {
     /// Offset in the paragraph.
     pub at: usize,
+    /// How many lines of the paragraph end before it.
+    pub line: usize,
     /// What it is.
     pub mark: Mark<'a>,
 }
@@ -63,12 +65,17 @@ pub const DEEPEST: usize = 8;
 
 /// Splits a paragraph into its marks.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
-    let pairs = pairs(text);
-    let mut tokens = Vec::new();
+    let ends = Ends { pairs: pairs(text), fences: fences(text) };
+    let mut tokens = Vec::<Token<'_>>::new();
+    let mut push = |at: usize, mark| {
+        let before = tokens.last().map_or((0, 0), |token| (token.at, token.line));
+        let line = before.1 + text[before.0..at].matches('\n').count();
+        tokens.push(Token { at, line, mark });
+    };
     let mut plain = 0;
     let mut at = 0;
     while at < text.len() {
-        let (mark, length) = match mark(text, at, &pairs) {
+        let (mark, length) = match mark(text, at, &ends) {
             Some(found) => found,
             None => {
                 at += step(&text[at..]);
@@ -76,14 +83,14 @@ pub fn tokens(text: &str) -> Vec<Token<'_>> {
             }
         };
         if plain < at {
-            tokens.push(Token { at: plain, mark: Mark::Plain(&text[plain..at]) });
+            push(plain, Mark::Plain(&text[plain..at]));
         }
-        tokens.push(Token { at, mark });
+        push(at, mark);
         at += length;
         plain = at;
     }
     if plain < text.len() {
-        tokens.push(Token { at: plain, mark: Mark::Plain(&text[plain..]) });
+        push(plain, Mark::Plain(&text[plain..]));
     }
     tokens
 }
@@ -96,6 +103,14 @@ fn step(rest: &str) -> usize {
         true => first + characters.next().map_or(0, char::len_utf8),
         false => first,
     }
+}
+
+/// Where marks of a paragraph may end: found once, since a search from each beginning takes the square of the length.
+struct Ends {
+    /// Each bracket that is closed, by where it is opened.
+    pairs: HashMap<usize, Pair>,
+    /// Where backticks begin of which so many, and no more, stand in a row.
+    fences: HashMap<usize, Vec<usize>>,
 }
 
 /// A bracket that is closed.
@@ -125,13 +140,30 @@ fn pairs(text: &str) -> HashMap<usize, Pair> {
     pairs
 }
 
-fn mark<'a>(text: &'a str, at: usize, pairs: &HashMap<usize, Pair>) -> Option<(Mark<'a>, usize)> {
+/// Each row of backticks, by how many they are.
+fn fences(text: &str) -> HashMap<usize, Vec<usize>> {
+    let mut fences = HashMap::<usize, Vec<usize>>::new();
+    let mut at = 0;
+    while let Some(found) = text[at..].find('`') {
+        let ticks = ticks(&text[at + found..]);
+        fences.entry(ticks).or_default().push(at + found);
+        at += found + ticks;
+    }
+    fences
+}
+
+/// How many backticks stand at the beginning.
+fn ticks(rest: &str) -> usize {
+    rest.len() - rest.trim_start_matches('`').len()
+}
+
+fn mark<'a>(text: &'a str, at: usize, ends: &Ends) -> Option<(Mark<'a>, usize)> {
     let rest = &text[at..];
     match rest.as_bytes()[0] {
-        b'`' => code(rest),
+        b'`' => Some(code(text, at, &ends.fences)),
         b'$' => Some(math(rest)),
         b'{' => braces(rest),
-        b'[' => match pairs.get(&at)? {
+        b'[' => match ends.pairs.get(&at)? {
             Pair { height, .. } if *height > DEEPEST => Some((Mark::Nested, 1)),
             Pair { end, .. } => bracket(rest, end - at),
         },
@@ -140,18 +172,16 @@ fn mark<'a>(text: &'a str, at: usize, pairs: &HashMap<usize, Pair>) -> Option<(M
     }
 }
 
-fn code(rest: &str) -> Option<(Mark<'_>, usize)> {
-    let ticks = rest.len() - rest.trim_start_matches('`').len();
-    let fence = &rest[..ticks];
-    let mut from = ticks;
-    while let Some(found) = rest[from..].find(fence) {
-        let end = from + found + ticks;
-        if !rest[end..].starts_with('`') {
-            return Some((Mark::Code(&rest[..end]), end));
-        }
-        from = end + (rest[end..].len() - rest[end..].trim_start_matches('`').len());
+fn code<'a>(text: &'a str, at: usize, fences: &HashMap<usize, Vec<usize>>) -> (Mark<'a>, usize) {
+    let ticks = ticks(&text[at..]);
+    let inside = at + ticks;
+    let closing = fences
+        .get(&ticks)
+        .and_then(|begins| begins.get(begins.partition_point(|&begin| begin < inside)).copied());
+    match closing {
+        Some(begin) => (Mark::Code(&text[at..begin + ticks]), begin + ticks - at),
+        None => (Mark::Plain(&text[at..inside]), ticks),
     }
-    Some((Mark::Plain(fence), ticks))
 }
 
 fn math(rest: &str) -> (Mark<'_>, usize) {

@@ -144,8 +144,7 @@ impl Prose<'_> {
         let mut out = String::with_capacity(text.len());
         let tokens = tokens(text);
         for (at, token) in tokens.iter().enumerate() {
-            let place =
-                (self.page.file.as_str(), self.line + text[..token.at].matches('\n').count());
+            let place = (self.page.file.as_str(), self.line + token.line);
             let one = One { prose: self, place, known };
             let mut written = String::new();
             one.mark(&token.mark, &mut written, found);

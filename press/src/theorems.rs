@@ -71,7 +71,7 @@ impl Theorems {
             if !attributes.has("condition") {
                 continue;
             }
-            let line = block.line + text[..token.at].matches('\n').count();
+            let line = block.line + token.line;
             let name = attributes.value("name");
             let theorem = inside
                 .and_then(|division| division.id.strip_prefix("thm:"))

@@ -160,7 +160,7 @@ fn text(bytes: &[u8]) -> String {
 
 /// Chapters are shorter than data.
 const BOUNDS: Bounds =
-    Bounds { largest: 32_000, memory: 2_000, room: 10_000_000, time: 3e-5, start: 3.0 };
+    Bounds { largest: 32_000, memory: 2_000, room: 10_000_000, time: 3e-5, start: 2.0 };
 
 /// The faults of a book of one chapter.
 fn faults(content: String, layout: &Layout) -> Faults {

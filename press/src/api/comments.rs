@@ -179,7 +179,7 @@ impl Writer<'_, '_> {
         for (which, token) in tokens.iter().enumerate() {
             let end = tokens.get(which + 1).map_or(text.len(), |next| next.at);
             let raw = &text[token.at..end];
-            let here = origin + text[..token.at].matches('\n').count();
+            let here = origin + token.line;
             match &token.mark {
                 Mark::Math(tex) => {
                     let math = self.math(tex, false, here);
