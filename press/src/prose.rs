@@ -360,7 +360,14 @@ impl One<'_> {
     /// `all` what is in depth counts too.
     fn stop(&self, words: &str, found: &mut Found<'_>) -> String {
         let (name, depth) = with_depth(words);
+        static WAY: LazyLock<Regex> =
+            LazyLock::new(|| Regex::new(r"\{\{\s*way\s").expect("a valid pattern"));
         let Some(stop) = self.known.ways.get(name) else { return self.no_stop(name, found) };
+        if WAY.is_match(&stop.title) {
+            let (problem, mend) = ("the title that a way leads to names a way", "write it below");
+            found.faults.add(self.place, name, problem, mend);
+            return format!("[{name}]");
+        }
         let title = Prose { line: self.place.1, deep: true, ..*self.prose }.resolve(
             &stop.title,
             self.known,

@@ -616,6 +616,18 @@ fn a_way_to_a_section_that_is_not_there_is_named_with_the_nearest_one() {
 }
 
 #[test]
+fn a_title_that_names_a_way_is_named_where_a_way_leads_to_it() {
+    let way = "A sum ({{way one#sec:more}}), as in";
+    let book = SmallBook::sound().with("src/one.md", "A sum, as in", way);
+    let book = book.with("src/one.md", "## More", "## More {{way one#sec:more}}");
+    let report = book.faults();
+    for line in [3, 23] {
+        let fault = "one#sec:more: the title that a way leads to names a way";
+        assert!(report.contains(&format!("src/one.md:{line}: {fault}")), "{report}");
+    }
+}
+
+#[test]
 fn a_chapter_that_the_contents_call_something_else_is_named() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "[One]", "[Two]");
     let said = "src/one.md:1: One: the table of contents calls this page “Two”";
