@@ -412,4 +412,19 @@ fn what_does_not_fit_is_refused_by_what_it_is() {
     let lost = correct(&mut indefinite, &DMatrix::identity(1, 1), &DVector::zeros(1), Form::Joseph);
     assert_eq!(lost, Err(CorrectionError::Covariance));
     assert_eq!(belief.covariance(), &DMatrix::identity(2, 2));
+    let (one, none) = (DMatrix::identity(1, 1), DVector::zeros(1));
+    let number = |number: f64| DMatrix::from_element(1, 1, number);
+    for (mut covariance, jacobian) in
+        [(number(f64::NAN), number(1.0)), (number(1e300), number(1e10))]
+    {
+        let residual = DVector::from_element(1, 1.0);
+        let lost = correct(&mut covariance, &jacobian, &residual, Form::Difference);
+        assert_eq!(lost, Err(CorrectionError::Covariance));
+    }
+    let mut root = number(f64::NAN);
+    assert_eq!(correct_root(&mut root, &one, &none), Err(CorrectionError::Covariance));
+    assert_eq!(carry_root(&mut root, &one, &one), Err(CorrectionError::Covariance));
+    let mut root = number(1e200);
+    assert_eq!(carry_root(&mut root, &number(1e200), &one), Err(CorrectionError::Covariance));
+    assert_eq!(root, number(1e200));
 }

@@ -421,7 +421,8 @@ fn a_body_that_need_not_stand_begins_all_the_same() {
         let begun = begin(&sensors, &recording.readings, &recording.pictures, &options);
         assert!(begun.is_ok_and(|begun| begun.seconds > 2.0), "{stand}");
         let still = BeginOptions { stand, ..BeginOptions::at_rest() };
-        let _ = begin(&sensors, &recording.readings, &recording.pictures, &still);
+        let still = begin(&sensors, &recording.readings, &recording.pictures, &still);
+        assert!(matches!(still, Err(NoStart::NoStand { .. })), "{stand}");
     }
 }
 
@@ -438,6 +439,23 @@ fn a_flight_without_a_beginning_says_why() {
     let error = beginning(&recording.pictures[..1]).unwrap_err();
     assert_eq!(error, NoStart::TooShort { pictures: 1 });
     assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0 });
+}
+
+#[test]
+fn a_stand_after_a_flight_is_not_taken_for_one_from_the_first_picture_on() {
+    const STANDS: &[[f64; 2]] = &[[3.0, 6.0]];
+    let motion = Trajectory::figure_eight().with_stands(STANDS);
+    let flight = Flight { seconds: 6.0, tracks: 40, picture_rate: 5.0, ..Flight::new(motion) };
+    let recording = flown(&flight, 1);
+    let sensors = Sensors::of_flight(&flight);
+    let options = BeginOptions::at_rest();
+    let begun = begin(&sensors, &recording.readings, &recording.pictures, &options).unwrap();
+    let stand = begun.known.standing;
+    assert!(stand.len() > 5, "{stand:?}");
+    for picture in stand {
+        let speed = recording.truth.states[picture].velocity.norm();
+        assert!(speed < 0.02, "picture {picture} moves with {speed} m/s");
+    }
 }
 
 /// In the last tenth of a second of a window the body may have set out unseen.

@@ -30,7 +30,7 @@ fn flown_from(second: i64) -> (f64, bool) {
     let pictures: Vec<_> = pictures.step_by(2).cloned().collect();
     let readings = &recording.samples;
     let begun = begin(&sensors, readings, &pictures, &BeginOptions::default()).unwrap();
-    let stood = begun.known.standing > 0;
+    let stood = !begun.known.standing.is_empty();
     let options = WholeOptions::default();
     let whole = Whole::grown(&sensors, readings, &pictures, begun.known, &options).unwrap();
     let truth = read_ground_truth(&data("V1_01_groundtruth_20hz.csv")).unwrap();

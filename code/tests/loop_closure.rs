@@ -14,11 +14,15 @@ mod simulated;
 mod wrong_loops;
 
 use approx::assert_abs_diff_eq;
-use nalgebra::{DMatrix, Isometry3, Matrix6, SMatrix, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, Isometry3, Matrix6, Quaternion, SMatrix, UnitQuaternion, Vector3, Vector6,
+};
 use simulated::{Draws, largest_error, noisy_laps};
 use vislam::factors::{BetweenPoses, ChordalPose, GraphPose, RelativePose, Switched};
 use vislam::least_squares::{Kernel, Manifold, Options, Problem, SparseCholesky};
-use vislam::loop_closure::{LoopClosureError, SpatialGraph, UprightPose, chordal_initialization};
+use vislam::loop_closure::{
+    LoopClosureError, SpatialGraph, UprightPose, certify, chordal_initialization,
+};
 use vislam::manifold::{se2, se3, so3};
 
 // Derivatives.
@@ -294,8 +298,8 @@ fn a_graph_that_cannot_be_solved_is_refused_in_words() {
         LoopClosureError::NotFinite { measurement: 2 }
     );
     assert_eq!(
-        refused(&|graph| graph.poses[7].translation.vector.y = f64::NAN),
-        LoopClosureError::PoseNotFinite { pose: 7 }
+        refused(&|graph| graph.poses[0].translation.vector.y = f64::NAN),
+        LoopClosureError::PoseNotFinite { pose: 0 }
     );
     for (row, number) in [(2, f64::NAN), (0, f64::NAN), (0, f64::INFINITY)] {
         assert_eq!(
@@ -313,6 +317,22 @@ fn a_graph_that_cannot_be_solved_is_refused_in_words() {
         refused(&|graph| graph.poses.push(Isometry3::identity())),
         LoopClosureError::Unreached { pose: 20 }
     );
+}
+
+#[test]
+fn poses_that_are_no_numbers_are_refused_unless_others_are_asked_for() {
+    let (truth, mut graph) = noisy_laps(10, 0.0, 0.0, 5);
+    let mut upright = graph.upright();
+    let nowhere = LoopClosureError::PoseNotFinite { pose: 7 };
+    let turned = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
+    graph.poses[7].rotation = turned;
+    upright.poses[7].world_from_body.rotation = turned;
+    assert_eq!(graph.cost().unwrap_err(), nowhere);
+    assert_eq!(upright.cost().unwrap_err(), nowhere);
+    assert!(largest_error(&graph.chained().unwrap(), &truth) < 1e-9);
+    assert!(largest_error(&chordal_initialization(&graph).unwrap(), &truth) < 1e-9);
+    assert_eq!(certify(&graph, &graph.poses, 1e-6).unwrap_err(), nowhere);
+    assert!(certify(&graph, &truth, 1e-6).is_ok());
 }
 
 // Where to begin.

@@ -132,6 +132,17 @@ mod normalized {
     }
 
     #[test]
+    fn a_tilt_that_is_known_well_beside_a_yaw_that_is_not_has_its_error() {
+        for estimate in flight() {
+            let up = estimate.world_from_body.inverse() * Vector3::z();
+            let mut covariance = SMatrix::<f64, 9, 9>::identity();
+            let turn = 1e-12 * Matrix3::identity() + up * up.transpose();
+            covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+            assert!(BlockNees::of(&estimate, &estimate, &covariance).is_ok());
+        }
+    }
+
+    #[test]
     fn what_is_no_covariance_of_the_error_is_refused() {
         let error = Vector2::new(1.0, 1.0);
         let refused = |covariance| nees(&error, &covariance).unwrap_err();
@@ -296,9 +307,12 @@ mod bands {
     fn bands_of_nothing_are_refused() {
         let empty = BandError::Empty { runs: 0, dimension: 3 };
         assert_eq!(NeesBand::new(0, 3, 0.05), Err(empty));
-        for outside in [0.0, 1.0, -0.1] {
+        for outside in [0.0, 1e-17, 1.0, -0.1] {
             assert_eq!(NeesBand::new(9, 3, outside), Err(BandError::Outside { outside }));
             assert_eq!(NeesBand::family(9, &[3], outside), Err(BandError::Outside { outside }));
+        }
+        for outside in [1e-15, 0.05] {
+            assert!(NeesBand::new(9, 3, outside).unwrap().high.is_finite());
         }
         assert!(NeesBand::new(9, 3, f64::NAN).is_err());
         assert!(!NeesBand::new(9, 3, 0.05).unwrap().contains(f64::NAN));
@@ -635,6 +649,14 @@ mod relative {
     }
 
     #[test]
+    fn a_second_is_a_second_by_the_clock_of_a_computer_too() {
+        let times: Vec<f64> = (0..500).map(|k| 1.4e9 + 0.05 * f64::from(k)).collect();
+        let pairs = pairs_by_time(&times, 1.0).unwrap();
+        assert!(pairs.iter().all(|(from, to)| to - from == 20));
+        assert_eq!(pairs.len(), 480);
+    }
+
+    #[test]
     fn what_has_no_relative_error_is_refused() {
         let truth = line();
         let too_long = TrajectoryError::TooShort { whole: 4.0, interval: 5.0 };
@@ -647,6 +669,12 @@ mod relative {
         let order = Err(TrajectoryError::Order { state: 2 });
         assert_eq!(pairs_by_time(&[0.0, 1.0, 1.0], 1.0), order);
         assert_eq!(pairs_by_time(&[0.0, 1.0, f64::NAN], 1.0), order);
+        let at_no_time = Err(TrajectoryError::Order { state: 0 });
+        assert_eq!(pairs_by_time(&[f64::NAN], 1.0), at_no_time);
+        let mut nowhere = truth.clone();
+        nowhere[3].position.z = f64::NAN;
+        let at_no_place = AlignmentError::NotFinite { state: 3 };
+        assert_eq!(pairs_by_distance(&nowhere, 1.0), Err(at_no_place.into()));
         let errors = |estimate: &[NavState], pair| {
             relative_pose_errors(estimate, &truth, &[pair], Freedom::Four).unwrap_err()
         };

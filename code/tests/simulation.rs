@@ -368,6 +368,12 @@ fn a_flight_that_cannot_be_is_refused_with_the_number_that_is_wrong() {
         (|flight| flight.imu_rate = 0.0, "`imu_rate` of the flight is 0"),
         (|flight| flight.picture_rate = -1.0, "`picture_rate` of the flight is -1"),
         (|flight| flight.image.y = f64::INFINITY, "`image` of the flight is inf"),
+        (|flight| flight.image.x = f64::NAN, "`image` of the flight is NaN"),
+        (|flight| flight.camera.fx = f64::NAN, "`camera` of the flight is NaN"),
+        (
+            |flight| flight.rig.body_from_camera.translation.vector.z = f64::NAN,
+            "`body_from_camera` of the flight is NaN",
+        ),
         (|flight| flight.baseline = Some(0.0), "`baseline` of the flight is 0"),
         (|flight| flight.initial_bias.gyro.x = f64::NAN, "`initial_bias`"),
         (|flight| flight.rig.time_offset = f64::NAN, "`time_offset`"),
@@ -384,6 +390,8 @@ fn a_flight_that_cannot_be_is_refused_with_the_number_that_is_wrong() {
     }
     let margin = flight().room(0.0, 10, 1).unwrap_err();
     assert!(matches!(margin, FlightError::Number { name: "margin", .. }));
+    let nowhere = Flight { motion: Trajectory::level_turn(1.0, 0.0), ..flight() };
+    assert!(matches!(nowhere.room(1.0, 10, 1), Err(FlightError::Motion { .. })));
 }
 
 /// The kinematics of a stand are those of the formulas with another time, so derivatives still are derivatives.

@@ -118,7 +118,34 @@ fn a_place_known_to_ten_metres_is_not_known_better_after_steps_that_see_none() {
     for number in 1..20 {
         follow(&mut smoother, &recording, number).unwrap();
     }
-    assert!(smoother.covariance().iter().any(|number| number.is_nan()), "rounding has lost it");
+    assert!(smoother.covariance().iter().all(|number| number.is_nan()), "rounding has lost it");
+}
+
+/// After a hundred pictures a second for a second comes one a tenth of a second later.
+#[test]
+fn what_is_said_of_a_place_is_right_or_it_is_said_to_be_unknown() {
+    let fast = Flight { picture_rate: 100.0, ..flight(2.0) };
+    let recording = fast.record(&fast.room(3.0, 400, 3).unwrap(), 3).unwrap();
+    let (mut known, mut unknown) = (0, 0);
+    for sigma in [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4] {
+        let mut start = start(&recording, 7);
+        (6..9).for_each(|at| start.covariance[(at, at)] = sigma * sigma);
+        let mut smoother = Smoother::new(options(&recording), &start).unwrap();
+        for number in (1..=100).chain(110..=120) {
+            follow(&mut smoother, &recording, number).unwrap();
+            let variances = smoother.covariance().diagonal();
+            if variances.iter().all(|variance| variance.is_nan()) {
+                unknown += 1;
+                continue;
+            }
+            known += 1;
+            for variance in variances.fixed_rows::<3>(6).iter() {
+                let off = variance.sqrt() / sigma;
+                assert!((off - 1.0).abs() < 0.1, "{number}: {off} of {sigma} m");
+            }
+        }
+    }
+    assert!(known > 100 && unknown > 400, "{known} and {unknown}");
 }
 
 /// The newest position is that of a batch of the same measurements to a part of its standard deviation, and the

@@ -8,6 +8,7 @@ mod figures;
 pub mod followed;
 mod lag;
 mod orders;
+mod rounding;
 mod variants;
 
 use crate::chapter::Chapter;
@@ -18,6 +19,7 @@ pub fn exhibits(chapter: &mut Chapter) {
     anchored::exhibits(chapter);
     orders::counterexamples(chapter);
     variants::numbers(chapter);
+    rounding::numbers(chapter);
     consistency::numbers(chapter);
     divergence::numbers(chapter);
     figures::figures(chapter);

@@ -72,16 +72,19 @@ pub fn read_calibration(text: &str) -> Result<Sensors, CalibrationError> {
     let [fx, fy, cx, cy] =
         ["camera.fx", "camera.fy", "camera.cx", "camera.cy"].map(|name| said.number(name));
     let camera = Pinhole::new(fx?, fy?, cx?, cy?);
+    let of_camera =
+        |error: PinholeError| said.fault(&format!("camera.{}", error.name()), error.into());
     let noise = ImuNoise {
         gyro: said.number("imu.gyro")?,
         accelerometer: said.number("imu.accelerometer")?,
         gyro_walk: said.number("imu.gyro_walk")?,
         accelerometer_walk: said.number("imu.accelerometer_walk")?,
     };
-    noise.check().map_err(|error| said.fault("imu.gyro", error.into()))?;
+    let of_noise = |error: NoiseError| said.fault(&format!("imu.{}", error.name), error.into());
+    noise.check().map_err(of_noise)?;
     let time_offset = said.number_or("camera.time_offset", 0.0)?;
     Ok(Sensors {
-        camera: camera.map_err(|error| said.fault("camera.fx", error.into()))?,
+        camera: camera.map_err(of_camera)?,
         pixel_sigma: said.positive("camera.pixel_sigma", 1.0)?,
         noise,
         rig: CameraImu { body_from_camera: said.body_from_camera()?, time_offset },

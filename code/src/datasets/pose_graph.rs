@@ -27,6 +27,7 @@ use std::str::{FromStr, SplitWhitespace};
 use nalgebra::{Isometry2, Isometry3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector2};
 use thiserror::Error;
 
+use super::table::rotation;
 use crate::factors::GraphPose;
 use crate::loop_closure::{LoopClosureError, PoseGraph, RelativeMeasurement};
 
@@ -238,10 +239,7 @@ impl Fields<'_> {
             self.numbers("a finite number of a position or quaternion")?;
         let quaternion = Quaternion::new(qw, qx, qy, qz);
         let norm = quaternion.norm();
-        if (norm - 1.0).abs() > 1e-3 {
-            return Err(PoseGraphFault::Quaternion { norm });
-        }
-        let rotation = UnitQuaternion::new_normalize(quaternion);
+        let rotation = rotation(quaternion).map_err(|_| PoseGraphFault::Quaternion { norm })?;
         Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
     }
 

@@ -183,7 +183,7 @@ impl<'a> Meta<'a> {
             ["camera_fx", "camera_fy", "camera_cx", "camera_cy"].map(|key| self.number(key));
         match Pinhole::new(fx?, fy?, cx?, cy?) {
             Ok(camera) => Ok(camera),
-            Err(error) => Err(self.row("camera_fx")?.fault(error.into())),
+            Err(error) => Err(self.row(&format!("camera_{}", error.name()))?.fault(error.into())),
         }
     }
 }

@@ -15,6 +15,15 @@ pub fn chi_square_below(x: f64, degrees: usize) -> f64 {
 }
 // ANCHOR_END: below
 
+/// The probability that the same sum is `x` or more, with all digits where it is small.
+pub fn chi_square_above(x: f64, degrees: usize) -> f64 {
+    match ChiSquared::new(degrees as f64) {
+        Ok(distribution) => distribution.sf(x),
+        Err(_) if x.is_nan() => x,
+        Err(_) => f64::from(x < 0.0),
+    }
+}
+
 // ANCHOR: quantile
 /// What the same sum stays below with this probability: the inverse of [`chi_square_below`], to 1e-9
 /// of itself or of one, whichever is larger, up to a probability of one less 1e-6: nearer to one, numbers do not

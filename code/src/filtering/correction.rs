@@ -47,6 +47,7 @@ pub fn correct<T: RealField + Copy>(
     let mut gain = seen;
     lower.solve_lower_triangular_mut(&mut gain);
     let step = -gain.tr_mul(&whitened);
+    check_step(&step)?;
     match form {
         Form::Joseph => *covariance = joseph(covariance, jacobian, &lower, gain),
         Form::Difference => covariance.gemm(-T::one(), &gain.transpose(), &gain, T::one()),
@@ -131,6 +132,7 @@ pub fn correct_root<T: RealField + Copy>(
         return Err(CorrectionError::Covariance);
     }
     let step = -triangle.view((0, rows), (rows, dimension)).tr_mul(&whitened);
+    check_step(&step)?;
     root.copy_from(&triangle.view((rows, rows), (dimension, dimension)));
     Ok(Correction { step, innovation: whitened.norm_squared() })
 }
@@ -142,7 +144,8 @@ pub fn correct_root<T: RealField + Copy>(
 ///
 /// # Errors
 ///
-/// [`CorrectionError::Sizes`], and [`CorrectionError::NotFinite`] with the row of transition or noise.
+/// [`CorrectionError::Sizes`], [`CorrectionError::NotFinite`] with the row of transition or noise, and
+/// [`CorrectionError::Covariance`] when the root has a number that is not finite.
 pub fn carry_root<T: RealField + Copy>(
     root: &mut DMatrix<T>,
     transition: &DMatrix<T>,
@@ -154,7 +157,11 @@ pub fn carry_root<T: RealField + Copy>(
     let mut array = DMatrix::zeros(dimension + noise.nrows(), dimension);
     array.rows_mut(0, dimension).copy_from(&(&*root * transition.transpose()));
     array.rows_mut(dimension, noise.nrows()).copy_from(noise);
-    root.copy_from(&array.qr().unpack_r().rows(0, dimension));
+    let triangle = array.qr().unpack_r();
+    if !triangle.iter().all(|entry| entry.is_finite()) {
+        return Err(CorrectionError::Covariance);
+    }
+    root.copy_from(&triangle.rows(0, dimension));
     Ok(())
 }
 // ANCHOR_END: carry_root
@@ -173,6 +180,12 @@ fn check<T: RealField + Copy>(
     let row =
         (0..rows).find(|row| !finite(&residual[*row]) || !jacobian.row(*row).iter().all(finite));
     row.map_or(Ok(()), |row| Err(CorrectionError::NotFinite { row }))
+}
+
+/// Whether the numbers of a covariance have been small enough to correct by it.
+fn check_step<T: RealField + Copy>(step: &DVector<T>) -> Result<(), CorrectionError> {
+    let is_finite = step.iter().all(|entry| entry.is_finite());
+    is_finite.then_some(()).ok_or(CorrectionError::Covariance)
 }
 
 /// Why a measurement cannot correct anything.

@@ -26,7 +26,9 @@ mod transition;
 mod update;
 
 pub use belief::{Belief, BeliefError};
-pub use chi_square::{ChiSquareError, chi_square_band, chi_square_below, chi_square_quantile};
+pub use chi_square::{
+    ChiSquareError, chi_square_above, chi_square_band, chi_square_below, chi_square_quantile,
+};
 pub use correction::{
     Correction, CorrectionError, Form, carry_root, correct, correct_root, innovation_squared,
 };

@@ -1,5 +1,7 @@
 //! Which start it is to be.
 
+use std::ops::Range;
+
 use super::{Known, MotionOptions, NoStart, RestOptions, Sensors, Started, at_rest, in_motion};
 use crate::datasets::tracks::Picture;
 use crate::inertial::{NavState, StampedSample};
@@ -109,10 +111,10 @@ pub struct StartSearch {
     options: BeginOptions,
     /// The first picture of the window in which a stand is looked for; `None` when the body has moved.
     window: Option<usize>,
-    /// The last picture of the last window, and what is known there, if it stands.
-    last: Option<(usize, Start)>,
+    /// The pictures of a stand until the last window's end, and what is known there, if that stands.
+    last: Option<(Range<usize>, Start)>,
     /// The same of the last window after which the next one stands too.
-    stand: Option<(usize, Start)>,
+    stand: Option<(Range<usize>, Start)>,
     /// Seconds at which a start in motion was looked for last.
     tried: f64,
     last_error: Option<NoStart>,
@@ -147,15 +149,15 @@ impl StartSearch {
             Some(_) => NoStart::TooShort { pictures: pictures.len() },
             None => NoStart::NoStand { seconds: self.options.stand },
         };
-        match self.stand.or(self.last) {
-            Some(start) => Ok(standing(start, pictures)),
+        match self.stand.as_ref().or(self.last.as_ref()) {
+            Some((stand, start)) => Ok(standing(stand, start, pictures)),
             None => Err(self.last_error.clone().unwrap_or_else(too_short)),
         }
     }
 
     /// What is known while the body stands.
-    pub fn stand(&self) -> Option<&(usize, Start)> {
-        self.stand.as_ref()
+    pub fn stand(&self) -> Option<&Start> {
+        self.stand.as_ref().map(|(_, start)| start)
     }
     // ANCHOR_END: start_search
 
@@ -178,7 +180,9 @@ impl StartSearch {
             let middle = after(from, 0.5 * self.options.stand);
             let next = middle.map(|middle| middle.max(from + 1));
             self.window = next.filter(|_| start.is_some() || looks_on);
-            let before = std::mem::replace(&mut self.last, start.map(|start| (until, start)));
+            let begun = self.last.as_ref().map_or(from, |(stand, _)| stand.start);
+            let now = start.map(|start| (begun..until + 1, start));
+            let before = std::mem::replace(&mut self.last, now);
             self.stand = before.filter(|_| self.last.is_some()).or(self.stand.take());
         }
         false
@@ -227,7 +231,7 @@ fn seconds_to(pictures: &[Picture], picture: usize) -> f64 {
 }
 
 /// At most so many pictures of a range in a second, its last one among them.
-fn thinned(pictures: &[Picture], range: std::ops::Range<usize>, rate: f64) -> Vec<usize> {
+fn thinned(pictures: &[Picture], range: Range<usize>, rate: f64) -> Vec<usize> {
     let gap = (1e9 / rate) as i64;
     let mut chosen: Vec<usize> = Vec::new();
     for at in range.rev() {
@@ -251,14 +255,15 @@ fn moving(
     seconds: f64,
 ) -> Beginning {
     let states = vec![(start.1.state, start.1.bias)];
-    let known = Known { first: start.0, states, standing: 0 };
+    let known = Known { first: start.0, states, standing: 0..0 };
     Beginning { known, seconds, scale_sigma: Some(found.scale_sigma), start, origin }
 }
 
 /// What a stand knows at its last picture.
-fn standing((last, start): (usize, Start), pictures: &[Picture]) -> Beginning {
+fn standing(stand: &Range<usize>, start: &Start, pictures: &[Picture]) -> Beginning {
+    let (last, start) = (stand.end - 1, *start);
     let states = vec![(start.state, start.bias)];
-    let known = Known { first: last, states, standing: last + 1 };
+    let known = Known { first: last, states, standing: stand.clone() };
     Beginning {
         known,
         seconds: seconds_to(pictures, last),

@@ -1,6 +1,7 @@
 //! The batch of a whole flight, grown from where it was begun.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -56,8 +57,8 @@ pub struct Known {
     pub first: usize,
     /// The states and biases.
     pub states: Vec<(NavState, ImuBias)>,
-    /// The pictures up to this number show a body that stands.
-    pub standing: usize,
+    /// The pictures that show a body that stands.
+    pub standing: Range<usize>,
 }
 
 /// The batch of a flight at its minimum.
@@ -245,7 +246,7 @@ impl Growing<'_> {
         batch.fix_gauge()?;
         let ([g, a], free) = (options.biases, [f64::INFINITY; 9]);
         batch.know((known.states[0].0, ImuBias::default()), free, [g, g, g, a, a, a])?;
-        for state in 0..known.standing.saturating_sub(known.first).min(known.states.len()) {
+        for state in (0..times.len()).filter(|at| known.standing.contains(&(known.first + at))) {
             batch.stand_still(state, options.rest_velocity)?;
         }
         for (track, sightings) in tracks {

@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::elimination_tree::{Tree, elimination_tree};
-use super::front::{Updates, factorize};
+use super::front::{Updates, factorize, solve_lower, solve_upper};
 use super::ordering::{minimum_degree, neighbours};
 use crate::registers::wide;
 
@@ -101,7 +101,7 @@ impl SparseCholesky {
             let (order, panel) = (node.width() + 1, self.tree.panel(number));
             let (done, later) = self.factor.split_at_mut(panel.end);
             let done = &mut done[panel.start..];
-            if factorize(done, order, &zeros[..node.own.len()], false).is_err() {
+            if factorize(done, order, &zeros[..node.own.len()], 0).is_err() {
                 return false;
             }
             for update in self.updates.of(number) {
@@ -120,39 +120,9 @@ impl SparseCholesky {
         let columns = || self.starts.iter().zip(&self.sizes).flat_map(|(at, size)| *at..at + size);
         let mut by_place = vec![0.0; vector.len()];
         columns().zip(vector.iter()).for_each(|(place, number)| by_place[place] = *number);
-        self.solve_lower(&mut by_place);
-        self.solve_upper(&mut by_place);
+        solve_lower(&self.factor, &self.tree, &mut by_place);
+        solve_upper(&self.factor, &self.tree, &mut by_place);
         columns().zip(vector).for_each(|(place, number)| *number = by_place[place]);
     }
     // ANCHOR_END: solve_blocks
-
-    fn solve_lower(&self, vector: &mut [f64]) {
-        for (number, node) in self.tree.nodes.iter().enumerate() {
-            let panel = self.factor[self.tree.panel(number)].chunks_exact(node.width() + 1);
-            for ((place, column), entries) in node.own.clone().enumerate().zip(panel) {
-                vector[column] /= entries[place];
-                let known = vector[column];
-                for (row, entry) in (column + 1..node.own.end).zip(&entries[place + 1..]) {
-                    vector[row] -= known * entry;
-                }
-                for (row, entry) in node.rest.iter().zip(&entries[node.own.len()..]) {
-                    vector[*row] -= known * entry;
-                }
-            }
-        }
-    }
-
-    fn solve_upper(&self, vector: &mut [f64]) {
-        for (number, node) in self.tree.nodes.iter().enumerate().rev() {
-            let panel = &self.factor[self.tree.panel(number)];
-            for (place, column) in node.own.clone().enumerate().rev() {
-                let entries = &panel[place * (node.width() + 1)..][..node.width()];
-                let nearer = vector[column + 1..node.own.end].iter().zip(&entries[place + 1..]);
-                let mut known = nearer.map(|(number, entry)| number * entry).sum::<f64>();
-                let rest = node.rest.iter().zip(&entries[node.own.len()..]);
-                known += rest.map(|(row, entry)| vector[*row] * entry).sum::<f64>();
-                vector[column] = (vector[column] - known) / entries[place];
-            }
-        }
-    }
 }

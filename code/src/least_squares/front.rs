@@ -15,21 +15,22 @@ use super::elimination_tree::{Node, Tree};
 ///
 /// # Errors
 ///
-/// The first column whose pivot is not above its entry of `smallest`, unless `lifts` says that such a
-/// pivot is to be as large as that.
+/// The first column whose pivot is not above its entry of `smallest`. Of so many columns as `lifted`
+/// says, from the first on, such a pivot becomes as large as that.
 #[inline(always)]
 pub fn factorize(
     panel: &mut [f64],
     order: usize,
     smallest: &[f64],
-    lifts: bool,
+    lifted: usize,
 ) -> Result<(), usize> {
     for (block, smallest) in smallest.chunks(COLUMNS).enumerate() {
         let first = COLUMNS * block;
         let (done, own) = panel.split_at_mut(first * order);
         let starts: [usize; COLUMNS] = from_fn(|column| column * order + first);
         subtract_products(own, &starts[..smallest.len()], (done, order), first..order, first);
-        factorize_block(own, order, first, (smallest, lifts)).map_err(|column| first + column)?;
+        let lifted = lifted.saturating_sub(first);
+        factorize_block(own, order, first, (smallest, lifted)).map_err(|column| first + column)?;
     }
     Ok(())
 }
@@ -40,7 +41,7 @@ fn factorize_block(
     panel: &mut [f64],
     order: usize,
     first: usize,
-    (smallest, lifts): (&[f64], bool),
+    (smallest, lifted): (&[f64], usize),
 ) -> Result<(), usize> {
     for (column, smallest) in smallest.iter().enumerate() {
         let (done, own) = panel.split_at_mut(column * order);
@@ -52,7 +53,7 @@ fn factorize_block(
         }
         let mut pivot = own[0];
         if pivot.is_nan() || pivot <= *smallest {
-            if !lifts || pivot.is_nan() {
+            if column >= lifted || pivot.is_nan() {
                 return Err(column);
             }
             // What no factor sees is tied to nothing, and any pivot does.
@@ -282,6 +283,38 @@ pub fn solve_transposed(factor: &[f64], node: &Node, step: &mut [f64]) -> f64 {
     square
 }
 // ANCHOR_END: solve_transposed
+
+/// Replaces numbers b, column by column, by L⁻¹ b, from all fronts of a factor L.
+pub fn solve_lower(factor: &[f64], tree: &Tree, numbers: &mut [f64]) {
+    for (number, node) in tree.nodes.iter().enumerate() {
+        let panel = factor[tree.panel(number)].chunks_exact(node.width() + 1);
+        for ((place, column), entries) in node.own.clone().enumerate().zip(panel) {
+            numbers[column] /= entries[place];
+            let known = numbers[column];
+            for (row, entry) in (column + 1..node.own.end).zip(&entries[place + 1..]) {
+                numbers[row] -= known * entry;
+            }
+            for (row, entry) in node.rest.iter().zip(&entries[node.own.len()..]) {
+                numbers[*row] -= known * entry;
+            }
+        }
+    }
+}
+
+/// Replaces numbers b, column by column, by L⁻ᵀ b, from all fronts of a factor L.
+pub fn solve_upper(factor: &[f64], tree: &Tree, numbers: &mut [f64]) {
+    for (number, node) in tree.nodes.iter().enumerate().rev() {
+        let panel = &factor[tree.panel(number)];
+        for (place, column) in node.own.clone().enumerate().rev() {
+            let entries = &panel[place * (node.width() + 1)..][..node.width()];
+            let nearer = numbers[column + 1..node.own.end].iter().zip(&entries[place + 1..]);
+            let mut known = nearer.map(|(number, entry)| number * entry).sum::<f64>();
+            let rest = node.rest.iter().zip(&entries[node.own.len()..]);
+            known += rest.map(|(row, entry)| numbers[*row] * entry).sum::<f64>();
+            numbers[column] = (numbers[column] - known) / entries[place];
+        }
+    }
+}
 
 // ANCHOR: covariance_of_front
 /// The covariance of all columns of a front, from its columns of the factor and the covariance of

@@ -7,7 +7,9 @@ use nalgebra::DMatrix;
 use super::assembly::{Assembly, Segment, Segments};
 use super::covariance::Part;
 use super::elimination_tree::{Node, Tree, elimination_tree};
-use super::front::{Updates, covariance_of_front, factorize, solve_transposed};
+use super::front::{
+    Updates, covariance_of_front, factorize, solve_lower, solve_transposed, solve_upper,
+};
 use super::group::Point;
 use super::ordering::{minimum_degree, neighbours};
 use super::problem::{Columns, Problem};
@@ -38,7 +40,9 @@ pub struct Fronts {
     curvature: Vec<f64>,
     /// Pivots must be above this.
     smallest: Vec<f64>,
-    /// The damping of the last elimination; infinite when a pivot was lost.
+    /// Room for how all columns follow some that are moved.
+    moved: Vec<f64>,
+    /// The damping of the last elimination; infinite when a pivot was lost, and before there was one.
     damping: f64,
     step: Vec<f64>,
     linear: Linearized,
@@ -89,10 +93,11 @@ impl Fronts {
         for entries in [&mut self.hessian, &mut self.factor] {
             entries.resize(tree.len(), 0.0);
         }
-        let Self { gradient, curvature, smallest, step, .. } = self;
-        for numbers in [gradient, curvature, smallest, step] {
+        let Self { gradient, curvature, smallest, moved, step, .. } = self;
+        for numbers in [gradient, curvature, smallest, moved, step] {
             numbers.resize(columns.count, 0.0);
         }
+        self.damping = f64::INFINITY;
         (self.columns, self.place, self.tree) = (columns, place, tree);
         Ok(())
     }
@@ -178,8 +183,8 @@ impl Fronts {
                 done[place * (order + 1)] += Pivots::added(damping, curvature);
                 self.smallest[column] = Pivots::smallest(damping, curvature);
             }
-            let lifts = node.own.end <= lifted;
-            if factorize(done, order, &self.smallest[node.own.clone()], lifts).is_err() {
+            let lifted = lifted.saturating_sub(node.own.start);
+            if factorize(done, order, &self.smallest[node.own.clone()], lifted).is_err() {
                 return false;
             }
             for update in self.updates.of(number) {
@@ -231,9 +236,9 @@ impl Fronts {
     // ANCHOR: covariance_of
     /// The covariance of some variables of a problem, given by number, as of the last linearization:
     /// from the last front back to the first that names one of them. `None` when no front has all of
-    /// them, or when rounding has lost what is known. It is to be asked after a step. A damped one is
-    /// eliminated again without its damping, which would count as knowledge. What the others do not
-    /// determine, as the depth of a landmark at infinity, takes nothing away.
+    /// them, or when rounding has changed what is known by more than a tenth. After a damped step the
+    /// equations are eliminated again without its damping, which would count as knowledge. What the
+    /// others do not determine, as the depth of a landmark at infinity, takes nothing away.
     pub fn covariance_of(
         &mut self,
         problem: &Problem,
@@ -248,11 +253,12 @@ impl Fronts {
         let is_here = |column: &usize| node.own.contains(column) || node.rest.contains(column);
         let places = columns.iter().map(|column| is_here(column).then(|| node.place(*column)));
         let places: Vec<usize> = places.collect::<Option<_>>()?;
-        let first = self.tree.nodes[front].own.start;
+        let first = *columns.iter().min()?;
         if self.damping > 0.0 && !self.eliminate_all(0.0, first) {
             return None;
         }
-        Some(self.covariance_at(front).select_rows(&places).select_columns(&places))
+        let covariance = self.covariance_at(front).select_rows(&places).select_columns(&places);
+        self.is_sharp(&columns, &covariance).then_some(covariance)
     }
 
     /// The covariance of the columns of a front.
@@ -265,6 +271,25 @@ impl Fronts {
         covariance_of_front(&self.factor[self.tree.panel(front)], node.own.len(), rest)
     }
     // ANCHOR_END: covariance_of
+
+    // ANCHOR: is_sharp
+    /// Whether rounding changes no variance of these columns by more than a tenth. What it changes of H,
+    /// of each curvature a part, it changes of uᵀ H⁻¹ u as of xᵀ H x, for x = H⁻¹ u. Here u has each of
+    /// the columns, over its standard deviation, and the changes are taken for independent.
+    fn is_sharp(&mut self, columns: &[usize], covariance: &DMatrix<f64>) -> bool {
+        let Self { tree, factor, curvature, moved, .. } = self;
+        moved.fill(0.0);
+        for (column, variance) in columns.iter().zip(&covariance.diagonal()) {
+            moved[*column] = variance.sqrt().recip();
+        }
+        solve_lower(factor, tree, moved);
+        solve_upper(factor, tree, moved);
+        let off =
+            |(moved, curvature): (&f64, &f64)| (f64::EPSILON * curvature * moved * moved).powi(2);
+        let off: f64 = moved.iter().zip(curvature.iter()).map(off).sum();
+        off.sqrt() < Pivots::SHARP
+    }
+    // ANCHOR_END: is_sharp
 
     /// The covariance of what a front leaves, which is a part of its parent's.
     fn rest_of(&self, node: &Node, parent: usize, matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -298,6 +323,7 @@ impl LinearSystem for Fronts {
     fn linearize(&mut self, problem: &Problem, at: Point) -> Result<Option<f64>, SolveError> {
         let Self { assembly, hessian, linear, .. } = self;
         hessian.fill(0.0);
+        self.damping = f64::INFINITY;
         let mut cursor = assembly.cursor();
         let cost = problem.each_group(at, linear, |_, linear| {
             wide(

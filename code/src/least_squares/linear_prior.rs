@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::group::{FactorGroup, Point, Undefined};
 use super::linearized::Linearized;
-use super::problem::{Buffer, Problem};
+use super::problem::{Buffer, Problem, check_repeated};
 use super::solver::SolveError;
 use super::sparse_rows::SparseRows;
 use super::square_root::{Turned, eliminate_fronts};
@@ -138,7 +138,7 @@ impl LinearPrior {
         if let Some(&variable) = variables.iter().find(|variable| **variable >= anchors.len()) {
             return Err(ProblemError::NoSuchVariable { variable, variables: anchors.len() });
         }
-        check_repeated(variables)?;
+        check_repeated(variables, 0)?;
         let anchors = anchors.select(variables).unwrap_or_default();
         let is_finite = root.iter().chain(&offset).all(|number| number.is_finite());
         let (rows, columns, numbers) = (root.nrows(), root.ncols(), offset.len());
@@ -337,15 +337,6 @@ impl FactorGroup for LinearPrior {
     // ANCHOR_END: prior_linearize
 }
 
-/// That no variable is named twice.
-fn check_repeated(variables: &[usize]) -> Result<(), ProblemError> {
-    let mut each = variables.iter().enumerate();
-    match each.find(|(at, variable)| variables[..*at].contains(variable)) {
-        Some((_, &variable)) => Err(ProblemError::RepeatedVariable { factor: 0, variable }),
-        None => Ok(()),
-    }
-}
-
 impl Problem {
     // ANCHOR: marginalize_here
     /// Takes variables out of this problem: holds them where they are at `values`, and puts a
@@ -379,7 +370,7 @@ impl Problem {
     /// [`ProblemError::RepeatedVariable`] when [`LinearPrior::renumbered`] has made two of them one, and
     /// [`ProblemError::EmptyFactor`] when nothing was said.
     pub fn add_prior(&mut self, prior: LinearPrior) -> Result<usize, ProblemError> {
-        check_repeated(&prior.variables)?;
+        check_repeated(&prior.variables, self.factors)?;
         if let Some(variable) = prior.misfit(self.values()) {
             return Err(ProblemError::NoSuchVariable { variable, variables: self.values().len() });
         }

@@ -29,7 +29,7 @@ pub struct Problem {
     anchors: Values,
     groups: Vec<Group>,
     /// The number of the next factor.
-    factors: usize,
+    pub(super) factors: usize,
 }
 // ANCHOR_END: problem
 
@@ -567,10 +567,8 @@ impl Problem {
             return Err(self.no_such(missing));
         }
         let columns = F::Jacobians::COLUMNS;
+        check_repeated(&named, factor)?;
         for (slot, &variable) in named.iter().enumerate() {
-            if named[..slot].contains(&variable) {
-                return Err(ProblemError::RepeatedVariable { factor, variable });
-            }
             let dimension = self.values.coordinates_of(variable).unwrap_or_default().len();
             if columns.get(slot) != Some(&dimension) || columns.len() != named.len() {
                 let columns = columns.get(slot).copied().unwrap_or(0);
@@ -584,6 +582,15 @@ impl Problem {
         let (given, expected) = (values.len(), self.values.len());
         let fits = self.values.fits(values);
         fits.then_some(()).ok_or(SolveError::WrongValues { given, expected })
+    }
+}
+
+/// That a factor names no variable twice.
+pub(super) fn check_repeated(variables: &[usize], factor: usize) -> Result<(), ProblemError> {
+    let mut each = variables.iter().enumerate();
+    match each.find(|(slot, variable)| variables[..*slot].contains(variable)) {
+        Some((_, &variable)) => Err(ProblemError::RepeatedVariable { factor, variable }),
+        None => Ok(()),
     }
 }
 

@@ -62,6 +62,8 @@ impl Pivots {
     pub(super) const ROUNDING: f64 = 1e-14;
     /// Pivots below this many of those ask whether the Jacobian has full rank.
     const SUSPICIOUS: f64 = 1e6;
+    /// By such a part rounding may change a covariance.
+    pub(super) const SHARP: f64 = 0.1;
     /// No curvature counts as smaller than this when it is damped, so that an unknown that no
     /// factor depends on stays where it is.
     const SMALLEST_CURVATURE: f64 = 1e-6;
@@ -194,6 +196,12 @@ impl Stop {
         use Stop::{DecreaseSmall, GradientSmall, PredictedDecreaseSmall, StepSmall};
         matches!(self, GradientSmall | StepSmall | PredictedDecreaseSmall | DecreaseSmall)
     }
+
+    /// Whether steps led as far as they could, be it to no stationary point: they were not used up,
+    /// and did not lead to where a residual is undefined.
+    pub fn is_settled(&self) -> bool {
+        !matches!(self, Stop::IterationLimit | Stop::LeftDomain)
+    }
 }
 
 impl fmt::Display for Stop {
@@ -245,18 +253,14 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The same, if steps led as far as they could.
+    /// The same, if steps led as far as they could ([`Stop::is_settled`]).
     ///
     /// # Errors
     ///
     /// [`SolveError::NotConverged`] when they were used up, or led to where a residual is undefined.
     pub fn settled(self) -> Result<Self, SolveError> {
-        match self.report.stop {
-            stop @ (Stop::IterationLimit | Stop::LeftDomain) => {
-                Err(SolveError::NotConverged { stop })
-            }
-            _ => Ok(self),
-        }
+        let stop = self.report.stop;
+        stop.is_settled().then_some(self).ok_or(SolveError::NotConverged { stop })
     }
 }
 

@@ -103,11 +103,12 @@ pub fn certify(
     tolerance: f64,
 ) -> Result<Certificate, LoopClosureError> {
     positive("tolerance", tolerance, 0.0)?;
-    graph.check()?;
+    graph.check_connected()?;
     if poses.len() != graph.poses.len() {
         let (given, poses) = (poses.len(), graph.poses.len());
         return Err(LoopClosureError::Poses { given, poses });
     }
+    SpatialGraph::check_poses(poses)?;
     Ok(match QuadraticForm::of(graph, poses) {
         Err(reason) => Certificate::NotApplicable(reason),
         Ok(form) if form.gradient_norm() > STATIONARY => {

@@ -24,7 +24,7 @@ type Measurement = RelativeMeasurement<Isometry3<f64>, 6>;
 pub fn chordal_initialization(
     graph: &SpatialGraph,
 ) -> Result<Vec<Isometry3<f64>>, LoopClosureError> {
-    graph.check()?;
+    graph.check_connected()?;
     let rotations = relaxed_rotations(graph)?;
     let nearest = |(pose, matrix): (usize, &Matrix3<f64>)| {
         let rotation = rotation_towards(matrix, UNDECIDED);

@@ -210,7 +210,26 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
 
     /// Whether everything is there and connected.
     pub(super) fn check(&self) -> Result<(), LoopClosureError> {
+        self.check_connected()?;
+        Self::check_poses(&self.poses)
+    }
+
+    /// The same, whatever the poses are but the first.
+    pub(super) fn check_connected(&self) -> Result<(), LoopClosureError> {
         self.chained().map(|_| ())
+    }
+
+    /// Whether all of these poses are numbers.
+    pub(super) fn check_poses(poses: &[P]) -> Result<(), LoopClosureError> {
+        let is_finite = |pose: &P| {
+            let mut none = [0.0; D];
+            pose.local(pose, &mut none);
+            none.iter().all(|number| number.is_finite())
+        };
+        match poses.iter().position(|pose| !is_finite(pose)) {
+            Some(pose) => Err(LoopClosureError::PoseNotFinite { pose }),
+            None => Ok(()),
+        }
     }
 
     fn check_measurements(&self) -> Result<(), LoopClosureError> {
@@ -218,14 +237,7 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
         if poses == 0 || measurements == 0 {
             return Err(LoopClosureError::Empty { poses, measurements });
         }
-        let is_finite = |pose: &P| {
-            let mut none = [0.0; D];
-            pose.local(pose, &mut none);
-            none.iter().all(|number| number.is_finite())
-        };
-        if let Some(pose) = self.poses.iter().position(|pose| !is_finite(pose)) {
-            return Err(LoopClosureError::PoseNotFinite { pose });
-        }
+        Self::check_poses(&self.poses[..1])?;
         for (measurement, it) in self.measurements.iter().enumerate() {
             if let Some(&pose) = [it.first, it.second].iter().find(|pose| **pose >= poses) {
                 return Err(LoopClosureError::NoSuchPose { measurement, pose, poses });

@@ -36,7 +36,8 @@ impl Manifold for UprightPose {
     fn local(&self, to: &Self, step: &mut [f64]) {
         step[..3].copy_from_slice((to.position() - self.position()).as_slice());
         let turn = to.world_from_body.rotation * self.world_from_body.rotation.inverse();
-        step[3] = yaw_of(&turn.to_rotation_matrix().into_inner()).unwrap_or(0.0);
+        let undecided = if turn.coords.sum().is_finite() { 0.0 } else { f64::NAN };
+        step[3] = yaw_of(&turn.to_rotation_matrix().into_inner()).unwrap_or(undecided);
     }
 
     fn local_jacobian(&self, _to: &Self, into: &mut [f64]) {

@@ -66,7 +66,7 @@ pub struct Msckf {
 pub(super) struct Turning {
     /// The angular velocity, in its own frame.
     pub velocity: Vector3<f64>,
-    /// For how many seconds the reading stands.
+    /// For how many seconds a reading of its interval stands, on average.
     pub seconds: f64,
 }
 
@@ -211,7 +211,8 @@ impl Msckf {
     ///
     /// # Errors
     ///
-    /// An [`MsckfError`]; the filter then stays as it was but for what the readings carried on.
+    /// An [`MsckfError`]. Where readings are missing or the truth is, the filter stays as it was; when a
+    /// correction or a covariance fails, it has to begin again.
     // ANCHOR: picture
     pub fn picture(&mut self, picture: &Picture) -> Result<PictureReport, MsckfError> {
         if self.lacks_truth() {

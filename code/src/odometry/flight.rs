@@ -67,7 +67,7 @@ impl Estimate {
     }
 
     /// Whether all of it are numbers and the variances positive, or all of the covariance is said to be unknown.
-    fn is_known(&self) -> bool {
+    fn is_usable(&self) -> bool {
         let NavState { velocity, position, .. } = &self.state;
         let vectors = velocity + position + self.bias.gyro + self.bias.accelerometer;
         // A sum is no number if any of its terms is none.
@@ -116,7 +116,8 @@ pub enum Lost {
         /// Until the next one.
         seconds: f64,
     },
-    /// The estimate has a number that is none, or a variance that is not positive.
+    /// The estimate has a number that is none, or a variance that is not positive, where the covariance is
+    /// not unknown as a whole.
     #[error("the estimate is not a number any more, or its covariance none")]
     Undetermined,
     /// The estimator could not go on.
@@ -340,7 +341,7 @@ impl Odometry {
     /// What is said of a picture that the estimator took: it is lost when for longer than patience lasts most
     /// of what pictures showed did not fit.
     fn followed(&mut self, picture: &Picture, Seen { used, refused }: Seen) -> Progress {
-        if !self.newest().as_ref().is_some_and(Estimate::is_known) {
+        if !self.newest().as_ref().is_some_and(Estimate::is_usable) {
             return self.lose(Lost::Undetermined);
         }
         if refused <= used {
@@ -440,18 +441,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_estimate_is_known_when_all_of_it_are_numbers_and_variances_positive() {
+    fn an_estimate_is_usable_when_all_of_it_are_numbers_and_variances_positive() {
         let covariance = Matrix15::identity();
         let (state, bias) = (NavState::origin(), ImuBias::default());
         let known = Estimate { nanoseconds: 0, state, bias, covariance };
-        assert!(known.is_known());
-        assert!(Estimate { covariance: Matrix15::repeat(f64::NAN), ..known }.is_known());
+        assert!(known.is_usable());
+        assert!(Estimate { covariance: Matrix15::repeat(f64::NAN), ..known }.is_usable());
         let nowhere = NavState { position: Vector3::new(0.0, f64::NAN, 0.0), ..state };
-        assert!(!Estimate { state: nowhere, ..known }.is_known());
+        assert!(!Estimate { state: nowhere, ..known }.is_usable());
         for (place, number) in [((3, 3), 0.0), ((3, 3), -1.0), ((2, 7), f64::INFINITY)] {
             let mut covariance = covariance;
             covariance[place] = number;
-            assert!(!Estimate { covariance, ..known }.is_known(), "{place:?} {number}");
+            assert!(!Estimate { covariance, ..known }.is_usable(), "{place:?} {number}");
         }
     }
 }

@@ -35,7 +35,7 @@ impl Waiting {
 
     /// What is known of the body while it stands.
     pub fn stand(&self) -> Option<&Start> {
-        self.search.stand().map(|(_, start)| start)
+        self.search.stand()
     }
 
     /// Takes a reading. Where no picture comes, it is not kept for ever either.
@@ -72,8 +72,34 @@ impl Waiting {
         self.readings.drain(..before.saturating_sub(1));
         self.search = StartSearch::new(options.sensors, options.begin.clone());
         let (search, readings) = (&mut self.search, &self.readings);
-        let mut looked_at = (1..self.pictures.len()).map(|until| &self.pictures[..until]);
+        let mut looked_at = (1..=self.pictures.len()).map(|until| &self.pictures[..until]);
         self.found = looked_at.find_map(|pictures| search.look(readings, pictures));
     }
     // ANCHOR_END: waiting
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initialization::{Sensors, begin};
+    use crate::odometry::Estimator;
+    use crate::simulation::{Flight, Trajectory};
+
+    #[test]
+    fn a_search_that_is_rebuilt_keeps_what_it_finds_with_the_last_picture_too() {
+        let new = Flight::new(Trajectory::figure_eight());
+        let flight = Flight { seconds: 4.0, tracks: 40, picture_rate: 5.0, ..new };
+        let recording = flight.record(&flight.room(3.0, 400, 1).unwrap(), 1).unwrap();
+        let (readings, pictures) = (&recording.readings, &recording.pictures);
+        let options = OdometryOptions::new(Sensors::of_flight(&flight), Estimator::Msckf);
+        let begun = begin(&options.sensors, readings, pictures, &options.begin).unwrap();
+        let found = begun.known.first;
+        assert!(found + 1 < pictures.len());
+        let mut waiting = Waiting::new(&options);
+        waiting.readings.clone_from(readings);
+        waiting.pictures = pictures[..=found].to_vec();
+        waiting.keep_from(pictures[0].nanoseconds, &options);
+        let kept = waiting.look(&pictures[found + 1], &options).unwrap();
+        assert_eq!(kept.known.first, found);
+    }
 }

@@ -184,3 +184,11 @@ pub enum PinholeError {
         value: f64,
     },
 }
+
+impl PinholeError {
+    /// `fx`, `fy`, `cx` or `cy`.
+    pub fn name(&self) -> &'static str {
+        let (Self::FocalLength { name, .. } | Self::PrincipalPoint { name, .. }) = self;
+        name
+    }
+}

@@ -30,10 +30,10 @@ pub(super) fn chance_of_agreement(
 /// `agree` data or more within their gates, each of them with probability `chance`: a bound of the
 /// mean [@moisan2004]. A solver that gives several estimates of a sample multiplies it. Where it is far below one, the agreement is no accident.
 ///
-/// Implements {eq:false-alarms}. Infinite when nothing beyond the sample agrees.
+/// Implements {eq:false-alarms}. Infinite when nothing beyond the sample agrees, or more than there are.
 // ANCHOR: counted
 pub fn false_alarms(count: usize, agree: usize, sample: usize, chance: f64) -> f64 {
-    if agree <= sample {
+    if agree <= sample || agree > count {
         return f64::INFINITY;
     }
     let (n, k, m) = (count as u64, agree as u64, sample as u64);

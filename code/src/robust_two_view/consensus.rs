@@ -353,7 +353,7 @@ fn concluded<C: Correspondences>(
 /// right data alone, when `right` of `count` are: the number of @fischler1981, for samples without
 /// repetition {eq:draws}. It takes every such sample to give the right estimate, which noise does not grant.
 pub fn draws_needed(right: usize, count: usize, sample: usize, confidence: f64) -> usize {
-    if right < sample || count < sample {
+    if right < sample || count < right || confidence.is_nan() {
         return usize::MAX;
     }
     let is_right = |drawn: usize| (right - drawn) as f64 / (count - drawn) as f64;

@@ -12,8 +12,9 @@ use super::Candidates;
 /// may not leave the interval. No bound of the roots is needed, since places are
 /// counted by t in z = t / (1 − |t|), which takes all of the line to the interval from −1 to 1.
 ///
-/// Roots that lie nearer to each other than 1e-12 by t are found as one. There are none of a
-/// polynomial that has an infinite coefficient or NaN, or is zero.
+/// Numbers below 1e-14 of a polynomial's largest coefficient count as rounding: roots that lie nearer
+/// to each other than about 1e-7 by t can be found as one, and those beyond 1e14 are not found. There
+/// are none of a polynomial that has an infinite coefficient or NaN, or is zero.
 // ANCHOR: isolated
 pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N> {
     let mut roots = Candidates::none(0.0);

@@ -9,7 +9,7 @@ use super::{
     GeneralMotion, Matches, OnePlane, OnlyTurned, PlaneMotion, RelativeMotion, general_motion,
     plane_motions,
 };
-use crate::filtering::{chi_square_below, chi_square_quantile};
+use crate::filtering::chi_square_above;
 
 // ANCHOR: two_view_model
 /// The simplest of three models that the matches do not contradict.
@@ -105,15 +105,16 @@ fn contradicts<R: Correspondences, S: Correspondences>(
         both.iter().map(|datum| simple_error(*datum, *datum) - rich_error(*datum, *datum)).sum();
     let freedom = both.len() * (S::DEGREES - R::DEGREES) + R::PARAMETERS;
     let is_excessive = freedom > S::PARAMETERS
-        && chi_square_below(excess, freedom - S::PARAMETERS) > 1.0 - options.false_alarms;
+        && chi_square_above(excess, freedom - S::PARAMETERS) < options.false_alarms;
     // ANCHOR_END: excess
     is_excessive || {
         // Farther off than the farthest of as many right ones.
         let count = simpler.count();
-        let probability = 1.0 - options.false_alarms / count as f64;
-        let far = chi_square_quantile(probability, S::DEGREES).unwrap_or(f64::INFINITY);
-        let off: Vec<usize> =
-            (0..count).filter(|datum| simple_error(*datum, *datum) > far).collect();
+        let is_far = |datum: &usize| {
+            let above = chi_square_above(simple_error(*datum, *datum), S::DEGREES);
+            above < options.false_alarms / count as f64
+        };
+        let off: Vec<usize> = (0..count).filter(is_far).collect();
         let explained =
             off.iter().filter(|datum| rich_error(**datum, **datum) <= rich.gate).count();
         let chance = chance_of_agreement(count, rich.gate, &rich_error);

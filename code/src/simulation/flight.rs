@@ -114,11 +114,6 @@ impl Flight {
         ((self.seconds * self.imu_rate - 1e-9).ceil() as usize).saturating_add(1)
     }
 
-    /// When a picture is taken, in seconds.
-    pub(super) fn picture_seconds(&self, index: usize) -> f64 {
-        nanoseconds(index, self.picture_rate) as f64 / 1e9
-    }
-
     /// The pixel of a point in camera coordinates, if it is in the image.
     pub(crate) fn pixel(&self, point_in_camera: &Vector3<f64>) -> Option<Vector2<f64>> {
         let pixel = self.camera.project_cam(point_in_camera)?;
@@ -133,8 +128,10 @@ impl Flight {
             ("seconds", self.seconds),
             ("imu_rate", self.imu_rate),
             ("picture_rate", self.picture_rate),
-            ("image", self.image.min()),
-            ("image", self.image.max()),
+            ("image", self.image.x),
+            ("image", self.image.y),
+            ("camera", self.camera.fx),
+            ("camera", self.camera.fy),
             ("baseline", self.baseline.unwrap_or(1.0)),
         ] {
             FlightError::positive(name, value)?;
@@ -144,9 +141,14 @@ impl Flight {
         let bias = self.initial_bias.vector().sum();
         let most = self.seconds * self.imu_rate.max(self.picture_rate);
         let finite = "a finite number";
+        let principal = self.camera.cx + self.camera.cy;
+        let lever = self.rig.body_from_camera;
+        let mounting = lever.translation.vector.sum() + lever.rotation.coords.sum();
         for (name, value, holds, wanted) in [
             ("seconds", self.seconds, most < MOST, "fewer, or lower rates"),
             ("initial_bias", bias, bias.is_finite(), "finite numbers"),
+            ("camera", principal, principal.is_finite(), "finite numbers"),
+            ("body_from_camera", mounting, mounting.is_finite(), "finite numbers"),
             ("time_offset", self.rig.time_offset, self.rig.time_offset.is_finite(), finite),
             ("gravity", self.gravity.sum(), self.gravity.sum().is_finite(), "finite numbers"),
             ("pixel_sigma", self.pixel_sigma, is_size(self.pixel_sigma), "zero or more pixels"),

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
+use super::flight::nanoseconds;
 use super::random::{Purpose, random};
 use super::{Flight, FlightError};
 
@@ -38,7 +39,7 @@ impl Flight {
         FlightError::positive("margin", margin)?;
         let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
         for k in 0..self.pictures() {
-            let position = self.motion.at(self.picture_seconds(k)).state.position;
+            let position = self.at(nanoseconds(k, self.picture_rate))?.state.position;
             (low, high) = (low.inf(&position), high.sup(&position));
         }
         let (low, size) = (low.add_scalar(-margin), (high - low).add_scalar(2.0 * margin));

@@ -31,7 +31,7 @@ impl Flight {
     // ANCHOR_END: record
 
     /// The motion at a time.
-    fn at(&self, nanoseconds: i64) -> Result<Kinematics, FlightError> {
+    pub(super) fn at(&self, nanoseconds: i64) -> Result<Kinematics, FlightError> {
         let seconds = nanoseconds as f64 / 1e9;
         let kinematics = self.motion.at(seconds);
         let NavState { velocity, position, .. } = kinematics.state;

@@ -145,6 +145,8 @@ impl Scene {
                 self.outliers.push(index);
             }
         }
+        self.outliers.sort_unstable();
+        self.outliers.dedup();
         self
     }
     // ANCHOR_END: outliers
@@ -248,8 +250,9 @@ pub fn at_true_scale(estimate: &[PosedPinhole], truth: &[PosedPinhole]) -> Vec<P
         product += arm.dot(&(true_camera.centre() - fixed));
         square += arm.norm_squared();
     }
+    let scale = if square > 0.0 { product / square } else { 1.0 };
     let grown = |camera: &PosedPinhole| {
-        let centre = fixed + product / square * (camera.centre() - fixed);
+        let centre = fixed + scale * (camera.centre() - fixed);
         let rotation = camera.camera_from_world.rotation;
         let translation = -(rotation * centre);
         let camera_from_world = Isometry3::from_parts(translation.into(), rotation);

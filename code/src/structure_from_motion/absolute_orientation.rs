@@ -44,7 +44,7 @@ pub fn absolute_orientation(
         (one + a.norm_squared(), other + b.norm_squared())
     });
     let moment: Matrix3<f64> = centred().map(|(a, b)| b * a.transpose()).sum();
-    let reach = pairs.iter().map(|pair| pair.0.amax().max(1.0) * pair.1.amax()).fold(0.0, f64::max);
+    let reach = pairs.iter().map(|pair| pair.0.amax() * pair.1.amax()).fold(0.0, f64::max);
     let extent = (squares.0 * squares.1).sqrt();
     if extent <= UNDECIDED * reach {
         return Err(OrientationError::OnePlace);

@@ -255,7 +255,7 @@ impl<'a> Grown<'a> {
 }
 
 /// That options are in their ranges; the gate for both coordinates of a pixel, in variances.
-fn check(options: &ReconstructionOptions) -> Result<f64, ReconstructionError> {
+pub(super) fn check(options: &ReconstructionOptions) -> Result<f64, ReconstructionError> {
     let ReconstructionOptions { sigma, inlier_probability, least_parallax, first_parallax, .. } =
         *options;
     let is_positive = |value: f64| value > 0.0 && value.is_finite();

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
 use crate::robust_two_view::{Candidates, real_roots};
+use crate::two_views::cofactors;
 
 /// Sines that are smaller are rounding.
 const FLAT: f64 = 1e-10;
@@ -155,12 +156,6 @@ fn split(conic: &Matrix3<f64>) -> Option<[Vector3<f64>; 2]> {
     (root > 0.0 && lines.iter().all(is_finite)).then_some(lines)
 }
 // ANCHOR_END: degenerate_conic
-
-/// The matrix of cofactors: of a symmetric one, its adjugate.
-fn cofactors(matrix: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].map(|column| matrix.column(column).into_owned());
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
-}
 
 /// The two places of a line that lie on the conics, if it meets them.
 fn on_line(line: &Vector3<f64>, conics: &[Matrix3<f64>; 2]) -> Option<[Vector3<f64>; 2]> {

@@ -1,6 +1,7 @@
 //! Which matches of two pictures agree with one motion between them.
 
 use super::pictures::{Arranged, Picture, PictureMatch};
+use super::reconstruction::check;
 use super::{ReconstructionError, ReconstructionOptions};
 use crate::robust_two_view::{
     ConsensusOptions, Matches, NoMotion, RelativeMotion, general_motion, motion_of_matches,
@@ -11,12 +12,13 @@ use crate::robust_two_view::{
 ///
 /// # Errors
 ///
-/// [`ReconstructionError`] when the input is none.
+/// [`ReconstructionError`] when the input or an option is none.
 pub fn verify(
     pictures: &[Picture],
     matches: &[PictureMatch],
     options: &ReconstructionOptions,
 ) -> Result<Vec<PictureMatch>, ReconstructionError> {
+    check(options)?;
     let arranged = Arranged::new(pictures, matches)?;
     let pairs = verified_pairs(&arranged, options);
     let given = |pair: &[usize; 2]| {

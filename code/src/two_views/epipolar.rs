@@ -125,8 +125,9 @@ fn nearest_essential(essential: &Matrix3<f64>) -> Result<Matrix3<f64>, Essential
     Ok(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) * v_transposed)
 }
 
-/// The matrix whose columns are the cross products of the other two columns.
-fn cofactors(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+/// The matrix of cofactors: its columns are the cross products of the other two. Of a symmetric matrix it
+/// is the adjugate.
+pub(crate) fn cofactors(matrix: &Matrix3<f64>) -> Matrix3<f64> {
     let [a, b, c] = [0, 1, 2].map(|column| matrix.column(column).into_owned());
     Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use super::triangulation::{TriangulationError, View, check, refuse_behind};
 use crate::bundle_adjustment::Camera;
 use crate::factors::{MovingCamera, PixelByCamera};
-use crate::least_squares::{Kernel, Key, Method, Options, Problem, Solution, Stop};
+use crate::least_squares::{Kernel, Key, Method, Options, Problem, Solution};
 
 // ANCHOR: triangulated
 /// A point and what is known about it.
@@ -49,7 +49,7 @@ pub fn triangulate_nonlinear(
     let information = problem.linearize(&values).map_err(too_large)?.hessian;
     let covariance = covariance(&information.fixed_view::<3, 3>(0, 0).into_owned())?;
     let iterations = report.iterations.len();
-    if matches!(report.stop, Stop::IterationLimit | Stop::LeftDomain) {
+    if !report.stop.is_settled() {
         let last = report.iterations.iter().rfind(|step| step.accepted);
         let step = last.map_or(f64::INFINITY, |last| last.step_norm);
         return Err(TriangulationError::NotConverged { iterations, step });

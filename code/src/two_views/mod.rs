@@ -15,6 +15,7 @@ mod stereo;
 mod triangulation;
 mod uncertainty;
 
+pub(crate) use epipolar::cofactors;
 pub use epipolar::{
     EssentialError, epipolar_line, epipolar_residual, essential_matrix, fundamental_matrix,
     ray_depths, relative_pose, relative_poses, sampson_distance,

@@ -102,7 +102,8 @@ fn a_fault_in_a_calibration_is_told_with_its_line() {
     assert_eq!(fault("0.5", "0"), (8, positive));
     let camera = PinholeError::FocalLength { name: "fx", value: -460.0 };
     assert_eq!(fault("460", "-460"), (3, CalibrationFault::Camera(camera)));
-    assert!(matches!(fault("2e-2", "-1"), (12, CalibrationFault::Noise(_))));
+    assert!(matches!(fault("2e-2", "-1"), (13, CalibrationFault::Noise(_))));
+    assert!(matches!(fault("458.5", "0"), (4, CalibrationFault::Camera(_))));
     for (from, to) in [
         ("0, 0, 1, 0.1", "0, 0, 2, 0.1"),
         ("0, 0, 1, 0.1", "0, 0, -1, 0.1"),

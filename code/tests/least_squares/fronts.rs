@@ -25,17 +25,22 @@ fn hold_near<V: Manifold, const N: usize>(problem: &mut Problem, variable: Key<V
 /// A flight with biases that walk and a calibration that is unknown, away from the truth, and its
 /// states and biases in order.
 fn window() -> (Problem, Vec<usize>) {
+    window_of(UnknownCalibration { extrinsics: true, time_offset: true })
+}
+
+fn window_of(calibration: UnknownCalibration) -> (Problem, Vec<usize>) {
     let flight = Flight { pixel_sigma: 0.5, ..Flight::brief(Trajectory::figure_eight()) };
     let assumption = BiasAssumption { walk: Some(flight.noise), ..BiasAssumption::CONSTANT };
     let landmarks = landmarks_around(&Vector3::zeros(), 60);
     let mut window = flight.window(&landmarks, assumption).unwrap();
-    window.calibration = UnknownCalibration { extrinsics: true, time_offset: true };
+    window.calibration = calibration;
     let mut problem = window.problem().unwrap();
     let (states, biases) = (of_kind::<NavState>(&problem), of_kind::<ImuBias>(&problem));
     hold_near::<_, 9>(&mut problem, states[0], 0.01);
     hold_near::<_, 6>(&mut problem, biases[0], 0.01);
-    let rig = of_kind::<Isometry3<f64>>(&problem)[0];
-    hold_near::<_, 6>(&mut problem, rig, 0.01);
+    for rig in of_kind::<Isometry3<f64>>(&problem) {
+        hold_near::<_, 6>(&mut problem, rig, 0.01);
+    }
     let mut draws = Draws::new(7);
     let step: Vec<f64> = (0..problem.values().dimension()).map(|_| 2e-3 * draws.number()).collect();
     problem.set_values(problem.values().retract(&step)).unwrap();
@@ -86,8 +91,19 @@ fn every_order_of_elimination_gives_the_step_of_the_dense_system() {
 
 #[test]
 fn a_landmark_at_infinity_takes_nothing_of_what_is_known_of_a_state() {
-    let (mut problem, trunk) = window();
-    let landmark = of_kind::<Vector3<f64>>(&problem)[0];
+    let known = UnknownCalibration { extrinsics: false, time_offset: false };
+    let unknown = UnknownCalibration { extrinsics: true, time_offset: true };
+    for calibration in [known, unknown] {
+        let count = of_kind::<Vector3<f64>>(&window_of(calibration).0).len();
+        let tried = (0..count).filter(|number| is_harmless(window_of(calibration), *number));
+        let tried = tried.count();
+        assert!(tried > 8, "{tried}");
+    }
+}
+
+/// Whether a landmark at infinity is harmless to the newest state; not where no camera could see it there.
+fn is_harmless((mut problem, trunk): (Problem, Vec<usize>), number: usize) -> bool {
+    let landmark = of_kind::<Vector3<f64>>(&problem)[number];
     let mut values = problem.values().clone();
     let place = 1e9 * values[landmark];
     assert!(values.set(landmark, place));
@@ -97,16 +113,45 @@ fn a_landmark_at_infinity_takes_nothing_of_what_is_known_of_a_state() {
         let order = Fronts::order_along(problem, &trunk).unwrap();
         let mut fronts = Fronts::in_order(problem, &order).unwrap();
         let at = Point { values: problem.values(), frozen: None };
-        fronts.linearize(problem, at).unwrap();
+        fronts.linearize(problem, at).ok()??;
         let mut step = vec![0.0; problem.values().dimension()];
         assert!(fronts.step(1e-6, &mut step).is_some());
-        fronts.covariance_of(problem, newest).expect("what is known").diagonal()
+        Some(fronts.covariance_of(problem, newest).expect("what is known").diagonal())
     };
-    let free = known(&problem);
+    let Some(free) = known(&problem) else { return false };
     problem.hold(landmark).unwrap();
-    let held = known(&problem);
+    let held = known(&problem).unwrap();
     assert!(free.iter().zip(&held).all(|(free, held)| free >= &(0.999 * held)), "{free} {held}");
     assert!(free.iter().zip(&held).all(|(free, held)| *free < 100.0 * held), "{free} {held}");
+    true
+}
+
+#[test]
+fn a_covariance_is_that_of_the_last_linearization_whatever_step_was_taken_before() {
+    let (mut problem, trunk) = window();
+    let newest = &trunk[trunk.len() - 2..];
+    let order = Fronts::order_along(&problem, &trunk).unwrap();
+    let mut fronts = Fronts::in_order(&problem, &order).unwrap();
+    assert_eq!(fronts.covariance_of(&problem, newest), None);
+    let covariance = |problem: &Problem, fronts: &mut Fronts, damping: Option<f64>| {
+        let at = Point { values: problem.values(), frozen: None };
+        fronts.linearize(problem, at).unwrap();
+        let mut step = vec![0.0; problem.values().dimension()];
+        if let Some(damping) = damping {
+            assert!(fronts.step(damping, &mut step).is_some());
+        }
+        fronts.covariance_of(problem, newest).unwrap()
+    };
+    covariance(&problem, &mut fronts, Some(0.0));
+    let step: Vec<f64> =
+        (0..problem.values().dimension()).map(|at| 0.02 * (at as f64).sin()).collect();
+    problem.set_values(problem.values().retract(&step)).unwrap();
+    let expected =
+        covariance(&problem, &mut Fronts::in_order(&problem, &order).unwrap(), Some(0.0));
+    for damping in [None, Some(1.0)] {
+        let found = covariance(&problem, &mut fronts, damping);
+        assert!((&found - &expected).amax() <= 1e-9 * expected.amax(), "after {damping:?}");
+    }
 }
 
 #[test]

@@ -64,6 +64,23 @@ fn a_few_points_beside_the_plane_are_enough_for_a_general_motion() {
 }
 
 #[test]
+fn a_motion_beside_far_points_is_told_from_a_turn_however_rare_false_alarms_are_to_be() {
+    let mut random = random(46);
+    for seed in 0..5 {
+        let pose = small_motion(&mut random);
+        let turn = Isometry3::from_parts(Vector3::zeros().into(), pose.rotation);
+        let mut all = pixels(&mut random, &turn, World::Deep, 60, 0);
+        all.extend(pixels(&mut random, &pose, World::Deep, 140, 0));
+        let matches = Matches::new([&CAMERA, &CAMERA], &all, 1.0).unwrap();
+        for false_alarms in [1e-3, 1e-17] {
+            let options = ConsensusOptions { seed, false_alarms, ..Default::default() };
+            let found = motion_of_matches(&matches, &options).unwrap();
+            assert!(found.inliers.len() > 130, "{}", found.inliers.len());
+        }
+    }
+}
+
+#[test]
 fn a_baseline_that_noise_hides_is_a_turn_and_one_that_it_does_not_is_a_motion() {
     let mut random = random(44);
     let (mut hidden, mut shown) = (0, 0);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use vislam::structure_from_motion::{
-    PictureMatch, ReconstructionError, ReconstructionOptions, Refused, reconstruct,
+    PictureMatch, ReconstructionError, ReconstructionOptions, Refused, reconstruct, verify,
 };
 
 use super::scenes::{Scene, arc, ball, looking, random, scene};
@@ -47,6 +47,8 @@ fn numbers_that_are_none_are_refused_by_name() {
     ];
     for options in options {
         let refused = reconstruct(&scene.pictures, &scene.matches, &options);
+        assert!(matches!(refused, Err(ReconstructionError::Option { .. })));
+        let refused = verify(&scene.pictures, &scene.matches, &options);
         assert!(matches!(refused, Err(ReconstructionError::Option { .. })));
     }
 }

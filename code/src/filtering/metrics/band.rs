@@ -34,7 +34,7 @@ impl NeesBand {
         if degrees == 0 {
             return Err(BandError::Empty { runs, dimension });
         }
-        if !(outside > 0.0 && outside < 1.0) {
+        if !(outside > 2.0 * f64::EPSILON && outside < 1.0) {
             return Err(BandError::Outside { outside });
         }
         let [low, high] = chi_square_band(outside, degrees)?.map(|end| end / degrees as f64);

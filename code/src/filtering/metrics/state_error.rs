@@ -58,7 +58,8 @@ pub fn attitude_in_world(
     covariance: &Matrix<f64, U3, U3, impl Storage<f64, U3, U3>>,
 ) -> Matrix3<f64> {
     let world_from_body = estimate.world_from_body.matrix();
-    world_from_body * covariance * world_from_body.transpose()
+    let turned = world_from_body * covariance * world_from_body.transpose();
+    0.5 * (turned + turned.transpose())
 }
 // ANCHOR_END: attitude_in_world
 

@@ -64,11 +64,15 @@ pub fn relative_pose_errors(
 ///
 /// # Errors
 ///
-/// [`TrajectoryError`] when the length is not positive, or longer than the whole path.
+/// [`TrajectoryError`] when the length is not positive, or longer than the whole path, and for a position
+/// that is not finite.
 pub fn pairs_by_distance(
     truth: &[NavState],
     metres: f64,
 ) -> Result<Vec<(usize, usize)>, TrajectoryError> {
+    if let Some(state) = truth.iter().position(|state| !state.position.sum().is_finite()) {
+        return Err(AlignmentError::NotFinite { state }.into());
+    }
     let mut path = 0.0;
     let steps = truth.windows(2).map(|pair| (pair[1].position - pair[0].position).norm());
     let paths = [0.0].into_iter().chain(steps).map(|step| {
@@ -86,9 +90,9 @@ pub fn pairs_by_distance(
 /// [`TrajectoryError`] when the times, in seconds, do not ascend, and when the interval is not
 /// positive, or longer than all of them.
 pub fn pairs_by_time(times: &[f64], seconds: f64) -> Result<Vec<(usize, usize)>, TrajectoryError> {
-    let ascends = |pair: &[f64]| pair[0] < pair[1];
-    match times.windows(2).position(|pair| !ascends(pair)) {
-        Some(before) => Err(TrajectoryError::Order { state: before + 1 }),
+    let is_later = |state: usize| state == 0 || times[state - 1] < times[state];
+    match (0..times.len()).find(|state| !(times[*state].is_finite() && is_later(*state))) {
+        Some(state) => Err(TrajectoryError::Order { state }),
         None => pairs(times, seconds),
     }
 }
@@ -100,7 +104,8 @@ fn pairs(gained: &[f64], interval: f64) -> Result<Vec<(usize, usize)>, Trajector
         return Err(TrajectoryError::Interval { interval });
     }
     // Sums of steps are round where an interval of so many steps is meant.
-    let enough = interval * (1.0 - 1e-9);
+    let largest = gained.iter().fold(0.0, |largest: f64, at| largest.max(at.abs()));
+    let enough = interval * (1.0 - 1e-9) - 4.0 * f64::EPSILON * largest;
     let last = |&start: &f64| gained.partition_point(|at| at - start < enough);
     let pairs = gained.iter().map(last).enumerate().take_while(|(_, last)| *last < gained.len());
     let pairs: Vec<_> = pairs.collect();
@@ -133,7 +138,9 @@ pub enum TrajectoryError {
         interval: f64,
     },
     /// The times do not ascend.
-    #[error("state {state} is not later than the one before it; sort the states by time")]
+    #[error(
+        "state {state} is not later than the one before it, or at no time; sort the states by time"
+    )]
     Order {
         /// Counted from zero.
         state: usize,
