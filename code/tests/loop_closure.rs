@@ -325,6 +325,10 @@ fn poses_that_are_no_numbers_are_refused_unless_others_are_asked_for() {
     let mut upright = graph.upright();
     let nowhere = LoopClosureError::PoseNotFinite { pose: 7 };
     let turned = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
+    graph.poses[7].translation.vector.y = f64::NAN;
+    let solved = graph.solve(|_| Kernel::Squared, &Options::default());
+    assert_eq!(solved.unwrap_err(), nowhere);
+    graph.poses[7] = truth[7];
     graph.poses[7].rotation = turned;
     upright.poses[7].world_from_body.rotation = turned;
     assert_eq!(graph.cost().unwrap_err(), nowhere);

@@ -15,7 +15,7 @@ pub fn chi_square_below(x: f64, degrees: usize) -> f64 {
 }
 // ANCHOR_END: below
 
-/// The probability that the same sum is `x` or more, with all digits where it is small.
+/// The probability that the same sum is above `x`, with all digits where it is small.
 pub fn chi_square_above(x: f64, degrees: usize) -> f64 {
     match ChiSquared::new(degrees as f64) {
         Ok(distribution) => distribution.sf(x),

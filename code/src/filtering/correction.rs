@@ -47,7 +47,7 @@ pub fn correct<T: RealField + Copy>(
     let mut gain = seen;
     lower.solve_lower_triangular_mut(&mut gain);
     let step = -gain.tr_mul(&whitened);
-    check_step(&step)?;
+    check_finite(step.as_slice())?;
     match form {
         Form::Joseph => *covariance = joseph(covariance, jacobian, &lower, gain),
         Form::Difference => covariance.gemm(-T::one(), &gain.transpose(), &gain, T::one()),
@@ -132,7 +132,7 @@ pub fn correct_root<T: RealField + Copy>(
         return Err(CorrectionError::Covariance);
     }
     let step = -triangle.view((0, rows), (rows, dimension)).tr_mul(&whitened);
-    check_step(&step)?;
+    check_finite(step.as_slice())?;
     root.copy_from(&triangle.view((rows, rows), (dimension, dimension)));
     Ok(Correction { step, innovation: whitened.norm_squared() })
 }
@@ -158,9 +158,7 @@ pub fn carry_root<T: RealField + Copy>(
     array.rows_mut(0, dimension).copy_from(&(&*root * transition.transpose()));
     array.rows_mut(dimension, noise.nrows()).copy_from(noise);
     let triangle = array.qr().unpack_r();
-    if !triangle.iter().all(|entry| entry.is_finite()) {
-        return Err(CorrectionError::Covariance);
-    }
+    check_finite(triangle.as_slice())?;
     root.copy_from(&triangle.rows(0, dimension));
     Ok(())
 }
@@ -183,8 +181,8 @@ fn check<T: RealField + Copy>(
 }
 
 /// Whether the numbers of a covariance have been small enough to correct by it.
-fn check_step<T: RealField + Copy>(step: &DVector<T>) -> Result<(), CorrectionError> {
-    let is_finite = step.iter().all(|entry| entry.is_finite());
+fn check_finite<T: RealField + Copy>(entries: &[T]) -> Result<(), CorrectionError> {
+    let is_finite = entries.iter().all(|entry| entry.is_finite());
     is_finite.then_some(()).ok_or(CorrectionError::Covariance)
 }
 
