@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use exercise_spec::EXERCISES;
+use exercise_runner::names::taken;
+use exercise_spec::{EXERCISES, exercise};
 use grader::export::every_skeleton;
 use grader::screen::screen;
 
@@ -88,6 +89,7 @@ fn reference_answers_and_skeletons_pass() {
         texts.push(fs::read_to_string(path).expect("an answer"));
         for text in texts {
             assert_eq!(screen(slug, &text), Ok(()), "{slug}: {text}");
+            assert_eq!(taken(exercise, &text), [""; 0], "{slug}");
         }
     }
 }
@@ -533,6 +535,9 @@ fn no_item_of_an_answer_may_be_called_so() {
                 asks for, and nothing of yours may have its name. Give it another one."
         );
         assert!(refusal.lines().any(|line| line == told), "{text}: {refusal}");
+        let its = exercise(slug).expect("an exercise");
+        assert!(taken(its, text).contains(&name), "the students' tests say nothing of {text}");
+        assert_eq!(taken(its, &format!("// {text}\nfn f() {{ let {name} = 1; }}")), [""; 0]);
     }
 }
 

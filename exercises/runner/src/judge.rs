@@ -13,16 +13,24 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 use crate::folder::{self, Folder};
 use crate::progress::Verdicts;
-use crate::{picture, selection};
+use crate::{names, picture, selection};
 
 /// Runs the checks of an exercise on an answer, prints what is wrong, and keeps the outcome for
-/// the list of progress. `source` is the answer's text.
+/// the list of progress. `source` is the answer's text. One that the grader refuses for its names is
+/// not asked.
 pub fn judge(
     exercise: &'static Exercise,
     source: &str,
     functions: impl Dispatch + 'static,
 ) -> ExitCode {
     let mut arguments = Arguments::from_args();
+    let taken = names::taken(exercise, source);
+    if !taken.is_empty() && !arguments.list {
+        for name in taken {
+            println!("{}", selection::wrapped(&names::refusal(name), 96));
+        }
+        return ExitCode::FAILURE;
+    }
     // The name of the exercise selects all its checks; they do not repeat it.
     arguments.filter = arguments.filter.filter(|filter| !exercise.slug.contains(filter.as_str()));
     // One after the other, so that what is wrong first is told first.

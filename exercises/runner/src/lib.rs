@@ -7,6 +7,7 @@ pub mod edition;
 pub mod folder;
 pub mod hints;
 pub mod judge;
+pub mod names;
 pub mod picture;
 pub mod progress;
 pub mod say;

@@ -3,11 +3,9 @@
 //! Of the book's library answers are linked with a part that does not have them. What is said here
 //! is said before a compiler says less.
 
-use super::tokens::Tokens;
+use exercise_runner::names::{ITEMS, refusal};
 
-/// Words before the name of an item.
-const ITEMS: &[&str] =
-    &["as", "const", "enum", "fn", "mod", "static", "struct", "trait", "type", "union"];
+use super::tokens::Tokens;
 
 /// Where an answer calls them, or something of its own by their names, with the lines.
 pub fn findings(tokens: &Tokens, items: &[&str]) -> Vec<(usize, String)> {
@@ -19,10 +17,7 @@ pub fn findings(tokens: &Tokens, items: &[&str]) -> Vec<(usize, String)> {
 fn finding(tokens: &Tokens, at: usize) -> Option<String> {
     let name = tokens.word(at);
     if is_given(tokens, at) {
-        return Some(format!(
-            "`{name}` is what the library calls something that does what this exercise asks for, \
-                and nothing of yours may have its name. Give it another one."
-        ));
+        return Some(refusal(name));
     }
     if is_the_librarys(tokens, at, name) {
         return Some(format!(
