@@ -159,8 +159,12 @@ impl ExerciseGrade {
     /// What it earns: what its program earns, and its words where they have points. Nothing at all,
     /// and not zero, when it could not be graded.
     pub fn earned(&self) -> Option<f64> {
-        let program = self.marked.or_else(|| self.of_checks())?;
-        Some(program + self.words.map_or(0.0, |words| words.earned))
+        Some(self.program()? + self.words.map_or(0.0, |words| words.earned))
+    }
+
+    /// What its program earns, by its checks or by a person.
+    pub fn program(&self) -> Option<f64> {
+        self.marked.or_else(|| self.of_checks())
     }
 
     /// What can be earned.

@@ -125,7 +125,7 @@ impl Items {
 impl Item {
     fn add(&mut self, exercise: &ExerciseGrade, rest: Option<f64>) {
         self.points = exercise.points;
-        let Some(earned) = exercise.earned() else {
+        let Some(earned) = exercise.program() else {
             self.ungraded += 1;
             return;
         };

@@ -4,7 +4,7 @@ mod made_up;
 
 use exercise_spec::EXERCISES;
 use grader::changes::Changes;
-use grader::grade::{Grade, Outcome, Verdict};
+use grader::grade::{Grade, Outcome, Verdict, WordsGrade};
 use grader::items::{Correlation, Items};
 use grader::report::gradebook::Gradebook;
 use grader::report::markdown::{self, Summary, escaped};
@@ -204,7 +204,48 @@ fn item_analysis_counts_what_could_not_be_graded_as_neither_right_nor_wrong() {
     assert!(text.contains("| skew sign | 3 |"), "{text}");
 }
 
+/// A grade with points for words, and one without.
+fn with_and_without_words() -> [Grade; 2] {
+    let right = vec![check("a", false, Verdict::Passed)];
+    let grades =
+        ["ada", "brook"].map(|name| grade(name, vec![exercise(0, Outcome::Ran, right.clone())]));
+    let [mut with, without] = grades;
+    with.exercises[0].words = Some(WordsGrade { of: 2.0, earned: 2.0 });
+    [with, without]
+}
+
+#[test]
+fn item_analysis_is_about_programs() {
+    let text = items(&with_and_without_words());
+    assert!(text.contains("| 2 | 0 | 0 | 0 | 0 | 0 | 10 of 10 |"), "{text}");
+}
+
+#[test]
+fn tables_are_of_the_most_that_anybody_can_earn() {
+    let grades = with_and_without_words();
+    assert!(terminal(&grades).contains("of 12"), "{}", terminal(&grades));
+    assert!(summary(&grades).contains("of 12"), "{}", summary(&grades));
+}
+
 // What students are told.
+
+#[test]
+fn gradescope_shows_what_a_person_says_of_an_answer_that_never_ran() {
+    for outcome in [Outcome::Missing, Outcome::DoesNotCompile("error".to_owned())] {
+        for marked in [None, Some(3.0)] {
+            let mut exercise = exercise(0, outcome.clone(), vec![]);
+            exercise.comments = vec!["Come and see me.".to_owned()];
+            exercise.words = Some(WordsGrade { of: 2.0, earned: 1.5 });
+            exercise.marked = marked;
+            let shown = gradescope(&grade("ada", vec![exercise]), Detail::Full);
+            assert!(shown.to_string().contains("Come and see me."), "{shown}");
+            let tests = shown["tests"].as_array().expect("tests");
+            let sum = |of: &str| tests.iter().filter_map(|test| test[of].as_f64()).sum::<f64>();
+            assert_eq!(shown["score"].as_f64(), Some(sum("score")), "{shown}");
+            assert_eq!(sum("max_score"), 12.0, "{shown}");
+        }
+    }
+}
 
 #[test]
 fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {

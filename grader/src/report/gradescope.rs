@@ -81,17 +81,28 @@ fn output(grade: &Grade) -> String {
 
 fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test> {
     let title = harmless_line(&exercise.title, NAME);
-    if let Some(told) = Told::of_outcome(&exercise.outcome) {
-        let earned = exercise.earned();
-        return vec![Test {
-            score: earned,
-            max_score: earned.map(|_| exercise.of()),
-            status: earned.map(|_| "failed"),
-            name: title,
-            number: number.to_string(),
-            output: told.text(),
-        }];
+    let mut tests = match Told::of_outcome(&exercise.outcome) {
+        Some(told) => vec![never_ran(exercise, &title, number, &told)],
+        None => of_checks(exercise, &title, number, detail),
+    };
+    tests.extend(by_person(exercise, &title, number));
+    tests
+}
+
+/// An answer that never ran. Points that a person gave it stand with what that person says.
+fn never_ran(exercise: &ExerciseGrade, title: &str, number: usize, told: &Told) -> Test {
+    let score = exercise.program().filter(|_| exercise.marked.is_none());
+    Test {
+        score,
+        max_score: score.map(|_| exercise.points),
+        status: exercise.program().map(|_| "failed"),
+        name: title.to_owned(),
+        number: number.to_string(),
+        output: told.text(),
     }
+}
+
+fn of_checks(exercise: &ExerciseGrade, title: &str, number: usize, detail: Detail) -> Vec<Test> {
     let all: f64 = exercise.checks.iter().map(|check| check.weight).sum();
     let share = |check: &CheckGrade| {
         if all > 0.0 { exercise.points * check.weight / all } else { 0.0 }
@@ -115,9 +126,7 @@ fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test
             output: detail.of_check(check).text(),
         }
     };
-    let mut tests: Vec<Test> = exercise.checks.iter().enumerate().map(test).collect();
-    tests.extend(by_person(exercise, &title, number));
-    tests
+    exercise.checks.iter().enumerate().map(test).collect()
 }
 
 /// What a person gave, and what a person says.

@@ -255,7 +255,7 @@ impl Summary {
     /// Adds a grade.
     pub fn add(&mut self, grade: &Grade) {
         self.count += 1;
-        self.points = grade.points();
+        self.points = self.points.max(grade.points());
         match grade.earned() {
             Some(earned) => self.earned += earned,
             None => {

@@ -61,7 +61,7 @@ impl Terminal {
     /// Adds a grade.
     pub fn add(&mut self, grade: &Grade) {
         self.count += 1;
-        self.points = grade.points();
+        self.points = self.points.max(grade.points());
         self.alone = (self.count == 1).then(|| grade.clone());
         if let Some(earned) = grade.earned() {
             self.graded += 1;
