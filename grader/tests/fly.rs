@@ -10,7 +10,7 @@ use std::time::Instant;
 use flown::*;
 use grader::batch::{Finished, Order};
 use grader::fly::answer::{Answer, Kind, LARGEST, NoAnswer, folder};
-use grader::fly::export::export_with;
+use grader::fly::export::{export_with, sung};
 use grader::fly::flights::{FLIGHTS, Graded};
 use grader::fly::judge::Course;
 use grader::fly::key::{Exported, Key};
@@ -432,6 +432,23 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let order = Order { marks: Some(marks), roster: Some(roster), ..order };
     assert!(!run_in(at.path(), &order).told.contains("these marks"));
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
+}
+
+#[test]
+fn a_key_on_whose_flights_the_canaries_fail_is_drawn_again() {
+    let drawn_after = |failing: u128| {
+        let count = std::cell::Cell::new(0);
+        let draw = || {
+            count.set(count.get() + 1);
+            Ok(Key::of(count.get()))
+        };
+        let fails = |key: &Key| (1..=failing).any(|number| *key == Key::of(number));
+        let sing = |key: &Key| if fails(key) { Err("it fails".to_owned()) } else { Ok(()) };
+        sung(draw, sing)
+    };
+    assert_eq!(drawn_after(0), Ok(Key::of(1)));
+    assert_eq!(drawn_after(2), Ok(Key::of(3)));
+    assert!(drawn_after(9).unwrap_err().starts_with("nothing is exported"));
 }
 
 /// The sum of points of a row.

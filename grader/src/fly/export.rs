@@ -7,9 +7,13 @@ use std::path::{Path, PathBuf};
 use vislam::simulation::FlightRecording;
 
 use super::answer::folder;
+use super::canary;
 use super::flights::{Announced, BIASES, Graded, OUTLIERS};
 use super::key::{Exported, Key};
 use crate::roster::Roster;
+
+/// So many keys are drawn before something else than chance is to blame.
+const DRAWN: usize = 3;
 
 /// Where the key of an export is unless somebody says otherwise: beside its folder, not in it.
 pub fn key_beside(dir: &Path) -> PathBuf {
@@ -26,7 +30,7 @@ pub fn key_beside(dir: &Path) -> PathBuf {
 /// A sentence when the roster cannot be read, something is there already or cannot be written.
 pub fn export(dir: &Path, roster: &Path) -> Result<(), String> {
     let roster = Roster::read(roster)?;
-    let key = export_with(dir, &roster, &Key::draw()?)?;
+    let key = export_with(dir, &roster, &sung(Key::draw, canary::sing)?)?;
     println!(
         "{} has the flights of {} folders; hand each one out to whom it is for. The key is in {}: \
          keep it, and keep it to yourself. Then: cargo grade fly run SUBMISSIONS --key {}",
@@ -36,6 +40,27 @@ pub fn export(dir: &Path, roster: &Path) -> Result<(), String> {
         key.display()
     );
     Ok(())
+}
+
+/// A drawn key on whose flights the canaries come out as they must. By chance some do not, and grading would find
+/// that out when everybody has flown.
+///
+/// # Errors
+///
+/// A sentence when none is drawn, or they come out wrong on several.
+pub fn sung(
+    draw: impl Fn() -> Result<Key, String>,
+    sing: impl Fn(&Key) -> Result<(), String>,
+) -> Result<Key, String> {
+    let mut wrong = String::new();
+    for _ in 0..DRAWN {
+        let key = draw()?;
+        match sing(&key) {
+            Ok(()) => return Ok(key),
+            Err(why) => wrong = why,
+        }
+    }
+    Err(format!("nothing is exported: on the flights of {DRAWN} keys in turn {wrong}"))
 }
 
 /// The same with a key, whose file comes back.
