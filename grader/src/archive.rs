@@ -5,13 +5,12 @@
 //! are none of them. Sizes that the archive states do not matter.
 
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 use std::ops::Range;
 use std::path::Path;
 
 use tempfile::TempDir;
 use zip::ZipArchive;
-use zip::result::ZipError;
 
 use crate::submission::is_archive;
 use crate::text::harmless_line;
@@ -38,6 +37,8 @@ const ENDS: u64 = 32;
 pub struct Wanted {
     /// Whether a file of this name is.
     pub name: fn(&str) -> bool,
+    /// Whether it is a part of an answer. These come first, and no archive is opened that keeps one back.
+    pub answer: fn(&str) -> bool,
     /// As much of each as is read, in bytes.
     pub largest: u64,
     /// As many as are.
@@ -64,7 +65,7 @@ pub fn is_zip(path: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// A sentence when it cannot be read, or is too large to be looked at.
+/// A sentence when it cannot be read, is too large to be looked at, or keeps back a part of an answer.
 pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     let name = harmless_line(&path.file_name().unwrap_or_default().to_string_lossy(), 60);
     let told = |why: String| {
@@ -92,17 +93,23 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     let mut archive = ZipArchive::new(file).map_err(|error| unreadable(&error))?;
     let folder = tempfile::tempdir().map_err(|error| unreadable(&error))?;
     let mut notices = Vec::new();
-    let (mut taken, mut inner) = (0, None);
-    for index in 0..archive.len() {
-        let name = archive.name_for_index(index).unwrap_or_default();
-        if is_archive(Path::new(name)) {
-            inner.get_or_insert_with(|| harmless_line(name, 60));
-        }
-        if !(wanted.name)(last(name)) {
-            continue;
-        }
-        let why_not = one(&mut archive, index, (folder.path(), wanted), &mut taken);
-        notices.extend(why_not.map_err(|error| unreadable(&error))?);
+    let inner = archive.file_names().find(|name| is_archive(Path::new(name)));
+    let inner = inner.map(|name| harmless_line(name, 60));
+    let called = |index: &usize| last(archive.name_for_index(*index).unwrap_or_default());
+    let named = (0..archive.len()).filter(|index| (wanted.name)(called(index)));
+    let (answers, others): (Vec<_>, Vec<_>) =
+        named.partition(|index| (wanted.answer)(called(index)));
+    let mut room = wanted.most;
+    for index in answers.iter().chain(&others).copied() {
+        let shown = harmless_line(archive.name_for_index(index).unwrap_or_default(), 80);
+        let why_not = match one(&mut archive, index, (folder.path(), wanted), &mut room) {
+            Ok(why_not) => why_not,
+            Err(why) if answers.contains(&index) => {
+                return Err(told(format!("holds `{shown}`, which cannot be taken out ({why})")));
+            }
+            Err(why) => Some(why),
+        };
+        notices.extend(why_not.map(|why| format!("`{shown}` was left in the archive: {why}")));
     }
     notices.truncate(4);
     Ok(Unpacked { folder, notices, inner })
@@ -135,41 +142,38 @@ fn counted(mut file: &File) -> io::Result<(u64, u64)> {
     }
 }
 
-/// Takes out one file if it may be an answer, and says why not where its author should know.
+/// Takes out one file, or says why it has to stay there.
+///
+/// # Errors
+///
+/// Why it cannot be taken out, which need not be its author's doing.
 fn one(
     archive: &mut ZipArchive<File>,
     index: usize,
     (folder, wanted): (&Path, &Wanted),
-    taken: &mut usize,
-) -> io::Result<Option<String>> {
-    let shown = harmless_line(archive.name_for_index(index).unwrap_or_default(), 80);
-    let left = |why: &str| Ok(Some(format!("`{shown}` was left in the archive: {why}")));
-    let mut file = match archive.by_index(index) {
-        Ok(file) => file,
-        Err(ZipError::UnsupportedArchive(why)) => return left(&harmless_line(why, 80)),
-        Err(error) => return Err(error.into()),
-    };
+    room: &mut usize,
+) -> Result<Option<String>, String> {
+    let unreadable = |error: &dyn std::fmt::Display| harmless_line(&error.to_string(), 200);
+    let mut file = archive.by_index(index).map_err(|error| unreadable(&error))?;
     if file.is_dir() {
         return Ok(None);
     }
     if file.is_symlink() {
-        return left("it is a link, and links are not followed");
+        return Ok(Some("it is a link, and links are not followed".to_owned()));
     }
     let Some(path) = file.enclosed_name().filter(|path| path.components().count() <= DEEP) else {
-        return left("its path leads out of the folder, or too deep into it");
+        return Ok(Some("its path leads out of the folder, or too deep into it".to_owned()));
     };
-    if *taken == wanted.most {
-        return left("there are too many files of its kind");
-    }
-    *taken += 1;
+    *room = room.checked_sub(1).ok_or("there are too many files of its kind")?;
     let place = folder.join(&path);
-    fs::create_dir_all(place.parent().unwrap_or(folder))?;
-    let Ok(mut new) = File::create_new(&place) else {
-        return left("another file has its name");
-    };
+    fs::create_dir_all(place.parent().unwrap_or(folder)).map_err(|error| unreadable(&error))?;
+    let mut new = File::create_new(&place).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => "another file has its name".to_owned(),
+        _ => unreadable(&error),
+    })?;
     // A file that has more than is read is refused for its length later.
-    io::copy(&mut (&mut file).take(wanted.largest + 1), &mut new)?;
-    Ok(None)
+    let copied = io::copy(&mut (&mut file).take(wanted.largest + 1), &mut new);
+    copied.map(|_| None).map_err(|error| unreadable(&error))
 }
 
 /// The name of a file in a path.

@@ -97,9 +97,13 @@ pub trait Judging: Sync {
     /// Grades a submission.
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade;
 
-    /// What reports need of a submission besides its grade. Of what cannot be read there is nothing.
-    fn collected(&self, submission: &Submission) -> Collected {
-        submission::collect(submission).unwrap_or_default()
+    /// What reports need of a submission besides its grade.
+    ///
+    /// # Errors
+    ///
+    /// A sentence when it cannot be read.
+    fn collected(&self, submission: &Submission) -> Result<Collected, String> {
+        submission::collect(submission)
     }
 }
 

@@ -100,7 +100,7 @@ impl Judge {
             self.exercises.iter().map(|asked| &asked.skeletons).collect();
         let parts = format!(
             "{:?} {points} {} {slugs:?} {skeletons:?}",
-            (&collected.answers, &collected.refused),
+            (&collected.answers, &collected.refused, &collected.notices),
             self.seed.text()
         );
         let digest = Sha256::new().chain_update(edition()).chain_update(parts).finalize();

@@ -13,7 +13,7 @@ use crate::grade::{Grade, WordsGrade};
 use crate::points::Points;
 use crate::roster::{separator, text};
 use crate::text::{harmless, harmless_line};
-use crate::words::{self, Words};
+use crate::words;
 
 /// The columns of the file.
 pub const COLUMNS: [&str; 5] = ["folder", "exercise", "part", "points", "comment"];
@@ -83,8 +83,15 @@ impl Marks {
         Ok(Self { rows })
     }
 
-    /// Lays the marks of a submission over its grade. Words without a mark do not count yet.
-    pub fn lay_over(&self, grade: &mut Grade, folders: &[&str], words: &Words, points: &Points) {
+    /// Lays the marks of a submission over its grade. Words without a mark do not count yet, and where there may be
+    /// some, having none is not marked either.
+    pub fn lay_over(
+        &self,
+        grade: &mut Grade,
+        folders: &[&str],
+        has_words: impl Fn(&str) -> bool,
+        points: &Points,
+    ) {
         for exercise in &mut grade.exercises {
             if let Some(mark) = self.of(folders, &exercise.exercise, false) {
                 exercise.marked = mark.points;
@@ -97,7 +104,7 @@ impl Marks {
                 .extend(mark.map(|mark| mark.comment.clone()).filter(|it| !it.is_empty()));
             let earned = match mark.and_then(|mark| mark.points) {
                 Some(points) => Some(points),
-                None if words.contains_key(&*exercise.exercise) => None,
+                None if has_words(&exercise.exercise) => None,
                 // Who has written nothing waits for nobody.
                 None => Some(0.0).filter(|_| !self.rows.is_empty()),
             };

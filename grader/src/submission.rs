@@ -11,22 +11,29 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use exercise_spec::EXERCISES;
+use tempfile::TempDir;
 
-use crate::archive::{self, Wanted, is_zip};
+use crate::archive::{self, Unpacked, Wanted, is_zip};
+use crate::fly::handed;
 use crate::text::harmless_line;
 use crate::words::{self, Words};
 
 /// The largest answer that is read, in bytes. The reference answers have a tenth of it at most.
 pub const LARGEST: u64 = 256_000;
-/// As many files as are taken out of a ZIP file. There are far fewer answers.
-const MOST_TAKEN: usize = 500;
+/// What is taken out of a ZIP file. There are far fewer answers.
+const WANTED: Wanted = Wanted {
+    name: |name| is_answer(name) || name.ends_with(".rs"),
+    answer: is_answer,
+    largest: LARGEST,
+    most: 500,
+};
 
 /// How many files that are not used a notice names.
 const NAMED: usize = 4;
 /// How many entries of a folder are looked at to find out what is not used.
 const LISTED: usize = 1_000;
 /// How deep answers may lie in folders that hold nothing but one another.
-const NESTED: usize = 4;
+const NESTED: usize = 5;
 
 /// What one person handed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,6 +51,8 @@ pub struct Collected {
     pub answers: BTreeMap<&'static str, String>,
     /// Answers in words.
     pub words: Words,
+    /// Whether there are some beside these that nobody has read, as a notice says.
+    pub unread: bool,
     /// Why files are no answers.
     pub refused: BTreeMap<&'static str, String>,
     /// What was left out and costs nothing.
@@ -123,7 +132,7 @@ fn entries_of(root: &Path) -> std::io::Result<Vec<PathBuf>> {
         let entry = entry?;
         let kind = entry.file_type()?;
         let path = entry.path();
-        let packed = is_archive(&path) && !has_answers(&path.with_file_name(unpacked(&path)));
+        let packed = is_archive(&path) && !is_unpacked(&path.with_file_name(unpacked(&path)));
         let handed_in = kind.is_dir() || kind.is_symlink() || packed;
         let in_sight =
             !is_hidden(&entry.file_name()) || kind.is_dir() && answers_in(&path).is_some();
@@ -143,6 +152,11 @@ fn has_others(folder: &Path) -> bool {
 /// Whether it is a folder and no link, and answers lie in it.
 fn has_answers(folder: &Path) -> bool {
     is_real_folder(folder) && answers_below(folder).is_some()
+}
+
+/// Whether it is a folder with answers, to exercises or to a flight.
+fn is_unpacked(folder: &Path) -> bool {
+    has_answers(folder) || handed::answer_in(folder).is_some()
 }
 
 /// That nobody can tell whether it is one submission or many.
@@ -174,8 +188,11 @@ fn is_download(folder: &Path) -> bool {
     };
     let Some(own) = name(Some(folder)) else { return false };
     let last = own.rsplit('-').next().unwrap_or_default();
-    let commit =
-        last.len() >= 7 && last.len() < own.len() && last.chars().all(|c| c.is_ascii_hexdigit());
+    // The recipes put `__` between owner and repository.
+    let commit = last.len() >= 7
+        && last.len() < own.len()
+        && last.chars().all(|c| c.is_ascii_hexdigit())
+        && !own.contains("__");
     let branch = own.ends_with("-main") || own.ends_with("-master");
     commit || branch || name(folder.parent()).is_some_and(|around| around == own)
 }
@@ -237,8 +254,16 @@ fn answers_below(root: &Path) -> Option<PathBuf> {
 }
 
 /// A folder, the only folder in it, and so on.
-fn nested(root: &Path) -> impl Iterator<Item = PathBuf> {
-    std::iter::successors(Some(root.to_owned()), |root| only_folder(root)).take(NESTED)
+pub(crate) fn nested(root: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let begin = Some(root.to_owned()).filter(|root| is_real_folder(root));
+    std::iter::successors(begin, |root| only_folder(root)).take(NESTED)
+}
+
+/// Folders in which the files of a submission may lie.
+fn within(root: &Path) -> impl Iterator<Item = PathBuf> {
+    let folders = nested(root)
+        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>());
+    folders.filter(|folder| is_real_folder(folder))
 }
 
 fn only_folder(root: &Path) -> Option<PathBuf> {
@@ -254,7 +279,11 @@ fn file_of(slug: &str) -> String {
     format!("{slug}.rs")
 }
 
-fn is_there(path: &Path) -> bool {
+fn is_answer(name: &str) -> bool {
+    name == words::FILE || EXERCISES.iter().any(|exercise| file_of(exercise.slug) == name)
+}
+
+pub(crate) fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
@@ -349,20 +378,62 @@ fn is_reserved(name: &str) -> bool {
 ///
 /// # Errors
 ///
-/// When the submission cannot be read or is an archive that is no ZIP file: then nobody knows what is in it.
+/// As [`Opened::of`], and when an answer cannot be read.
 pub fn collect(submission: &Submission) -> Result<Collected, String> {
-    let root = &submission.path;
-    let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
-    match packed(root).as_slice() {
-        [zip] if is_zip(zip) => from_zip(zip),
-        [archive] => Err(must_be_unpacked(archive)),
-        [one, other, ..] => Err(format!(
-            "there are several archives, `{}` and `{}`: leave the one that counts, and grade again",
-            last(one),
-            last(other)
-        )),
-        [] if is_archive(root) && kind.is_file() => Err(must_be_unpacked(root)),
-        [] => from_folder(root),
+    let opened = Opened::of(&submission.path, &WANTED, |root| answers_below(root).is_some())?;
+    let mut collected = from_folder(opened.root())?;
+    collected.notices.splice(..0, opened.notices);
+    Ok(collected)
+}
+
+/// Where the files of a submission lie: where it was handed in, or where it was unpacked.
+#[derive(Debug)]
+pub struct Opened {
+    root: PathBuf,
+    /// What was left out on the way.
+    pub notices: Vec<String>,
+    _unpacked: Option<TempDir>,
+}
+
+impl Opened {
+    /// Opens a folder, or the archive that it is or that lies where answers may lie and `holds` finds none.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be read, is an archive that is no ZIP file, or holds several: then nobody knows what is in it.
+    pub fn of(root: &Path, wanted: &Wanted, holds: fn(&Path) -> bool) -> Result<Self, String> {
+        const LINK: &str =
+            "the submission is a link, and links are not followed: hand in the folder itself";
+        let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
+        let here = |notices| Self { root: root.to_owned(), notices, _unpacked: None };
+        match packed(root, holds).as_slice() {
+            [zip] if is_zip(zip) => Self::unpacked(zip, wanted, holds),
+            [archive] => Err(must_be_unpacked(archive)),
+            [one, other, ..] => Err(format!(
+                "there are several archives, `{}` and `{}`: leave the one that counts, and grade again",
+                last(one),
+                last(other)
+            )),
+            [] if is_archive(root) && kind.is_file() => Err(must_be_unpacked(root)),
+            [] if !kind.is_dir() => Ok(here(vec![LINK.to_owned()])),
+            [] => fs::read_dir(root).map(|_| here(Vec::new())).map_err(unreadable),
+        }
+    }
+
+    fn unpacked(zip: &Path, wanted: &Wanted, holds: fn(&Path) -> bool) -> Result<Self, String> {
+        let Unpacked { folder, notices, inner } = archive::unpacked(zip, wanted)?;
+        match inner.filter(|_| !holds(folder.path())) {
+            Some(inner) => Err(format!(
+                "`{}` holds another archive, `{inner}`, and no answer beside it: unpack it and grade again",
+                last(zip)
+            )),
+            None => Ok(Self { root: folder.path().to_owned(), notices, _unpacked: Some(folder) }),
+        }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
     }
 }
 
@@ -370,32 +441,11 @@ fn unreadable(error: std::io::Error) -> String {
     format!("the submission cannot be read: {error}")
 }
 
-/// Takes the answers of a ZIP file.
-fn from_zip(zip: &Path) -> Result<Collected, String> {
-    let is_answer = |name: &str| name.ends_with(".rs") || name == words::FILE;
-    let wanted = Wanted { name: is_answer, largest: LARGEST, most: MOST_TAKEN };
-    let unpacked = archive::unpacked(zip, &wanted)?;
-    let mut collected = from_folder(unpacked.folder.path())?;
-    if let Some(inner) = unpacked.inner.filter(|_| collected.answers.is_empty()) {
-        return Err(format!(
-            "`{}` holds another archive, `{inner}`, and no answer beside it: unpack it and grade again",
-            last(zip)
-        ));
-    }
-    collected.notices.splice(..0, unpacked.notices);
-    Ok(collected)
-}
-
 fn from_folder(root: &Path) -> Result<Collected, String> {
     let mut collected = Collected::default();
-    let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
-    if !kind.is_dir() {
-        let notice =
-            "the submission is a link, and links are not followed: hand in the folder itself";
-        collected.notices.push(notice.to_owned());
+    if !is_real_folder(root) {
         return Ok(collected);
     }
-    fs::read_dir(root).map_err(unreadable)?;
     let folder = answers_below(root);
     if let Some(folder) = &folder {
         for exercise in EXERCISES {
@@ -412,21 +462,48 @@ fn from_folder(root: &Path) -> Result<Collected, String> {
             file_of(EXERCISES[0].slug)
         ));
     }
-    collected.words = in_words(root, folder.as_deref());
+    let (words, unread) = in_words(root, folder.as_deref());
+    collected.words = words;
+    collected.unread = !unread.is_empty();
+    collected.notices.extend(unread);
     collected.notices.extend(links(root));
     collected.notices.extend(unused(root, folder.as_deref().unwrap_or(root)));
     Ok(collected)
 }
 
-/// Answers in words, in the folder of the others or in that around it.
-fn in_words(root: &Path, folder: Option<&Path>) -> Words {
-    let folder = folder.unwrap_or(root);
-    let around = folder.parent().filter(|_| folder != root);
-    let exercises = root.join("exercises");
-    let places = [Some(folder), around, Some(exercises.as_path()).filter(|it| is_real_folder(it))];
-    let texts = places.into_iter().flatten().map(|folder| answer(&folder.join(words::FILE)));
-    let mut texts = texts.filter_map(|text| text.ok()??.ok());
-    texts.next().map_or_else(Words::new, |text| words::answers(&text))
+/// Answers in words: the first that are written in the folder of the others or in one around it, and why
+/// others are not read.
+fn in_words(root: &Path, folder: Option<&Path>) -> (Words, Vec<String>) {
+    let near: Vec<PathBuf> = match folder {
+        None => within(root).collect(),
+        Some(folder) => {
+            let around = folder.parent().filter(|_| folder != root).map(Path::to_owned);
+            let exercises = Some(root.join("exercises")).filter(|it| is_real_folder(it));
+            [Some(folder.to_owned()), around, exercises].into_iter().flatten().collect()
+        }
+    };
+    let far = within(root).filter(|place| !near.contains(place));
+    let (mut words, mut unread) = (Words::new(), BTreeSet::new());
+    for place in near.iter().cloned().chain(far) {
+        let path = place.join(words::FILE);
+        match answer(&path) {
+            Ok(None) => {}
+            Ok(Some(Ok(text))) => {
+                let found = words::answers(&text);
+                if words.is_empty() && near.contains(&place) {
+                    words = found;
+                } else if !found.is_empty() && found != words {
+                    unread.insert(format!(
+                        "the answers in words of `{}` are not read: hand in one `{}`, in `exercises`",
+                        harmless_line(&slashed(path.strip_prefix(root).unwrap_or(&path)), 60),
+                        words::FILE
+                    ));
+                }
+            }
+            Ok(Some(Err(why))) | Err(why) => drop(unread.insert(why)),
+        }
+    }
+    (words, unread.into_iter().collect())
 }
 
 /// The text of an answer, why it is none, or nothing when there is no such file.
@@ -499,22 +576,21 @@ fn must_be_unpacked(archive: &Path) -> String {
 }
 
 /// The archive that a submission is, or those that lie in it where answers may lie, when there is no answer.
-fn packed(root: &Path) -> Vec<PathBuf> {
-    if is_zip(root) && fs::symlink_metadata(root).is_ok_and(|it| it.is_file()) {
+fn packed(root: &Path, holds: fn(&Path) -> bool) -> Vec<PathBuf> {
+    let is_file = |path: &Path| fs::symlink_metadata(path).is_ok_and(|it| it.is_file());
+    if is_zip(root) && is_file(root) {
         return vec![root.to_owned()];
     }
-    if !is_real_folder(root) || answers_below(root).is_some() {
+    if holds(root) {
         return Vec::new();
     }
     let archives_in = |folder: PathBuf| {
         let paths = fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED);
         let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
-        paths.map(|entry| entry.path()).filter(seen).filter(|path| is_archive(path))
+        let paths = paths.map(|entry| entry.path()).filter(seen);
+        paths.filter(|path| is_archive(path) && is_file(path))
     };
-    let folders = nested(root)
-        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>());
-    let real = folders.filter(|folder| is_real_folder(folder));
-    let archives: BTreeSet<PathBuf> = real.flat_map(archives_in).collect();
+    let archives: BTreeSet<PathBuf> = within(root).flat_map(archives_in).collect();
     archives.into_iter().collect()
 }
 
@@ -558,7 +634,6 @@ fn unused(root: &Path, folder: &Path) -> Option<String> {
 /// Rust files and archives beside the answers, and answers in places that count less.
 fn stray(root: &Path, folder: &Path) -> Vec<String> {
     let relative = |path: &Path| slashed(path.strip_prefix(root).unwrap_or(path));
-    let is_answer = |name: &str| EXERCISES.iter().any(|exercise| file_of(exercise.slug) == name);
     let entries =
         fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED).map(|entry| entry.path());
     let beside = entries.filter(|path| {

@@ -1,6 +1,6 @@
 //! Answers in words: taken from the submissions, and laid out to be marked by a person.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 
@@ -48,7 +48,7 @@ pub fn answers(text: &str) -> Words {
     let mut words = Words::new();
     for (slug, lines) in sections(text) {
         let asked = questions.get(slug).map_or(&[][..], Vec::as_slice);
-        let own = lines.into_iter().filter(|line| !asked.contains(line));
+        let own = lines.into_iter().filter(|line| line.is_empty() || !asked.contains(line));
         let own = own.collect::<Vec<_>>().join("\n");
         if !own.trim().is_empty() {
             words.insert(slug, harmless(own.trim(), LONGEST));
@@ -62,15 +62,24 @@ fn heading(line: &str) -> Option<Question> {
     exercise_spec::question(line.strip_prefix("## ")?.trim())
 }
 
-/// Lines below the headings that are names of questions.
+/// The question that a heading begins with, whatever its capitals and what follows.
+fn changed(line: &str) -> Option<Question> {
+    let heading = line.strip_prefix("## ")?.to_lowercase();
+    let mut words = heading.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+    exercise_spec::question(words.find(|word| !word.is_empty())?)
+}
+
+/// Lines below the headings that name a question. Where its heading stands as it was handed out, no other one is its.
 fn sections(text: &str) -> BTreeMap<&'static str, Vec<&str>> {
+    let kept: BTreeSet<&str> =
+        text.lines().filter_map(heading).map(|question| question.slug).collect();
+    let own = |question: &Question| !kept.contains(question.slug);
     let mut sections: BTreeMap<&'static str, Vec<&str>> = BTreeMap::new();
     let mut at = None;
     for line in text.lines().map(str::trim_end) {
-        if line.starts_with("## ") {
-            at = heading(line).map(|question| question.slug);
-        } else if let Some(slug) = at {
-            sections.entry(slug).or_default().push(line);
+        match heading(line).or_else(|| changed(line).filter(own)) {
+            Some(question) => at = Some(question.slug),
+            None => at.into_iter().for_each(|slug| sections.entry(slug).or_default().push(line)),
         }
     }
     sections
@@ -126,13 +135,8 @@ impl Collection {
         let mut writer = csv::Writer::from_writer(to);
         writer.write_record(crate::marks::COLUMNS)?;
         for (folder, slug) in &self.unmarked {
-            writer.write_record([
-                &crate::report::gradebook::cell(folder),
-                *slug,
-                "words",
-                "",
-                "",
-            ])?;
+            let folder = crate::report::gradebook::cell(folder);
+            writer.write_record([&*folder, *slug, "words", "", ""])?;
         }
         writer.flush()
     }

@@ -180,7 +180,63 @@ fn two_files_of_one_name_are_not_mixed() {
     let temporary = folder();
     let path = temporary.path().join("ada.zip");
     zip(&path, &[("fill_in.rs", FILL_IN), ("./fill_in.rs", "another")]);
+    assert_keeps_back(&path, "./fill_in.rs", "another file has its name");
+    zip(&path, &[("fill_in.rs", FILL_IN), ("help.rs", ""), ("./help.rs", "another")]);
     let taken = collected(&path).expect("collected");
-    assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
+    assert!(taken.answers.contains_key("fill_in"));
     assert!(taken.notices[0].ends_with("another file has its name"), "{:?}", taken.notices);
+}
+
+/// That nothing is graded because an answer cannot be taken out.
+fn assert_keeps_back(path: &Path, name: &str, why: &str) {
+    let error = collected(path).expect_err("an answer is kept back");
+    let expected = format!("`ada.zip` holds `{name}`, which cannot be taken out ({why}");
+    assert!(error.starts_with(&expected), "{error}");
+}
+
+#[test]
+fn answers_are_taken_before_the_sources_of_dependencies() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    let vendored: Vec<String> = (0..600).map(|file| format!("vendor/{file}/lib.rs")).collect();
+    let mut files: Vec<(&str, &str)> = vendored.iter().map(|path| (path.as_str(), "")).collect();
+    files.extend([("exercises/src/fill_in.rs", FILL_IN), ("Cargo.toml", "")]);
+    zip(&path, &files);
+    assert_eq!(collected(&path).expect("collected").answers["fill_in"], FILL_IN);
+    let copies: Vec<String> = (0..600).map(|copy| format!("{copy}/fill_in.rs")).collect();
+    zip(&path, &copies.iter().map(|path| (path.as_str(), FILL_IN)).collect::<Vec<_>>());
+    assert_keeps_back(&path, "500/fill_in.rs", "there are too many files of its kind");
+}
+
+#[test]
+fn an_answer_under_a_password_or_packed_in_an_unknown_way_is_no_zero() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    // Where flags and method of compression stand behind the beginning of each of the two entries of a file.
+    for (behind, value, why) in
+        [(0, 1, "Password required"), (2, 14, "Compression method not supported")]
+    {
+        zip(&path, &[("fill_in.rs", FILL_IN)]);
+        let mut bytes = fs::read(&path).expect("an archive");
+        for (begin, flags) in [(b"PK\x03\x04", 6), (b"PK\x01\x02", 8)] {
+            let at = bytes.windows(4).position(|four| four == begin).expect("an entry");
+            bytes[at + flags + behind] |= value;
+            bytes[at + flags + behind] &= 0xf7 | value;
+        }
+        fs::write(&path, bytes).expect("written");
+        let error = collected(&path).expect_err(why);
+        assert!(error.contains("`fill_in.rs`, which cannot be taken out"), "{error}");
+        assert!(error.to_lowercase().contains(&why.to_lowercase()), "{error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_an_archive_is_not_followed() {
+    let temporary = folder();
+    let (secret, batch) = (temporary.path().join("secret.zip"), temporary.path().join("batch"));
+    zip(&secret, &[("fill_in.rs", FILL_IN)]);
+    fs::create_dir_all(batch.join("ada")).expect("a folder");
+    std::os::unix::fs::symlink(&secret, batch.join("ada/work.zip")).expect("a link");
+    assert!(collected(&batch.join("ada")).expect("collected").answers.is_empty());
 }

@@ -12,6 +12,7 @@ use grader::batch::{Finished, Order};
 use grader::fly::answer::{Answer, Kind, LARGEST, NoAnswer, folder};
 use grader::fly::export::{export_with, sung};
 use grader::fly::flights::{FLIGHTS, Graded};
+use grader::fly::handed::Handed;
 use grader::fly::judge::Course;
 use grader::fly::key::{Exported, Key};
 use grader::fly::run::run_quietly;
@@ -432,6 +433,57 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let order = Order { marks: Some(marks), roster: Some(roster), ..order };
     assert!(!run_in(at.path(), &order).told.contains("these marks"));
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
+}
+
+#[test]
+fn what_cannot_be_looked_into_is_left_to_a_person() {
+    let at = tempdir().unwrap();
+    let submission = |name: &str, files: &[&str]| {
+        let folder = at.path().join(name);
+        fs::create_dir_all(&folder).unwrap();
+        files.iter().for_each(|file| fs::write(folder.join(file), "").unwrap());
+        folder
+    };
+    let unpacked = submission("ada", &["answer.toml"]);
+    zipped(&unpacked, &submission("bob", &[]).join("work.zip"));
+    zipped(&at.path().join("bob"), &at.path().join("cem.zip"));
+    for (path, said) in [
+        (
+            submission("dan", &["work.tar.gz"]),
+            "`work.tar.gz` is an archive that nobody has unpacked",
+        ),
+        (submission("eve", &["work.7z"]), "`work.7z` is an archive that nobody has unpacked"),
+        (submission("fay", &["one.zip", "two.zip"]), "there are several archives"),
+        (at.path().join("cem.zip"), "`cem.zip` holds another archive"),
+    ] {
+        let error = Handed::find(&path).unwrap_err();
+        assert!(error.starts_with(said), "{error}");
+    }
+    let found = |path: &Path| Handed::find(path).unwrap().folder().is_some();
+    assert!(found(&unpacked) && found(&at.path().join("bob")));
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        let gil = submission("gil", &[]);
+        symlink(at.path().join("bob/work.zip"), gil.join("work.zip")).unwrap();
+        symlink(&unpacked, at.path().join("hal")).unwrap();
+        assert!(!found(&gil) && !found(&at.path().join("hal")));
+    }
+}
+
+#[test]
+fn a_text_that_cannot_be_read_is_told() {
+    let at = tempdir().unwrap();
+    let inner = at.path().join("work");
+    fs::create_dir_all(&inner).unwrap();
+    fs::write(inner.join("answer.toml"), "kind = \"causal\"").unwrap();
+    let text = || Handed::find(at.path()).unwrap().text();
+    assert_eq!(text(), Ok(None));
+    fs::write(at.path().join("text.md"), "It integrates.\n").unwrap();
+    assert_eq!(text(), Ok(Some("It integrates.".to_owned())));
+    fs::write(at.path().join("text.md"), [0xff, 0xfe, 0]).unwrap();
+    assert_eq!(text(), Err("`text.md` is no text; save it as UTF-8".to_owned()));
+    assert_eq!(Handed::find(at.path()).unwrap().notices(), [text().unwrap_err()]);
 }
 
 #[test]

@@ -236,6 +236,6 @@ fn flight() {
                 Err(NoAnswer::Missing) => "missing".to_owned(),
                 Err(NoAnswer::Refused(why)) => why.join("; "),
             };
-            format!("{told} {}", written(folder.path()).is_some())
+            format!("{told} {:?}", written(folder.path()).map(|text| text.is_some()))
         });
 }

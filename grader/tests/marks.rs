@@ -87,6 +87,22 @@ fn words_are_collected_and_count_when_a_person_has_marked_them() {
 }
 
 #[test]
+fn words_that_nobody_could_read_are_no_zero() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let path = order.submissions[0].join("ada/exercises/answers.md");
+    fs::write(path, b"\xff\xfe#\0#\0").expect("written");
+    let order = with_marks(&order, "brook,left_perturbation,words,1,\n");
+    let told = carry_out(&order).expect("a batch").told;
+    let told = told.replace('\n', " ");
+    assert!(told.contains("There are words that were not read, which is no zero"), "{told}");
+    assert!(told.contains("They are those of ada."), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    assert_eq!(row_of(&book, "ada"), "ada,,20,20,10,10,graded,graded,,,20,ada,graded");
+    assert_eq!(row_of(&book, "brook"), "brook,,21,22,11,10,graded,graded,1,,21,brook,graded");
+}
+
+#[test]
 fn questions_of_chapters_are_collected_and_marked_as_those_of_exercises_are() {
     let temporary = folder();
     let order = with_words_on("bearing", temporary.path());

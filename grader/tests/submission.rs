@@ -68,6 +68,8 @@ fn a_folder_of_one_submission_is_named_by_it_and_a_download_by_the_folder_around
     assert_eq!(names_in(&[("batch/course-main/src/fill_in.rs", "")]), ["batch"]);
     assert_eq!(names_in(&[("batch/course-1a2b3c4d5e/src/fill_in.rs", "")]), ["batch"]);
     assert_eq!(names_in(&[("batch/batch/fill_in.rs", "")]), ["batch"]);
+    let cloned = "course__exercises-1234567";
+    assert_eq!(names_in(&[(&format!("batch/{cloned}/src/fill_in.rs"), "")]), [cloned]);
 }
 
 #[test]
@@ -165,6 +167,71 @@ fn words_are_what_stands_below_a_question_and_is_not_the_question() {
         let wanted = (place != "answers.md").then_some("Four of them,\nbecause of the link.");
         assert_eq!(words.get("fill_in").map(String::as_str), wanted, "{place}");
         assert!(words.len() <= 1, "{words:?}");
+    }
+}
+
+/// What is taken of files in the folder of `ada`.
+fn taken(files: &[(&str, &str)]) -> Collected {
+    let files: Vec<(String, &str)> =
+        files.iter().map(|(path, text)| (format!("ada/{path}"), *text)).collect();
+    let files: Vec<(&str, &str)> = files.iter().map(|(path, text)| (&**path, *text)).collect();
+    collected(&folder(&files).path().join("ada"))
+}
+
+#[test]
+fn words_that_are_not_read_are_told_and_open() {
+    let program = ("exercises/src/fill_in.rs", FILL_IN);
+    let words = "## fill_in\n\nFour of them.\n";
+    let nothing = "## fill_in\n";
+    for (files, unread) in [
+        (vec![program, ("answers.md", words)], true),
+        (vec![program, ("answers.md", words), ("exercises/answers.md", nothing)], true),
+        (vec![program, ("answers.md", nothing)], false),
+        (vec![program, ("answers.md", words), ("exercises/answers.md", words)], false),
+        (
+            vec![program, ("exercises/answers.md", nothing), ("exercises/src/answers.md", words)],
+            false,
+        ),
+        (vec![program, ("exercises/answers.md/", "")], true),
+        (vec![program, ("exercises/answers.md", &words.repeat(20_000))], true),
+        (vec![program], false),
+    ] {
+        let taken = taken(&files);
+        assert_eq!(taken.unread, unread, "{taken:?}");
+        let told = taken.notices.iter().filter(|notice| notice.contains("`answers.md`")).count();
+        assert_eq!(told, usize::from(unread), "{taken:?}");
+    }
+}
+
+#[test]
+fn words_without_a_program_are_found_in_nested_folders() {
+    let text = "## fill_in\n\nFour of them.\n";
+    for place in
+        ["answers.md", "exercises/answers.md", "course-main/exercises/answers.md", "a/b/answers.md"]
+    {
+        assert_eq!(taken(&[(place, text)]).words["fill_in"], "Four of them.", "{place}");
+    }
+}
+
+#[test]
+fn words_that_are_no_utf_8_are_told() {
+    let folder = folder(&[("ada/exercises/src/fill_in.rs", FILL_IN)]);
+    fs::write(folder.path().join("ada/exercises/answers.md"), b"\xff\xfe#\0#\0").expect("a file");
+    let taken = collected(&folder.path().join("ada"));
+    assert!(taken.unread);
+    assert!(taken.notices[0].starts_with("`answers.md` is no UTF-8: "), "{:?}", taken.notices);
+}
+
+#[test]
+fn words_end_where_the_next_question_begins_and_nowhere_else() {
+    let own = "First.\n\n## Second part\n\n```python\n## a comment\nx = 1\n```\n\n## bearing of it\nLast.";
+    let text = format!("## bearing\n\nOf sixty.\n\n## fill_in\n\n{own}\n\n## manifold\n");
+    let words = taken(&[("answers.md", &text)]).words;
+    assert_eq!(words["fill_in"], own);
+    assert_eq!((words["bearing"].as_str(), words.len()), ("Of sixty.", 2));
+    for heading in ["## fill_in (Ada)", "## Fill_in", "## `fill_in`:", "##  FILL_IN"] {
+        let words = taken(&[("answers.md", &format!("{heading}\n\nFour.\n"))]).words;
+        assert_eq!(words.get("fill_in").map(String::as_str), Some("Four."), "{heading}");
     }
 }
 
@@ -293,6 +360,7 @@ fn an_archive_beside_what_was_unpacked_from_it_is_no_submission() {
     let files = [("batch/bob.tar.gz", "PK"), ("batch/bob/exercises/src/fill_in.rs", "")];
     assert_eq!(names_in(&files), ["bob"]);
     assert_eq!(names_in(&[("batch/bob.zip", "PK"), ("batch/bob/", "")]), ["bob", "bob.zip"]);
+    assert_eq!(names_in(&[("batch/bob.zip", "PK"), ("batch/bob/x/answer.toml", "")]), ["bob"]);
 }
 
 #[test]

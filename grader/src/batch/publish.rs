@@ -1,6 +1,6 @@
 //! Writes every report of a batch, grade by grade.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::sync::atomic::Ordering;
 
@@ -18,6 +18,7 @@ use crate::report::terminal::{Terminal, wrapped};
 use crate::report::{gradescope, junit, picture_file};
 use crate::repository;
 use crate::similarity::Similarity;
+use crate::submission::Collected;
 use crate::words::{Collection, Words};
 
 /// Writes every report, and hands back what the terminal shows.
@@ -26,8 +27,8 @@ pub fn publish(plan: &Plan, kept: &Kept, judge: &impl Judging) -> Result<Finishe
     let seed = kept.seed();
     let mark = seed.mark();
     let differences = &plan.matches.differences;
-    let (similarity, words) = read_again(plan, judge);
-    let sheet = Sheet { plan, kept, words };
+    let (similarity, words, unread) = read_again(plan, judge);
+    let sheet = Sheet { plan, kept, words, unread };
     let mut collection = Collection::default();
     let mut terminal = Terminal::new(&plan.exercises);
     let mut summary = Summary::new(&plan.exercises);
@@ -66,7 +67,7 @@ pub fn publish(plan: &Plan, kept: &Kept, judge: &impl Judging) -> Result<Finishe
     let mut told = terminal.finish(&mark, sandbox, differences);
     told += &had(plan, kept);
     told += &regrade(plan, kept, changes)?;
-    told += &by_person(plan, &collection);
+    told += &by_person(&sheet, &collection);
     told += &wrapped(
         &format!(
             "Reports in {}: summary.md, gradebook.csv, junit.xml, items.md, {}words.md, \
@@ -156,21 +157,29 @@ fn regrade(plan: &Plan, kept: &Kept, mut changes: Changes) -> Result<String, Tro
     Ok(changes.terminal())
 }
 
-/// What reports need of the submissions besides their grades.
-fn read_again(plan: &Plan, judge: &impl Judging) -> (Similarity, BTreeMap<String, Words>) {
+/// What reports need of the submissions besides their grades, and whose answers in words nobody has read.
+fn read_again(
+    plan: &Plan,
+    judge: &impl Judging,
+) -> (Similarity, BTreeMap<String, Words>, BTreeSet<String>) {
     let mut similarity = Similarity::new(&plan.exercises, &repository());
-    let mut words = BTreeMap::new();
+    let (mut words, mut unread) = (BTreeMap::new(), BTreeSet::new());
     for found in &plan.submissions {
-        let collected = judge.collected(found);
+        let unknown = |_| Collected { unread: true, ..Collected::default() };
+        let collected = judge.collected(found).unwrap_or_else(unknown);
         let answers = collected.answers;
         similarity.add(&found.name, |slug| answers.get(slug).map(String::as_str));
         words.insert(found.name.clone(), collected.words);
+        if collected.unread {
+            unread.insert(found.name.clone());
+        }
     }
-    (similarity, words)
+    (similarity, words, unread)
 }
 
 /// What a person has still to do.
-fn by_person(plan: &Plan, collection: &Collection) -> String {
+fn by_person(sheet: &Sheet, collection: &Collection) -> String {
+    let plan = sheet.plan;
     let mut text = String::new();
     if collection.open() > 0 {
         let count = markdown::counted(collection.open(), "answer");
@@ -178,6 +187,16 @@ fn by_person(plan: &Plan, collection: &Collection) -> String {
             &format!(
                 "{count} in words without points, which do not count yet: read words.md, and put the rows of \
                  unmarked.csv with points into a file for --marks."
+            ),
+            "",
+        );
+    }
+    if !sheet.unread.is_empty() {
+        let names = sheet.unread.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        text += &wrapped(
+            &format!(
+                "There are words that were not read, which is no zero: feedback.md says why, and what is not handed in \
+                 again is for you to mark. They are those of {names}."
             ),
             "",
         );
@@ -208,6 +227,8 @@ struct Sheet<'a> {
     plan: &'a Plan,
     kept: &'a Kept,
     words: BTreeMap<String, Words>,
+    /// Names of submissions with answers in words that nobody has read.
+    unread: BTreeSet<String>,
 }
 
 impl Sheet<'_> {
@@ -223,14 +244,17 @@ impl Sheet<'_> {
     fn laid_over(&self, name: &str, mut grade: Grade) -> Result<Grade, Trouble> {
         let plan = self.plan;
         let folder = plan.handed_in(name);
-        let words = self.words.get(name).cloned().unwrap_or_default();
+        let words = self.words.get(name);
+        let has_words = |slug: &str| {
+            self.unread.contains(name) || words.is_some_and(|words| words.contains_key(slug))
+        };
         let graded = |slug: &str| grade.exercises.iter().any(|it| it.exercise == slug);
         let of_chapters = plan.questions.iter().filter(|question| !graded(question.slug));
         let of_chapters: Vec<ExerciseGrade> = of_chapters.map(ExerciseGrade::in_words).collect();
         grade.exercises.extend(of_chapters);
         let row = plan.matches.folder(name);
         let folders = [&*folder, name, row.unwrap_or(name)];
-        plan.marks.lay_over(&mut grade, &folders, &words, &plan.points);
+        plan.marks.lay_over(&mut grade, &folders, has_words, &plan.points);
         // What nobody has marked does not count yet.
         grade.exercises.retain(|it| it.outcome != Outcome::InWords || it.is_marked());
         let days = plan.roster.days_late(row.unwrap_or_default()).map_err(Trouble::Usage)?;

@@ -11,6 +11,7 @@ use vislam::inertial::NavState;
 use super::flights::{FLIGHTS, Graded, SECONDS, STAND};
 use super::handed::has_answer;
 use super::reference::Line;
+use crate::submission::is_there;
 use crate::text::{harmless, harmless_line};
 
 /// The largest file that is read, in bytes.
@@ -262,9 +263,16 @@ fn numbers(text: &str, columns: usize) -> Result<Vec<(usize, Vec<f64>)>, String>
 }
 
 /// What was written beside the numbers, if anything was.
-pub fn written(root: &Path) -> Option<String> {
-    let text = text_of(root, TEXT).ok()?;
-    Some(harmless(text.trim(), LONGEST_TEXT)).filter(|text| !text.is_empty())
+///
+/// # Errors
+///
+/// Why nobody can read it.
+pub fn written(root: &Path) -> Result<Option<String>, String> {
+    if !is_there(&root.join(TEXT)) {
+        return Ok(None);
+    }
+    let text = text_of(root, TEXT)?;
+    Ok(Some(harmless(text.trim(), LONGEST_TEXT)).filter(|text| !text.is_empty()))
 }
 
 /// The text of a file in a submission. A link, a device or a file that is too large is none.
@@ -289,5 +297,5 @@ fn text_of(root: &Path, name: &str) -> Result<String, String> {
     if bytes.len() as u64 > LARGEST {
         return Err(too_large());
     }
-    String::from_utf8(bytes).map_err(|_| format!("`{name}` is no text; write numbers as text"))
+    String::from_utf8(bytes).map_err(|_| format!("`{name}` is no text; save it as UTF-8"))
 }

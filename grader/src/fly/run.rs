@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::answer::{Answer, NoAnswer, written};
+use super::answer::{Answer, NoAnswer};
 use super::flights::Graded;
 use super::handed::Handed;
 use super::judge::{Course, unread};
@@ -62,10 +62,14 @@ fn folders(order: &Order, exported: &Exported) -> Result<BTreeMap<String, String
     Ok(found.iter().filter_map(folder).collect())
 }
 
-/// What was handed in, read as an answer, or why an archive cannot be looked into: then nobody knows what is in it.
-fn answer(path: &Path, flights: &[Graded]) -> Result<Result<Answer, NoAnswer>, String> {
+/// What was handed in, read as an answer, and notices.
+type Read = (Result<Answer, NoAnswer>, Vec<String>);
+
+/// Reads it, or says why an archive cannot be looked into: then nobody knows what is in it.
+fn read(path: &Path, flights: &[Graded]) -> Result<Read, String> {
     let handed = Handed::find(path)?;
-    Ok(Answer::read(handed.root(), flights))
+    let folder = handed.folder().ok_or(NoAnswer::Missing);
+    Ok((folder.and_then(|folder| Answer::read(&folder, flights)), handed.notices()))
 }
 
 /// Flies the flights of whoever handed something in, and judges.
@@ -105,7 +109,7 @@ impl Pilot {
     }
 
     /// Digest of what was read, and of all else that its grade depends on.
-    fn key_of(&self, read: &Result<Answer, NoAnswer>) -> String {
+    fn key_of(&self, read: &Read) -> String {
         let digest = Sha256::new()
             .chain_update(self.key.fingerprint().to_be_bytes())
             .chain_update(compile::edition())
@@ -139,31 +143,29 @@ impl Judging for Pilot {
     }
 
     fn key(&self, submission: &Submission) -> Result<String, String> {
-        Ok(self.key_of(&answer(&submission.path, &self.flights(submission)?)?))
+        Ok(self.key_of(&read(&submission.path, &self.flights(submission)?)?))
     }
 
-    fn collected(&self, submission: &Submission) -> Collected {
-        let handed = Handed::find(&submission.path).ok();
-        let text = handed.and_then(|handed| written(handed.root()));
-        Collected {
-            words: text.map(|text| (GRADED_FLIGHT.slug, text)).into_iter().collect(),
-            ..Collected::default()
-        }
+    fn collected(&self, submission: &Submission) -> Result<Collected, String> {
+        let text = Handed::find(&submission.path)?.text()?;
+        let words = text.map(|text| (GRADED_FLIGHT.slug, text)).into_iter().collect();
+        Ok(Collected { words, ..Collected::default() })
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
-        let read = self.flights(submission).and_then(|flights| {
-            let read = answer(&submission.path, &flights)?;
-            Ok((self.key_of(&read), self.graded(read, flights)))
+        let graded = self.flights(submission).and_then(|flights| {
+            let read = read(&submission.path, &flights)?;
+            Ok((self.key_of(&read), read.1, self.graded(read.0, flights)))
         });
-        let (key, graded) = read.unwrap_or_else(|why| (String::new(), Err(why)));
+        let (key, notices, graded) =
+            graded.unwrap_or_else(|why| (String::new(), Vec::new(), Err(why)));
         let graded =
             graded.unwrap_or_else(|why| self.grade_of(Outcome::CouldNotGrade(why), Vec::new()));
         Grade {
             submission: submission.name.clone(),
             student,
             key,
-            notices: Vec::new(),
+            notices,
             late: None,
             exercises: vec![graded],
         }
