@@ -5,6 +5,7 @@ mod kept;
 mod publish;
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::num::NonZero;
 use std::panic::{self, AssertUnwindSafe};
@@ -24,6 +25,7 @@ use crate::marks::Marks;
 use crate::memory::Memory;
 use crate::points::{Points, unknown};
 use crate::report::Detail;
+use crate::report::gradebook::cell;
 use crate::repository;
 use crate::roster::{Matches, Roster};
 use crate::seed::Seed;
@@ -265,6 +267,8 @@ impl Canaries {
 /// An order whose files were read.
 struct Plan {
     submissions: Vec<Submission>,
+    /// What tables and marks call each, by its name.
+    folders: BTreeMap<String, String>,
     exercises: Vec<&'static Exercise>,
     questions: Vec<Question>,
     points: Points,
@@ -293,6 +297,7 @@ impl Plan {
         let marks = order.marks.as_deref().map(|path| Marks::read(path, &points)).transpose();
         let matches = roster.as_ref().map(|roster| roster.matched(&submissions));
         Ok(Self {
+            folders: folders(&submissions),
             submissions,
             exercises,
             questions,
@@ -430,6 +435,20 @@ fn submissions(order: &Order) -> Result<Vec<Submission>, String> {
         return Err("there is no submission to grade; name a folder that holds some".to_owned());
     }
     Ok(found)
+}
+
+/// What tables and marks call submissions: each by its folder, or by its own name where another folder is called
+/// the same.
+fn folders(submissions: &[Submission]) -> BTreeMap<String, String> {
+    let mut count: BTreeMap<String, usize> = BTreeMap::new();
+    for submission in submissions {
+        *count.entry(cell(&submission.folder())).or_default() += 1;
+    }
+    let called = |it: &Submission| match cell(&it.folder()) {
+        folder if count[&folder] == 1 => folder,
+        _ => cell(&it.name),
+    };
+    submissions.iter().map(|it| (it.name.clone(), called(it))).collect()
 }
 
 fn cores() -> Result<usize, String> {

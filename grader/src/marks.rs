@@ -11,6 +11,7 @@ use exercise_spec::exercise;
 use crate::fly::GRADED_FLIGHT;
 use crate::grade::{Grade, WordsGrade};
 use crate::points::Points;
+use crate::report::gradebook::cell;
 use crate::roster::{separator, text};
 use crate::text::{harmless, harmless_line};
 use crate::words;
@@ -121,8 +122,7 @@ impl Marks {
     }
 
     fn of(&self, folders: &[&str], exercise: &str, words: bool) -> Option<&Mark> {
-        let mark =
-            |folder: &&str| self.rows.get(&((*folder).to_owned(), exercise.to_owned(), words));
+        let mark = |folder: &&str| self.rows.get(&(cell(folder), exercise.to_owned(), words));
         folders.iter().find_map(mark)
     }
 }
@@ -158,6 +158,6 @@ fn mark(
     let comment = harmless(comment, COMMENT);
     let mark =
         (number.is_some() || !comment.is_empty()).then_some(Mark { points: number, comment });
-    let folder = harmless_line(folder.strip_prefix('\'').unwrap_or(folder), 200);
-    Ok(((folder, slug.to_owned(), words), mark))
+    // A spreadsheet may have taken away what makes a cell harmless.
+    Ok(((cell(folder), slug.to_owned(), words), mark))
 }

@@ -202,7 +202,7 @@ impl Matches {
 }
 
 fn folder_of(submission: &Submission) -> String {
-    harmless_line(&submission.path.file_name().unwrap_or_default().to_string_lossy(), NAME)
+    harmless_line(&submission.folder(), NAME)
 }
 
 fn contested(row: &str, submissions: &[&Submission]) -> String {

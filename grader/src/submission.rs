@@ -44,6 +44,13 @@ pub struct Submission {
     pub path: PathBuf,
 }
 
+impl Submission {
+    /// What it was called when it was handed in.
+    pub fn folder(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
 /// What was taken of a submission, by the slugs of the exercises.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Collected {
@@ -292,13 +299,16 @@ fn named(paths: BTreeSet<PathBuf>) -> Vec<Submission> {
     let raw = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (kept, renamed): (Vec<_>, Vec<_>) =
         paths.into_iter().partition(|path| safe_name(&raw(path)) == raw(path));
+    // Some systems take names for the same that differ in capitals only.
+    let asked: BTreeSet<String> =
+        kept.iter().chain(&renamed).map(|path| safe_name(&raw(path)).to_lowercase()).collect();
     let mut taken = BTreeSet::new();
     let mut submissions = Vec::new();
     for path in kept.into_iter().chain(renamed) {
         let wanted = safe_name(&raw(&path));
-        // Some systems take names for the same that differ in capitals only.
         let free = |name: &String| !taken.contains(&name.to_lowercase());
         let numbered = (2..).map(|count| format!("{wanted}-{count}"));
+        let numbered = numbered.filter(|name| !asked.contains(&name.to_lowercase()));
         let Some(name) = std::iter::once(wanted.clone()).chain(numbered).find(free) else {
             continue;
         };

@@ -102,6 +102,56 @@ fn words_that_nobody_could_read_are_no_zero() {
     assert_eq!(row_of(&book, "brook"), "brook,,21,22,11,10,graded,graded,1,,21,brook,graded");
 }
 
+/// Hands in the same words for each folder.
+fn with_the_words_of_ada(order: &Order, batch: &Path, name: &str) {
+    made_up::hand_in(batch, name, "right");
+    let words = order.submissions[0].join("ada/exercises/answers.md");
+    fs::copy(words, batch.join(name).join("exercises/answers.md")).expect("copied");
+}
+
+/// Marks rows of unmarked.csv in turn with no point, half a point and so on.
+fn marked_in_turn(order: &Order) -> Order {
+    carry_out(order).expect("a batch");
+    let open = read(&order.out, "unmarked.csv");
+    let marked = |(number, row): (usize, &str)| {
+        let row = row.strip_suffix(',').expect("a row without points and comment");
+        format!("{row}{},\n", 0.5 * number as f64)
+    };
+    with_marks(order, &open.lines().skip(1).enumerate().map(marked).collect::<String>())
+}
+
+#[test]
+fn folders_of_one_name_are_marked_apart() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let sections = ["a", "b"].map(|section| temporary.path().join(section));
+    sections.iter().for_each(|section| with_the_words_of_ada(&order, section, "group1"));
+    let order = marked_in_turn(&Order { submissions: sections.to_vec(), ..order });
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(!told.contains("these marks"), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    assert!(row_of(&book, "group1").ends_with(",0,,20,group1,graded"), "{book}");
+    assert!(row_of(&book, "group1-2").ends_with(",0.5,,20.5,group1-2,graded"), "{book}");
+}
+
+#[cfg(unix)]
+#[test]
+fn rows_of_any_folder_come_back_to_it() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let long = "Ada Lovelace_".repeat(9) + "assignsubmission_file";
+    let batch = temporary.path().join("batch");
+    let names = ["Doe, -J", "=1+1", "zero\u{200c}width", "'quoted", &long];
+    names.iter().for_each(|name| with_the_words_of_ada(&order, &batch, name));
+    let order = marked_in_turn(&Order { submissions: vec![batch], ..order });
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(!told.contains("these marks") && !told.contains("without points"), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    for points in ["0", "0.5", "1", "1.5", "2"] {
+        assert_eq!(book.matches(&format!(",graded,graded,{points},,")).count(), 1, "{book}");
+    }
+}
+
 #[test]
 fn questions_of_chapters_are_collected_and_marked_as_those_of_exercises_are() {
     let temporary = folder();

@@ -287,6 +287,19 @@ fn names_that_clash_are_numbered_and_capitals_do_not_tell_them_apart() {
     assert_eq!(distinct.len(), lower.len(), "{found:?}");
 }
 
+#[test]
+fn a_number_behind_a_name_makes_no_name_that_another_folder_has() {
+    let folder = folder(&[
+        ("a/ada/fill_in.rs", ""),
+        ("b/ada/fill_in.rs", ""),
+        ("c/ada-2/fill_in.rs", ""),
+        ("c/bob/fill_in.rs", ""),
+    ]);
+    let found = find(&["a", "b", "c"].map(|name| folder.path().join(name))).expect("found");
+    let of = |path: &str| found.iter().find(|it| it.path.ends_with(path)).expect("it").name.clone();
+    assert_eq!([of("a/ada"), of("b/ada"), of("c/ada-2")], ["ada", "ada-3", "ada-2"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn names_are_harmless_and_safe_for_files() {

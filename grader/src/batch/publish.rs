@@ -12,7 +12,7 @@ use super::{Finished, Judging, Plan, Trouble};
 use crate::changes::Changes;
 use crate::grade::{ExerciseGrade, Grade, Late, Outcome, VERSION};
 use crate::items::Items;
-use crate::report::gradebook::Gradebook;
+use crate::report::gradebook::{Gradebook, cell};
 use crate::report::markdown::{self, Summary};
 use crate::report::terminal::{Terminal, wrapped};
 use crate::report::{gradescope, junit, picture_file};
@@ -131,7 +131,7 @@ fn gradebook(sheet: &Sheet, file: &mut dyn Write) -> std::io::Result<()> {
     for name in plan.names() {
         let grade = sheet.grade(name).map_err(std::io::Error::other)?;
         let folder = plan.matches.folder(name).unwrap_or_default();
-        book.add(&grade, &plan.handed_in(name), roster.further_of(folder))?;
+        book.add(&grade, &plan.folders[name], roster.further_of(folder))?;
     }
     for (folder, student) in &plan.matches.differences.absent {
         book.add_absent(folder, student, roster.further_of(folder))?;
@@ -201,14 +201,9 @@ fn by_person(sheet: &Sheet, collection: &Collection) -> String {
             "",
         );
     }
-    let known = |folder: &str| {
-        plan.names().any(|name| {
-            name == folder
-                || plan.handed_in(name) == folder
-                || plan.matches.folder(name) == Some(folder)
-        })
-    };
-    let strangers = plan.marks.strangers(known);
+    let known: BTreeSet<String> =
+        plan.names().flat_map(|name| plan.called(name)).map(cell).collect();
+    let strangers = plan.marks.strangers(|folder| known.contains(folder));
     if !strangers.is_empty() {
         let names = strangers.join(", ");
         text += &wrapped(
@@ -243,7 +238,6 @@ impl Sheet<'_> {
 
     fn laid_over(&self, name: &str, mut grade: Grade) -> Result<Grade, Trouble> {
         let plan = self.plan;
-        let folder = plan.handed_in(name);
         let words = self.words.get(name);
         let has_words = |slug: &str| {
             self.unread.contains(name) || words.is_some_and(|words| words.contains_key(slug))
@@ -252,12 +246,11 @@ impl Sheet<'_> {
         let of_chapters = plan.questions.iter().filter(|question| !graded(question.slug));
         let of_chapters: Vec<ExerciseGrade> = of_chapters.map(ExerciseGrade::in_words).collect();
         grade.exercises.extend(of_chapters);
-        let row = plan.matches.folder(name);
-        let folders = [&*folder, name, row.unwrap_or(name)];
-        plan.marks.lay_over(&mut grade, &folders, has_words, &plan.points);
+        plan.marks.lay_over(&mut grade, &plan.called(name), has_words, &plan.points);
         // What nobody has marked does not count yet.
         grade.exercises.retain(|it| it.outcome != Outcome::InWords || it.is_marked());
-        let days = plan.roster.days_late(row.unwrap_or_default()).map_err(Trouble::Usage)?;
+        let row = plan.matches.folder(name).unwrap_or_default();
+        let days = plan.roster.days_late(row).map_err(Trouble::Usage)?;
         grade.late = days.map(|days| Late { days, percent: plan.points.taken_off(days) });
         Ok(grade)
     }
@@ -269,7 +262,7 @@ impl Sheet<'_> {
             asked && self.plan.points.of_words(slug) > 0.0 && !grade.exercises.iter().any(has)
         };
         if let Some(words) = self.words.get(name) {
-            collection.add(&self.plan.handed_in(name), words, is_open);
+            collection.add(&self.plan.folders[name], words, is_open);
         }
     }
 }
@@ -284,11 +277,9 @@ fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
 }
 
 impl Plan {
-    /// What the folder of a submission is called.
-    fn handed_in(&self, name: &str) -> String {
-        let found = self.submissions.iter().find(|submission| submission.name == name);
-        let folder = found.and_then(|submission| submission.path.file_name());
-        folder.unwrap_or_default().to_string_lossy().into_owned()
+    /// By what marks may call a submission: its folder, its name, and its row of the roster.
+    fn called<'a>(&'a self, name: &'a str) -> [&'a str; 3] {
+        [&self.folders[name], name, self.matches.folder(name).unwrap_or(name)]
     }
 
     fn names(&self) -> impl Iterator<Item = &String> {

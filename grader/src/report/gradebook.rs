@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{NAME, points, state};
+use super::{points, state};
 use crate::grade::{Grade, Outcome};
 use crate::text::harmless_line;
 use exercise_spec::Exercise;
@@ -138,12 +138,15 @@ fn status(grade: &Grade) -> String {
     status.to_owned()
 }
 
+/// As long as a cell may be: no shorter than what a roster or a file of marks may have in it.
+const CELL: usize = 200;
+
 /// Text that no spreadsheet takes for a formula, wherever it lets a cell begin: some end one at a
 /// semicolon or a tab.
 pub(crate) fn cell(text: &str) -> String {
     let mut shown = String::new();
     let mut begins = true;
-    for letter in harmless_line(text, NAME).chars() {
+    for letter in harmless_line(text.trim(), CELL).chars() {
         let sign = matches!(letter, '=' | '+' | '-' | '@' | '|' | '%' | '＝' | '＋' | '－' | '＠');
         if begins && sign {
             shown.push('\'');
