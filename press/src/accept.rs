@@ -8,6 +8,7 @@ use dissimilar::Chunk;
 
 use crate::accepted::{Accepted, normal};
 use crate::blocks::Kind;
+use crate::exhibits::Exhibits;
 use crate::files;
 use crate::make::Maker;
 use crate::pages::Page;
@@ -33,12 +34,23 @@ pub fn accept(maker: &Maker, only_show: bool, moved: bool) -> Result<()> {
 
 fn equations(maker: &Maker, only_show: bool, moved: bool) -> Result<usize> {
     let book = maker.load()?;
-    let mut new: BTreeMap<String, Accepted> = BTreeMap::new();
-    for page in Page::all(&book.book) {
-        let of_its_chapter = new.entry(page.owner.clone()).or_default();
-        of_its_chapter.equations.extend(checked_equations(&page));
-    }
+    let pages = Page::all(&book.book);
+    let slugs: Vec<String> = pages.iter().map(|page| page.slug.clone()).collect();
+    maker.refresh_exhibits()?;
+    let exhibits = Exhibits::read(&maker.layout, &slugs)?;
     let old = Accepted::read_all(&maker.layout)?;
+    // What was accepted for a chapter that is gone goes too.
+    let mut new: BTreeMap<String, Accepted> =
+        old.keys().map(|slug| (slug.clone(), Accepted::default())).collect();
+    for page in &pages {
+        let of_its_chapter = new.entry(page.owner.clone()).or_default();
+        for (label, tex) in checkable_equations(page) {
+            match exhibits.check(&page.owner, &label) {
+                Some(_) => drop(of_its_chapter.equations.insert(label, tex)),
+                None => println!("{} eq:{label} has no check to be held against", page.owner),
+            }
+        }
+    }
     let (changes, after) = if moved {
         carried_over(&old, &new)
     } else {
@@ -80,8 +92,8 @@ fn carried_over(
     (moves, after)
 }
 
-/// The equations of a page that have a check, as they are now.
-fn checked_equations(page: &Page) -> impl Iterator<Item = (String, String)> {
+/// The equations of a page that ask for a check, as they are now.
+fn checkable_equations(page: &Page) -> impl Iterator<Item = (String, String)> {
     let equation = |kind: &Kind| match kind {
         Kind::Equation { tex, attributes, .. } if !attributes.has("definition") => {
             Some((attributes.id.strip_prefix("eq:")?.to_owned(), normal(tex)))

@@ -24,6 +24,11 @@ impl Attributes {
         self.pairs.get(key).map_or("", String::as_str)
     }
 
+    /// The first key that is none of these.
+    pub fn key_beyond(&self, known: &[&str]) -> Option<&str> {
+        self.pairs.keys().map(String::as_str).find(|key| !known.contains(key))
+    }
+
     /// Reads `{…}` at the start of `text`; gives the attributes and how many bytes they took.
     ///
     /// `None` when `text` does not begin with attributes that are closed and well formed.

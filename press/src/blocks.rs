@@ -42,6 +42,8 @@ pub enum Kind {
     Choice { right: bool, text: String },
     /// `1. What is done. {.step code="…"}`: a line of an algorithm.
     Step { number: usize, text: String, attributes: Attributes },
+    /// What stands on the last line of a comment behind it.
+    AfterComment(String),
     /// Something that was opened and never closed, in a few words.
     Unclosed(&'static str),
 }
@@ -57,6 +59,34 @@ impl Block {
         }
     }
 }
+
+impl Kind {
+    /// A class or a key that means nothing here, and those that do.
+    pub fn unknown(&self) -> Option<(&str, String)> {
+        let (attributes, classes, keys): (_, &[&str], &[&str]) = match self {
+            Kind::Heading { attributes, .. } => {
+                (attributes, &["depth"], &["establishes", "part-of", "subtitle"])
+            }
+            Kind::Equation { attributes, .. } => (attributes, &["definition"], &[]),
+            Kind::Figure { attributes, .. } => (attributes, &[], &["alt", "widget"]),
+            Kind::Step { attributes, .. } => (attributes, &["step"], &["code", "of"]),
+            Kind::Fence { attributes, .. } => (attributes, &[], &["caption"]),
+            Kind::Open(attributes) => (attributes, &[], &DIVISION_KEYS),
+            _ => return None,
+        };
+        // The first class of these is a language, or what the division is.
+        let own = usize::from(matches!(self, Kind::Fence { .. } | Kind::Open(_)));
+        let mut others = attributes.classes.iter().skip(own).map(String::as_str);
+        let class = others.find(|class| !classes.contains(class));
+        let unknown = class.or_else(|| attributes.key_beyond(keys))?;
+        let dotted = classes.iter().map(|class| format!(".{class}"));
+        let known: Vec<_> = dotted.chain(keys.iter().map(|key| format!("{key}="))).collect();
+        Some((unknown, known.join(", ")))
+    }
+}
+
+/// What can be said of a division.
+const DIVISION_KEYS: [&str; 7] = ["difficulty", "item", "needs", "of", "text", "title", "without"];
 
 /// Splits a chapter into blocks.
 pub fn blocks(chapter: &str) -> Vec<Block> {
@@ -269,8 +299,18 @@ impl Reader<'_> {
 
     fn comment(&mut self) {
         let first = self.at;
-        match self.lines[first..].iter().position(|line| line.contains("-->")) {
-            Some(length) => self.at = first + length + 1,
+        self.end_text();
+        let end = self.lines[first..]
+            .iter()
+            .enumerate()
+            .find_map(|(length, line)| Some((first + length, line.split_once("-->")?.1)));
+        match end {
+            Some((last, after)) => {
+                if !after.trim().is_empty() {
+                    self.push(last, Kind::AfterComment(after.trim().to_owned()));
+                }
+                self.at = last + 1;
+            }
             None => {
                 self.push(first, Kind::Unclosed("a comment"));
                 self.at = self.lines.len();
@@ -302,7 +342,7 @@ impl Reader<'_> {
         let mut text = start[6..].to_owned();
         self.at += 1;
         while let Some(line) = self.lines.get(self.at).filter(|line| line.starts_with("  ")) {
-            text.push(' ');
+            text.push('\n');
             text.push_str(line.trim());
             self.at += 1;
         }
@@ -385,6 +425,14 @@ mod tests {
         assert_eq!((text.as_str(), attributes.value("code")), ("one\ntwo", "if x {"));
         assert_eq!((found[1].line, found[1].indent.as_str()), (4, "   "));
         assert!(matches!(&found[2].kind, Kind::Text(text) if text == "\n1. text\n"));
+    }
+
+    #[test]
+    fn a_comment_moves_no_line_and_swallows_no_words() {
+        let found = blocks("One.\n<!-- a\nb --> lost\nSee\n");
+        let lines: Vec<_> = found.iter().map(|block| block.line).collect();
+        assert_eq!(lines, [1, 3, 4]);
+        assert_eq!(found[1].kind, Kind::AfterComment("lost".to_owned()));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the program `exhibits` computed: checks, numbers, figures, records.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -277,15 +277,34 @@ impl Exhibits {
                 self.record_faults(inputs, &mut faults);
             }
         }
-        for name in self.records.keys().filter(|name| self.chapters.contains_key(*name)) {
-            faults.add(
-                (&self.records[name].file(), 0),
-                name,
-                "a record has the name of a chapter, so its values cannot be told apart",
-                "rename the record",
-            );
+        let made: BTreeSet<&String> = self
+            .chapters
+            .values()
+            .flat_map(|shown| &shown.records)
+            .map(|made| &made.name)
+            .collect();
+        for record in self.records.values() {
+            self.accepted_faults(record, made.contains(&record.name), &mut faults);
         }
         faults
+    }
+
+    fn accepted_faults(&self, record: &Record, is_made: bool, faults: &mut Faults) {
+        let (file, name) = (record.file(), &record.name);
+        let place = (file.as_str(), 0);
+        if self.chapters.contains_key(name) {
+            let problem = "a record has the name of a chapter, so its values cannot be told apart";
+            faults.add(place, name, problem, "rename the record");
+        }
+        if !is_made {
+            let mend = "register it in exhibits/src/, or delete its file";
+            faults.add(place, name, "no program makes this record", mend);
+        }
+        for (value, said) in record.values.iter().filter(|(_, said)| !said.is_told()) {
+            let problem = format!("the text says {}, and the value is {}", said.text, said.value);
+            let mend = format!("run `cargo book record {name}`, then `cargo book accept`");
+            faults.add(place, format!("{name}.{value}"), problem, mend);
+        }
     }
 
     fn record_faults(&self, made: &Inputs, faults: &mut Faults) {

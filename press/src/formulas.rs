@@ -15,6 +15,7 @@ use sha2::{Digest, Sha256};
 use crate::engine::Engine;
 use crate::fault::Faults;
 use crate::files;
+use crate::packing::digest;
 use crate::records::hex;
 
 /// What is said of a formula that KaTeX does not know.
@@ -135,9 +136,11 @@ fn katex_settings(
     Ok(Some(settings))
 }
 
-/// What a rendered formula depends on besides its TeX.
+/// What a rendered formula depends on besides its TeX: the settings, the macros, and who renders.
 pub fn salt(root: &Path, settings: &KatexConfig) -> Result<String> {
-    Ok(format!("{} {settings:?} {:?}", env!("CARGO_PKG_VERSION"), macros(root, settings)?))
+    let renderers = digest(root, &[], &["Cargo.lock"])?;
+    let version = env!("CARGO_PKG_VERSION");
+    Ok(format!("{version} {renderers} {settings:?} {:?}", macros(root, settings)?))
 }
 
 fn macros(root: &Path, settings: &KatexConfig) -> Result<Vec<String>> {

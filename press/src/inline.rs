@@ -41,6 +41,10 @@ pub enum Mark<'a> {
     Span { text: &'a str, attributes: Attributes },
     /// A dollar sign that begins mathematics which never ends.
     UnclosedMath,
+    /// `{{` that is never closed.
+    UnclosedBraces,
+    /// Braces behind a bracket that are no attributes.
+    NoAttributes,
     /// `$$` in the middle of a paragraph.
     MisplacedDisplay,
     /// A bracket around more than [`DEEPEST`] others, one in the other.
@@ -204,7 +208,7 @@ fn math(rest: &str) -> (Mark<'_>, usize) {
 
 fn braces(rest: &str) -> Option<(Mark<'_>, usize)> {
     let body = rest.strip_prefix("{{")?;
-    let end = body.find("}}")?;
+    let Some(end) = body.find("}}") else { return Some((Mark::UnclosedBraces, 2)) };
     let inside = body[..end].trim();
     let mark = match inside.split_once(char::is_whitespace) {
         Some(("value", name)) => Mark::Value(name.trim()),
@@ -227,8 +231,14 @@ fn bracket(rest: &str, end: usize) -> Option<(Mark<'_>, usize)> {
     if let Some((path, after)) = after.strip_prefix("(api:").and_then(|rest| rest.split_once(')')) {
         return Some((Mark::Item { text: inside, path }, rest.len() - after.len()));
     }
-    let (attributes, taken) = Attributes::parse(after)?;
-    Some((Mark::Span { text: inside, attributes }, length + taken))
+    match Attributes::parse(after) {
+        Some((attributes, taken)) => {
+            Some((Mark::Span { text: inside, attributes }, length + taken))
+        }
+        None => {
+            (after.starts_with('{') && !after.starts_with("{{")).then_some((Mark::NoAttributes, 1))
+        }
+    }
 }
 
 fn at_sign(rest: &str) -> Option<(Mark<'_>, usize)> {

@@ -90,7 +90,13 @@ impl Rendered {
         let path = match way {
             "" => Some(self.path.clone()),
             way => {
-                let way = way.split('?').next().unwrap_or(way).trim_start_matches('/');
+                let way = way.split('?').next().unwrap_or(way);
+                // Whoever asks for a page that is not there may be anywhere, so that page names its root.
+                let way = if self.path == Path::new("404.html") {
+                    way.trim_start_matches('/')
+                } else {
+                    way
+                };
                 self.path.parent().and_then(|folder| files::joined(folder, way))
             }
         };

@@ -10,8 +10,7 @@ use crate::settings::Allowed;
 /// Units of measurement, as they follow a number.
 pub const UNITS: &str = r"px|pixels?|[kcmµn]?m|(?:kilo|centi|milli|micro)?met(?:re|er)s?|m?rad|(?:milli)?radians?|deg|degrees?|°|µs|[mn]?s|(?:milli|micro)?seconds?|min|minutes?|hours?|[kM]?Hz|k?g|%|percent|[kMG]?B|bytes?|m/s²?|fps|sigmas?";
 
-static PROSE: LazyLock<Regex> =
-    LazyLock::new(|| pattern(&format!(r"[ \u{{a0}}\u{{202f}}-]?(?:{UNITS})")));
+static PROSE: LazyLock<Regex> = LazyLock::new(|| pattern(&format!(r"[\s\u{{202f}}-]?(?:{UNITS})")));
 static TEX: LazyLock<Regex> = LazyLock::new(|| {
     pattern(&format!(
         r"(?:\\[,;:! ]|[~{{}} ])*(?:\\(?:text|mathrm)\{{[ ~]*(?:{UNITS})|\^\{{?\\circ)"
@@ -19,8 +18,10 @@ static TEX: LazyLock<Regex> = LazyLock::new(|| {
 });
 
 fn pattern(unit: &str) -> Regex {
-    Regex::new(&format!(r"(?:^|[^\w.#/&@-])([-−]?\d[\d.,]*(?:e-?\d+)?{unit})(?:$|[^\w])"))
-        .expect("a valid pattern")
+    Regex::new(&format!(
+        r"(?:^|[^\w.#/&@-])(?:\d[\d.]*-)?([-−]?\d[\d.,]*(?:e-?\d+)?{unit})(?:$|[^\w])"
+    ))
+    .expect("a valid pattern")
 }
 
 /// Looks for typed numbers with units and remembers which permissions were used.
@@ -54,8 +55,9 @@ impl<'a> Lint<'a> {
         text: &str,
         faults: &mut Faults,
     ) {
-        for found in pattern.captures_iter(text) {
-            let Some(number) = found.get(1) else { continue };
+        let mut at = 0;
+        while let Some(number) = pattern.captures_at(text, at).and_then(|found| found.get(1)) {
+            at = number.end();
             let permission = self
                 .allowed
                 .iter()
@@ -126,9 +128,12 @@ mod tests {
             "90°",
             "−2 m",
             "4\u{a0}s.",
+            "moves 3\npx away",
+            "5-10 m",
         ] {
             assert_eq!(found(text, false).len(), 1, "{text}");
         }
+        assert_eq!(found("3 m 4 s", false).len(), 2);
         assert_eq!(found(r"b = 0.5\,\mathrm{m}", true).len(), 1);
         assert_eq!(found(r"90^\circ", true).len(), 1);
     }

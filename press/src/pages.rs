@@ -66,8 +66,16 @@ impl Page {
         book.iter().filter_map(chapter).collect()
     }
 
-    /// Pages that are part of something that is no chapter with exhibits of its own.
+    /// Pages of one name, and pages that are part of something that is no chapter with exhibits of its own.
     pub fn parts(pages: &[Page], faults: &mut Faults) {
+        let mut known = BTreeMap::new();
+        for page in pages {
+            if let Some(first) = known.insert(&page.slug, &page.file) {
+                let problem =
+                    format!("{first} has the same name, and a chapter is known by its name");
+                faults.add((&page.file, 0), &page.slug, problem, "give the file another name");
+            }
+        }
         let whole = |slug: &str| pages.iter().any(|page| page.slug == slug && page.owner == slug);
         for page in pages.iter().filter(|page| !whole(&page.owner)) {
             let line = page.part_of().map_or(0, |(line, _)| line);

@@ -33,6 +33,9 @@ pub const REFERENCES: &str = "references.md";
 /// The classes that a coloured term may have.
 pub const TERMS: [&str; 3] = ["measured", "estimated", "prior"];
 
+/// What can be said of a span.
+const SPAN_KEYS: [&str; 6] = ["frame", "means", "name", "shape", "term", "unit"];
+
 /// What the press knows before it writes a page.
 pub struct Known<'a> {
     /// Every label and where it stands.
@@ -198,6 +201,12 @@ struct One<'a> {
 
 impl One<'_> {
     fn mark(&self, mark: &Mark<'_>, out: &mut String, found: &mut Found<'_>) {
+        if let Mark::Span { attributes, .. } = mark
+            && let Some(key) = attributes.key_beyond(&SPAN_KEYS)
+        {
+            let mend = format!("mend the name; known are {}", SPAN_KEYS.join(", "));
+            found.faults.add(self.place, key, "no span has such an attribute", mend);
+        }
         match mark {
             Mark::Plain(text) => {
                 found.lint.prose(self.place, &self.prose.page.owner, text, &mut found.faults);
@@ -235,9 +244,11 @@ impl One<'_> {
                 Some(("time", words)) => out.push_str(&self.time(words, found)),
                 _ => self.misused(mark, found),
             },
-            Mark::UnclosedMath | Mark::MisplacedDisplay | Mark::Nested => {
-                self.misused(mark, found);
-            }
+            Mark::UnclosedMath
+            | Mark::UnclosedBraces
+            | Mark::NoAttributes
+            | Mark::MisplacedDisplay
+            | Mark::Nested => self.misused(mark, found),
         }
     }
 
@@ -252,6 +263,16 @@ impl One<'_> {
                 "$",
                 "a formula begins here and never ends",
                 r"close it with $, or write \$ for the sign itself",
+            ),
+            Mark::UnclosedBraces => (
+                "{{",
+                "two braces begin here and are never closed",
+                "close them with }}, or write code for the signs themselves",
+            ),
+            Mark::NoAttributes => (
+                "[",
+                "braces behind these brackets are no attributes",
+                "write [words]{.class key=\"value\"}, closed and with a dot before the class",
             ),
             Mark::Nested => (
                 "[",

@@ -21,8 +21,15 @@ const SCRIPT: &str = "recordings/script";
 /// What the recordings are made from.
 const SOURCES: [&str; 3] = ["code/src", "recordings/src", "widgets/src"];
 /// The same, single files.
-const FILES: [&str; 4] =
-    ["Cargo.lock", "Cargo.toml", "code/examples/filter.rs", "recordings/Cargo.toml"];
+const FILES: [&str; 7] = [
+    "Cargo.lock",
+    "Cargo.toml",
+    "code/Cargo.toml",
+    "code/examples/filter.rs",
+    "code/examples/odometry/euroc.toml",
+    "recordings/Cargo.toml",
+    "widgets/Cargo.toml",
+];
 
 /// The scenes of a book.
 pub struct Recordings<'a> {

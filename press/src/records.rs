@@ -57,6 +57,38 @@ pub struct Made {
     pub values: BTreeMap<String, Value>,
 }
 
+impl Value {
+    /// Whether the text says the number, rounded to the digits that it has.
+    pub fn is_told(&self) -> bool {
+        let plain = self.text.replace(',', "").replace('\u{2212}', "-");
+        let digits = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+        let half = 0.500_001 * 0.1_f64.powi(digits as i32);
+        plain.parse::<f64>().is_ok_and(|said| (said - self.value).abs() <= half)
+    }
+
+    /// What differs in the same value made again, but for its digits.
+    fn difference(&self, again: &Value) -> Option<String> {
+        let is_near = (again.value - self.value).abs() <= self.within * self.value.abs();
+        if !is_near {
+            return Some(format!(
+                "was {} and is {} (may differ by {:e} of itself)",
+                self.value, again.value, self.within
+            ));
+        }
+        if self.unit != again.unit {
+            return Some(format!("was in “{}” and is in “{}”", self.unit, again.unit));
+        }
+        if self.within != again.within {
+            return Some(format!(
+                "might differ by {:e} of itself and may by {:e}",
+                self.within, again.within
+            ));
+        }
+        (self.value == again.value && self.text != again.text)
+            .then(|| format!("was said as {} and is as {}", self.text, again.text))
+    }
+}
+
 impl Record {
     /// A record of what was made here and now.
     pub fn new(made: Made, date: String, machine: String) -> Record {
@@ -125,14 +157,11 @@ impl Record {
             found.push(format!("the inputs were {:?} and are {:?}", self.inputs, again.inputs));
         }
         for (name, old) in &self.values {
-            match again.values.get(name) {
-                None => found.push(format!("{name} is gone")),
-                Some(new) if (new.value - old.value).abs() <= old.within * old.value.abs() => {}
-                Some(new) => found.push(format!(
-                    "{name} was {} and is {} (may differ by {:e} of itself)",
-                    old.value, new.value, old.within
-                )),
-            }
+            let difference = match again.values.get(name) {
+                None => Some("is gone".to_owned()),
+                Some(new) => old.difference(new),
+            };
+            found.extend(difference.map(|difference| format!("{name} {difference}")));
         }
         let added = again.values.keys().filter(|name| !self.values.contains_key(*name));
         found.extend(added.map(|name| format!("{name} is new")));
@@ -174,6 +203,27 @@ mod tests {
         assert!(record(1.0, 0.01).differences(&record(1.005, 0.01)).is_empty());
         assert_eq!(record(1.0, 0.01).differences(&record(1.02, 0.01)).len(), 1);
         assert_eq!(record(1.0, 0.01).differences(&record(f64::NAN, 0.01)).len(), 1);
+    }
+
+    #[test]
+    fn the_unit_the_margin_and_the_digits_of_a_value_are_compared_too() {
+        let first = Value { value: 1234.5, text: "1234.5".into(), unit: "m".into(), within: 0.0 };
+        assert_eq!(first.difference(&first), None);
+        let others = [
+            Value { unit: "px".into(), ..first.clone() },
+            Value { within: 0.5, ..first.clone() },
+            Value { text: "1234".into(), ..first.clone() },
+        ];
+        assert!(others.iter().all(|other| first.difference(other).is_some()));
+    }
+
+    #[test]
+    fn a_text_says_its_number_or_another() {
+        let told = |value, text: &str| {
+            Value { value, text: text.to_owned(), unit: String::new(), within: 0.0 }.is_told()
+        };
+        assert!(told(12_345.678, "12,345.7") && told(-0.25, "\u{2212}0.3") && told(2.0, "2"));
+        assert!(!told(3.1, "2.1") && !told(0.25, "\u{2212}0.3") && !told(1.0, "one"));
     }
 
     #[test]

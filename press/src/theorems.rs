@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::attributes::Attributes;
-use crate::blocks::{Block, Kind};
+use crate::blocks::Kind;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::inline::{Mark, tokens};
@@ -39,7 +39,7 @@ impl Theorems {
                     }
                     Kind::Close => drop(open.pop()),
                     Kind::Text(text) => {
-                        theorems.conditions(page, block, text, open.last(), faults);
+                        theorems.conditions(page, block.line, text, open.last(), faults);
                     }
                     _ => {}
                 }
@@ -61,17 +61,18 @@ impl Theorems {
     fn conditions(
         &mut self,
         page: &Page,
-        block: &Block,
+        first: usize,
         text: &str,
         inside: Option<&&Attributes>,
         faults: &mut Faults,
     ) {
         for token in tokens(text) {
             let Mark::Span { text: words, attributes } = &token.mark else { continue };
+            let line = first + token.line;
             if !attributes.has("condition") {
+                self.conditions(page, line, words, inside, faults);
                 continue;
             }
-            let line = block.line + token.line;
             let name = attributes.value("name");
             let theorem = inside
                 .and_then(|division| division.id.strip_prefix("thm:"))
@@ -82,7 +83,15 @@ impl Theorems {
                 faults.add((&page.file, line), *words, problem, mend);
                 continue;
             };
-            theorem.conditions.insert(name.to_owned(), (*words).to_owned());
+            if theorem.conditions.insert(name.to_owned(), (*words).to_owned()).is_some() {
+                let problem = "the theorem has a condition of this name already";
+                faults.add(
+                    (&page.file, line),
+                    name,
+                    problem,
+                    "give each condition a name of its own",
+                );
+            }
         }
     }
 

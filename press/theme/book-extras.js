@@ -12,6 +12,15 @@
         return made;
     }
 
+    // What an address says, or as it stands where its percent signs mean nothing.
+    function decoded(text) {
+        try {
+            return decodeURIComponent(text);
+        } catch {
+            return text;
+        }
+    }
+
     // ---- Keys. book.js turns pages with Left and Right, and hears them on the document. A reader presses them to move
     // through a wide equation or a slider, so they go no further than the body; what has focus has already had them.
     document.body.addEventListener("keydown", event => {
@@ -324,7 +333,7 @@
 
         // An address inside of a fold, or of the heading that leads into it, opens it.
         function arrive() {
-            const label = decodeURIComponent(location.hash.slice(1));
+            const label = decoded(location.hash.slice(1));
             const target = label && document.getElementById(label);
             const each = target && parts.find(({ part }) => part.contains(target) || part.dataset.of === label);
             if (each && each.part.hasAttribute("hidden")) {

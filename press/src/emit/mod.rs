@@ -91,6 +91,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         if !self.fits_algorithm(block) {
             return;
         }
+        if let Some((word, known)) = block.kind.unknown() {
+            let mend = format!("mend the name; known here are {known}");
+            self.fault(line, word, "nothing reads this attribute", mend);
+        }
         match &block.kind {
             Kind::Text(text) if self.in_algorithm().is_some() => self.parts(line, text),
             Kind::Text(text) => {
@@ -120,6 +124,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
                     "four spaces make this a block of code",
                     "indent less, or include code as a listing",
                 );
+            }
+            Kind::AfterComment(words) => {
+                let problem = "what stands behind a comment on its last line is not shown";
+                self.fault(line, words, problem, "begin a new line behind -->");
             }
             Kind::Unclosed(what) => {
                 self.fault(line, "", format!("{what} begins here and never ends"), "close it")

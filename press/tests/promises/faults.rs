@@ -145,6 +145,20 @@ fn changed_tex_fails_until_it_is_accepted() {
 }
 
 #[test]
+fn what_has_no_check_is_not_accepted_and_what_has_no_chapter_goes() {
+    let book = SmallBook::sound().with("src/one.md", "{#eq:product}", "{#eq:times}");
+    book.write("exhibits/accepted/gone.toml", "[equations]\nold = 'a'\n");
+    let output = book.run(&["accept"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        said.contains("one eq:times has no check") && said.contains("gone eq:old is gone"),
+        "{said}"
+    );
+    assert!(!book.read("exhibits/accepted/one.toml").contains("times"));
+    assert!(!book.path("exhibits/accepted/gone.toml").exists());
+}
+
+#[test]
 fn a_moved_line_break_does_not_change_an_equation() {
     let book = SmallBook::sound().with("src/one.md", "c = a + b", "c =\n a +  b");
     assert!(book.run(&["check"]).status.success());
@@ -399,6 +413,12 @@ fn a_dead_link_is_found_in_the_rendered_pages() {
 }
 
 #[test]
+fn a_link_from_the_root_of_a_host_is_found_in_the_rendered_pages() {
+    let book = SmallBook::sound().with("src/one.md", "(ledger.md)", "(/ledger.html)");
+    says(&book.faults(), &["/ledger.html: the link leads nowhere"]);
+}
+
+#[test]
 fn a_dead_fragment_is_found_in_the_rendered_pages() {
     let book = SmallBook::sound().with("src/one.md", "(ledger.md)", "(ledger.md#nothing)");
     let report = book.faults();
@@ -453,6 +473,48 @@ fn a_warning_of_mdbook_is_a_fault() {
     let book = SmallBook::sound().with("src/one.md", "An [inner", "An <em>open [inner");
     let report = book.faults();
     assert!(report.contains("src/one.md: mdBook: unclosed HTML tag `<em>`"), "{report}");
+}
+
+#[test]
+fn marks_and_attributes_that_nothing_reads_are_named() {
+    for (old, new, said) in [
+        (
+            "A sum,",
+            "A [sum]{defined},",
+            "src/one.md:3: [: braces behind these brackets are no attributes",
+        ),
+        (
+            "A sum,",
+            "A {{value sum,",
+            "src/one.md:3: {{: two braces begin here and are never closed",
+        ),
+        (
+            "A sum,",
+            "A [sum]{.measured mean=\"x\"},",
+            "src/one.md:3: mean: no span has such an attribute",
+        ),
+        ("{#sec:more}", "{#sec:more .dept}", "src/one.md:23: dept: nothing reads this attribute"),
+        (
+            "{#fig:sums alt",
+            "{#fig:sums widgt=\"a\" alt",
+            "src/one.md:17: widgt: nothing reads this attribute",
+        ),
+        (
+            "\n## More",
+            "\n<!-- to do --> More.\n\n## More",
+            "src/one.md:23: More.: what stands behind a comment",
+        ),
+    ] {
+        says(&SmallBook::sound().with("src/one.md", old, new).faults(), &[said]);
+    }
+}
+
+#[test]
+fn two_pages_of_one_name_are_named() {
+    let book = SmallBook::sound().with("src/SUMMARY.md", "\n---", "- [One](more/one.md)\n\n---");
+    book.write("src/more/one.md", "# One\n\nThe same.\n");
+    let report = book.faults();
+    assert!(report.contains("src/more/one.md: one: src/one.md has the same name"), "{report}");
 }
 
 #[test]
@@ -705,6 +767,29 @@ fn a_counterexample_that_shows_nothing_is_named() {
 }
 
 #[test]
+fn two_conditions_of_one_name_are_named() {
+    let condition = "{.condition name=\"positive\"}";
+    let book = SmallBook::sound().with(
+        "src/one.md",
+        "If [both",
+        &format!("If [the first is]{condition} and [both"),
+    );
+    says(&book.faults(), &["positive: the theorem has a condition of this name already"]);
+}
+
+#[test]
+fn a_condition_inside_another_mark_is_a_condition() {
+    let (condition, marked) = ("{.condition name=\"positive\"}", "]{.measured}");
+    let book = SmallBook::sound().with("src/one.md", "If [both", "If [[both").with(
+        "src/one.md",
+        condition,
+        &format!("{condition}{marked}"),
+    );
+    let output = book.run(&["check"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
 fn a_condition_outside_of_a_theorem_is_named() {
     let book =
         SmallBook::sound().with("src/one.md", "A sum, as", "A [sum]{.condition name=\"x\"}, as");
@@ -748,6 +833,36 @@ fn a_mark_that_does_not_say_what_a_letter_means_is_named() {
 fn a_work_that_was_never_compared_with_its_own_page_is_named() {
     let book = SmallBook::sound().with("src/references.bib", "verified = {its page},", "");
     says(&book.faults(), &["author2001: nothing says whether the entry was compared"]);
+}
+
+/// A small book with the accepted record `long`, whose one value says this text.
+fn with_record(text: &str) -> SmallBook {
+    let records = "\"records\":[{\"name\":\"long\",\"inputs\":{},\"file\":\"exhibits/src/one.rs\",\"line\":3}]";
+    let book = SmallBook::sound()
+        .with("target/press/exhibits/one/exhibits.json", "\"records\":[]", records)
+        .with("src/one.md", "{{value one.sum}}", "{{value one.sum}} and {{value long.most}}");
+    let value =
+        format!("[values.most]\nvalue = 3.1\ntext = \"{text}\"\nunit = \"\"\nwithin = 0.0\n");
+    let record = "name = \"long\"\nchapter = \"one\"\ncommand = \"\"\ninput-digest = \"\"\nmachine = \"\"\ndate = \"\"\n[inputs]\n";
+    book.write("exhibits/records/long.toml", &format!("{record}{value}"));
+    book
+}
+
+#[test]
+fn a_record_that_says_another_number_than_it_has_is_named() {
+    assert!(with_record("3.1").run(&["check"]).status.success());
+    says(&with_record("2.1").faults(), &["long.most: the text says 2.1, and the value is 3.1"]);
+}
+
+#[test]
+fn a_record_that_no_program_makes_is_named() {
+    let exhibits = "target/press/exhibits/one/exhibits.json";
+    let book = with_record("3.1").with(exhibits, "\"name\":\"long\"", "\"name\":\"other\"");
+    let report = book.faults();
+    assert!(
+        report.contains("exhibits/records/long.toml: long: no program makes this record"),
+        "{report}"
+    );
 }
 
 #[test]
