@@ -319,7 +319,7 @@
     class Control {
         constructor(face, number, change) {
             Object.assign(this, { face, number });
-            this.shown = element("output", { className: "value" });
+            this.shown = element("span", { className: "value" });
             const label = element("span", { className: "name", textContent: face.label });
             if (face.kind === "count") {
                 this.buttons("Back", () => change(this, this.value + 1), () => change(this, this.value - 1));
@@ -386,11 +386,10 @@
                 input.value = String(value);
             } else if (face.kind === "count") {
                 this.shown.textContent = String(value);
-                // Not disabled, for that would take the focus away.
                 this.input.setAttribute("aria-disabled", value >= face.most);
                 this.back.setAttribute("aria-disabled", value <= face.least);
             } else if (face.kind === "moment") {
-                this.shown.textContent = value < 0 ? "" : `from ${value.toFixed(1)} ${face.unit}`;
+                this.shown.textContent = value < 0 ? "" : `after ${value.toFixed(1)} ${face.unit}`;
                 this.back.setAttribute("aria-disabled", value < 0);
             } else {
                 const digits = face.kind === "logarithmic" ? Math.max(0, 2 - Math.floor(Math.log10(value)))
@@ -436,6 +435,9 @@
             figure.classList.add("alive");
             this.read();
             this.render();
+            // What nobody has asked for is not read aloud.
+            ["input", "change", "click", "keydown", "pointerdown"].forEach(kind =>
+                this.box.addEventListener(kind, () => { this.touched = true; }, { capture: true }));
             new ResizeObserver(() => this.ask()).observe(this.box);
         }
 
@@ -451,10 +453,14 @@
             const answers = choices.map((text, number) => {
                 const button = element("button", { type: "button", textContent: text });
                 button.addEventListener("click", () => {
+                    if (!this.veiled) {
+                        return;
+                    }
                     this.veiled = false;
                     verdict.textContent = `${number === right ? "That is right" : `No: ${choices[right]}`}. ${why}`;
                     verdict.classList.add(number === right ? "right" : "wrong");
-                    answers.forEach(other => { other.disabled = true; });
+                    // Not disabled, for that would take the focus away.
+                    answers.forEach(other => other.setAttribute("aria-disabled", true));
                     this.render();
                 });
                 return button;
@@ -497,6 +503,7 @@
             this.session.face.controls.forEach((control, number) => {
                 values[number] = control.start;
             });
+            this.controls.forEach(control => { control.way = 1; });
             this.render();
         }
 
@@ -523,8 +530,10 @@
             const values = this.session.controls;
             this.controls.forEach((control, number) => control.show(values[number]));
             this.write();
-            clearTimeout(this.later);
-            this.later = setTimeout(() => this.announce(), QUIET);
+            if (this.touched) {
+                clearTimeout(this.later);
+                this.later = setTimeout(() => this.announce(), QUIET);
+            }
             if (this.more) {
                 this.ask();
             }
@@ -635,7 +644,8 @@
                         query.set(key, String(Number(values[number].toPrecision(6))));
                     }
                 });
-                const search = query.size > 0 ? "?" + query : "";
+                const text = query.toString();
+                const search = text ? "?" + text : "";
                 if (search !== location.search) {
                     history.replaceState(history.state, "", location.pathname + search + location.hash);
                 }

@@ -17,6 +17,10 @@ const DRAWS: usize = 240;
 const SLOPE: f64 = 0.12;
 /// Of depths, in metres.
 const FARTHEST: f64 = 13.5;
+/// To the right, in metres.
+const TO_THE_RIGHT: f64 = 2.2;
+/// The largest depth that is believed, over the true one, and some room.
+const BEYOND: f64 = 3.2;
 /// A believed landmark that is dragged as near as this to the ray is on it, in metres.
 const ON_THE_RAY: f64 = 0.06;
 /// What is shown of a depth where there is none.
@@ -83,7 +87,7 @@ impl Widget for Bearing {
             Panel {
                 title: "Seen from above, widths drawn larger",
                 x: Axis { label: "depth, m", range: [-0.8, FARTHEST] },
-                y: Axis { label: "to the right, m", range: [-0.6, 2.2] },
+                y: Axis { label: "to the right, m", range: [-0.6, TO_THE_RIGHT] },
                 aspect: 0.4,
                 span: 6,
                 equal: false,
@@ -107,6 +111,9 @@ impl Widget for Bearing {
         let camera = Pinhole { fx: focal, fy: focal, cx: 0.0, cy: 0.0 };
         let stage = Stage { camera, baseline, truth: Vector3::new(SLOPE * depth, 0.0, depth) };
         let believed = stage.believed(along, across);
+        // So far that the ring can be seen wherever it is believed to be.
+        let wider = (BEYOND * depth / FARTHEST).max(1.0);
+        scene.view(ABOVE, [-0.8, wider * FARTHEST], [-0.6, wider * TO_THE_RIGHT]);
         scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(0));
         scene.draw(ABOVE, (Shape::Line, Style::Measured, 1.5), stage.ray(1));
         self.draw_depths(&stage, noise);
@@ -225,7 +232,8 @@ impl Stage {
     /// From a camera through the landmark and on.
     fn ray(&self, number: usize) -> [[f64; 2]; 2] {
         let centre = self.centre(number);
-        let end = centre + (self.truth - centre) * (2.0 * FARTHEST / self.truth.z);
+        let farthest = (2.0 * FARTHEST).max(BEYOND * self.truth.z);
+        let end = centre + (self.truth - centre) * (farthest / self.truth.z);
         [above(&centre), above(&end)]
     }
 

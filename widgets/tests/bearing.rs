@@ -89,6 +89,23 @@ fn dragging_a_handle_puts_it_there() {
 }
 
 #[test]
+fn the_ring_can_be_seen_wherever_it_is_believed_to_be() {
+    for depth in [2.0, 4.0, 10.0] {
+        for (along, across) in [(0.4, -0.5), (3.0, -0.5), (3.0, 0.5)] {
+            let settings = [("depth", depth), ("along", along), ("across", across)];
+            let mut session = Session::<Bearing>::with(&settings).unwrap();
+            let numbers = Player::numbers(&mut session);
+            let of = |kind, handle| {
+                let wanted = |mark: &&[f64]| mark[..4] == [kind, 0.0, mark[2], handle];
+                numbers.windows(9).find(wanted).map(|mark| mark[5..].to_vec()).expect("it is drawn")
+            };
+            let (view, ring) = (of(100.0, 0.0), of(101.0, 0.0));
+            assert!(ring[0] < view[1] && (view[2]..view[3]).contains(&ring[1]), "{settings:?}");
+        }
+    }
+}
+
+#[test]
 fn the_cloud_is_seen_at_the_start() {
     let mut session = Session::<Bearing>::new();
     let panel = Bearing::FACE.panels[0];

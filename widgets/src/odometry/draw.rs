@@ -57,6 +57,7 @@ fn word(frames: &[Frame]) -> Option<usize> {
     match last.phase {
         Phase::Following => None,
         Phase::Missing => Some(6),
+        Phase::Early => Some(7),
         Phase::Standing => Some(1),
         Phase::Waiting | Phase::Lost => Some(match why(frames) {
             None => 0,

@@ -100,6 +100,7 @@ impl Widget for Assembled {
             "lost: the estimate is no number",
             "lost: the estimator cannot go on",
             "no picture",
+            "no readings",
         ],
     };
 
@@ -179,6 +180,7 @@ fn phase(phase: Phase, why: Option<Why>) -> &'static str {
         (Phase::Missing, _) => {
             "There is no picture: the readings carry the estimate on when one comes."
         }
+        (Phase::Early, _) => "No readings have come as far as this picture, so it cannot be used.",
         (Phase::Standing, _) => "The body stands, and is known to.",
         (Phase::Following, _) => "The estimator follows.",
         (_, None) => "Nothing is known yet: a beginning is looked for in the last seconds.",

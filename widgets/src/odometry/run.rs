@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use vislam::filtering::{StateError, nees};
 use vislam::inertial::NavState;
 use vislam::observability::Similarity;
-use vislam::odometry::{Estimate, Lost, Odometry, Progress};
+use vislam::odometry::{Estimate, Lost, Odometry, OdometryError, Progress};
 use vislam::simulation::{FlightRecording, Recorder};
 
 use super::setting::{Fault, PICTURES, Setting};
@@ -68,6 +68,8 @@ pub enum Phase {
     Following,
     /// The estimate was given up.
     Lost,
+    /// The readings do not come as far as the picture.
+    Early,
 }
 
 /// Why an odometry is lost.
@@ -191,13 +193,15 @@ impl Run {
                 (Phase::Lost, [0, 0])
             }
             Some(Ok(Progress::Waiting)) => (Phase::Waiting, [0, 0]),
+            Some(Err(OdometryError::EarlyPicture { .. })) => (Phase::Early, [0, 0]),
             Some(Err(_)) | None => (Phase::Missing, [0, 0]),
         };
         if self.odometry.worlds() > self.worlds {
             self.worlds = self.odometry.worlds();
             self.true_from_world = self.world().unwrap_or_else(Similarity::identity);
         }
-        let newest = self.odometry.newest().filter(|_| phase != Phase::Missing);
+        let is_given = !matches!(phase, Phase::Missing | Phase::Early);
+        let newest = self.odometry.newest().filter(|_| is_given);
         if let Some(standing) = newest.filter(|_| phase == Phase::Standing) {
             let truth = self.truth(standing.nanoseconds);
             self.true_from_world = Similarity::between(&standing.state, &truth);
