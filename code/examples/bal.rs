@@ -6,8 +6,9 @@
 //! ```
 //!
 //! prints the iterations and, in its last line, how many there were, the cost at the end
-//! (half the sum of squares over all observations) and the time of an iteration. A solve
-//! is repeated from the same start until a second has passed, and the median counts.
+//! (half the sum of squares, or of what Huber's kernel makes of them, over all observations
+//! that were kept) and the time of an iteration. A solve is repeated from the same start
+//! until a second has passed, and the median counts.
 //! With `--fix-intrinsics` only the poses move, and the first one is held.
 
 use std::error::Error;

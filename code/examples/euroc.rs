@@ -81,39 +81,51 @@ fn report(
     rule: Rule,
     seconds: f64,
 ) -> Result<(), Box<dyn Error>> {
-    let (mut count, mut squares, mut predicted, mut nees) = (0, [0.0; 3], [0.0; 3], 0.0);
-    for (first, last) in intervals(truth, seconds) {
-        let Some(sums) = sums(samples, rule, first, last)? else { continue };
-        let error = imu_residual(&sums, &first.state, &last.state, &GRAVITY, &first.bias);
+    let (mut squares, mut predicted, mut nees) = ([0.0; 3], [0.0; 3], 0.0);
+    let summed = summed(samples, truth, rule, seconds)?;
+    for (first, sums, last) in &summed {
+        let error = imu_residual(sums, &first.state, &last.state, &GRAVITY, &first.bias);
         nees += (sums.sqrt_information()? * error).norm_squared();
         for (part, sigma) in sums.sigmas().into_iter().enumerate() {
             squares[part] += error.fixed_rows::<3>(3 * part).norm_squared();
             predicted[part] += 3.0 * sigma * sigma;
         }
-        count += 1;
     }
-    let root = |sum: f64| (sum / f64::from(count)).sqrt();
+    let count = summed.len();
+    let root = |sum: f64| (sum / count as f64).sqrt();
     print!("{:8} {seconds:3}  {count:9}", name(rule));
     for (part, scale) in [1e3, 1e2, 1e2].into_iter().enumerate() {
         print!("  {:6.2}  {:8.2} ", scale * root(squares[part]), scale * root(predicted[part]));
     }
-    println!("  {:.1}", nees / f64::from(count));
+    println!("  {:.1}", nees / count as f64);
     Ok(())
 }
 
-/// The readings between two states summed up, if there are some.
-fn sums(
+/// The readings of all intervals of a length, summed up, with the states at both ends.
+fn summed<'a>(
     samples: &[StampedSample],
+    truth: &'a [GroundTruth],
     rule: Rule,
-    first: &GroundTruth,
-    last: &GroundTruth,
-) -> Result<Option<Preintegrated>, Box<dyn Error>> {
-    let window = match between(samples, first.nanoseconds, last.nanoseconds) {
-        Err(WindowError::NotCovered { .. }) => return Ok(None),
-        window => window?,
-    };
-    let noise = ImuNoise::euroc();
-    Ok(Some(preintegrate_stamped(&window, rule, LONGEST_STEP, &first.bias, &noise)?))
+    seconds: f64,
+) -> Result<Vec<(&'a GroundTruth, Preintegrated, &'a GroundTruth)>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for (first, last) in intervals(truth, seconds) {
+        let window = match between(samples, first.nanoseconds, last.nanoseconds) {
+            Err(WindowError::NotCovered { .. }) => continue,
+            window => window?,
+        };
+        let noise = ImuNoise::euroc();
+        let sums = preintegrate_stamped(&window, rule, LONGEST_STEP, &first.bias, &noise)?;
+        all.push((first, sums, last));
+    }
+    if all.is_empty() {
+        let sentence = format!(
+            "no two states of the ground truth {seconds} s apart have readings between them; give files of \
+             one flight"
+        );
+        return Err(sentence.into());
+    }
+    Ok(all)
 }
 
 /// Gravity as the ground truth shows it: [`GRAVITY`] and what velocities gain beyond it, on average
@@ -122,15 +134,14 @@ fn gravity(
     samples: &[StampedSample],
     truth: &[GroundTruth],
 ) -> Result<Vector3<f64>, Box<dyn Error>> {
-    let (mut count, mut missing) = (0, Vector3::zeros());
-    for (first, last) in intervals(truth, 1.0) {
-        let Some(sums) = sums(samples, Rule::Midpoint, first, last)? else { continue };
-        let error = imu_residual(&sums, &first.state, &last.state, &GRAVITY, &first.bias);
+    let mut missing = Vector3::zeros();
+    let summed = summed(samples, truth, Rule::Midpoint, 1.0)?;
+    for (first, sums, last) in &summed {
+        let error = imu_residual(sums, &first.state, &last.state, &GRAVITY, &first.bias);
         let velocity = error.fixed_rows::<3>(3).into_owned();
         missing += first.state.world_from_body * velocity / sums.duration;
-        count += 1;
     }
-    Ok(GRAVITY + missing / f64::from(count))
+    Ok(GRAVITY + missing / summed.len() as f64)
 }
 
 /// Pairs of states this far apart, to a millisecond, one after the other.
@@ -154,7 +165,14 @@ fn intervals(truth: &[GroundTruth], seconds: f64) -> Vec<(&GroundTruth, &GroundT
 
 /// Nanoseconds for a reading: the median of fifteen runs over the whole flight.
 fn time(samples: &[StampedSample], rule: Rule) -> Result<f64, Box<dyn Error>> {
-    let windows = (samples.len() - 1) / WINDOW;
+    let windows = samples.len().saturating_sub(1) / WINDOW;
+    if windows == 0 {
+        return Err(format!(
+            "{} readings are too few to time; give more than {WINDOW}",
+            samples.len()
+        )
+        .into());
+    }
     let mut times = Vec::new();
     for _ in 0..15 {
         let start = Instant::now();
@@ -170,7 +188,7 @@ fn time(samples: &[StampedSample], rule: Rule) -> Result<f64, Box<dyn Error>> {
             }
             black_box(integrator.finish()?);
         }
-        times.push(1e9 * start.elapsed().as_secs_f64() / (windows * WINDOW).max(1) as f64);
+        times.push(1e9 * start.elapsed().as_secs_f64() / (windows * WINDOW) as f64);
     }
     times.sort_by(f64::total_cmp);
     Ok(times[times.len() / 2])

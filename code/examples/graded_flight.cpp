@@ -54,7 +54,7 @@ std::map<std::int64_t, Picture> pictures(const std::filesystem::path& flight) {
     return all;
 }
 
-// A number of calibration.toml, by its name; names are there once.
+// A number of calibration.toml, the first of its name: `rate` is that of the camera.
 double calibrated(const std::filesystem::path& flight, const std::string& name) {
     std::ifstream file(flight / "calibration.toml");
     for (std::string line; std::getline(file, line);)

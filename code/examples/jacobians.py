@@ -1,7 +1,7 @@
 """Checks a Jacobian written in Python against the book's, through two files."""
 
 # ANCHOR: notebook
-import csv, math, random, subprocess
+import csv, math, os, random, subprocess
 
 COLUMNS = ["rx", "ry", "rz", "tx", "ty", "tz", "x", "y", "z"]
 
@@ -15,6 +15,7 @@ def by_hand(state):
 
 states = [[0, 0, 0] + [random.uniform(-1, 1) for _ in range(5)] + [random.uniform(4, 8)]
           for _ in range(1000)]
+os.makedirs("target", exist_ok=True)
 with open("target/states.csv", "w", newline="") as file:
     csv.writer(file).writerows([COLUMNS] + states)
 

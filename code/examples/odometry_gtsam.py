@@ -6,7 +6,7 @@ TRACKS_CSV has readings and tracks in one file, as GTSAM's examples have them; G
 state at every EVERY-th picture from FROM_SECONDS on, with combined inertial factors between the states, and a projection
 with Huber's kernel for each time that a landmark is seen. The ground truth gives the start, some centimetres and half a
 degree off, and chooses the landmarks: it is a help that an estimator does not have. A landmark is kept when three states
-or more see it, between 0.2 and 40 m in front of each, and no pixel is farther off than the gate from where the ground
+or more see it, 0.2 m or more in front of each and less than 40 m in front of the nearest, and no pixel is farther off than the gate from where the ground
 truth would have it.
 
 Prints the root mean square error of the positions in centimetres, aligned by yaw and shift and by any rotation and shift;

@@ -8,7 +8,8 @@ prior of three metres where the truth has it, because a body that stands gives i
 
 Prints the root mean square error of the positions in centimetres, aligned by yaw and shift: of each state when it was
 the newest, when it was two seconds old, and in the end; then the seconds of all updates, without those of reading the
-estimates out. States before SINCE_SECONDS of the recording are not judged. Then a line for each of the three: how far
+estimates out. What is read meanwhile is of a run that linearizes again at each update, the rest of one that does so at
+each tenth, as ISAM2 has it by itself. States before SINCE_SECONDS of the recording are not judged. Then a line for each of the three: how far
 off a state is every one and a half seconds.
 """
 import sys

@@ -112,6 +112,9 @@ fn microseconds<T>(samples: &[[RayPair; 5]], solve: impl Fn(&[RayPair; 5]) -> T)
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let count = arguments.next().map_or(Ok(1000), |count| count.parse::<usize>())?;
+    if count == 0 {
+        return Err("there are no scenes to measure; give one or more".into());
+    }
     for (name, value) in measured(count, arguments.next().as_deref())? {
         println!("{name} {value:.4}");
     }

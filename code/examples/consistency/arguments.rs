@@ -3,7 +3,7 @@
 use vislam::consistency::{NoSuchPolicy, Policy};
 use vislam::inertial::ImuNoise;
 
-use crate::flown::{Motion, PERFECT, Setting};
+use crate::flown::{Motion, PERFECT, PICTURE_RATE, Setting};
 
 const USAGE: &str = "usage: consistency [--flights N] [--minutes M] [--seed S] \
                      [--at SECONDS,SECONDS,...] [--policy NAME] [--batch] \
@@ -67,10 +67,15 @@ impl Arguments {
         let Setting { clones, longest_track, pixel_sigma, .. } = self.setting;
         let ascending = self.times.windows(2).all(|pair| pair[0] < pair[1]);
         let in_range = self.times.iter().all(|time| (1.0..1e6).contains(time));
+        let is_picture = |time: &f64| {
+            let pictures = time * PICTURE_RATE;
+            (pictures - pictures.round()).abs() < 1e-6
+        };
         let wrong = if self.flights == 0 {
             "--flights is 0; give one or more"
-        } else if !ascending || !in_range {
-            "times are in seconds, ascending, and at least one; --minutes gives the last of them"
+        } else if !ascending || !in_range || !self.times.iter().all(is_picture) {
+            "times are in seconds, ascending, at least one, and those of pictures, of which there are \
+             five a second; --minutes gives the last of them"
         } else if clones < 3 || longest_track < 3 {
             "windows and tracks need three pictures or more"
         } else if !(pixel_sigma > 0.0 && pixel_sigma < 100.0) {

@@ -25,7 +25,7 @@ has them, TRACKS.csv the columns timestamp [ns], track, u [px], v [px], with dis
   --start EXPORT.json  what GTSAM was given: solve that from its start, and compare
   --tum FILE           write the trajectory: timestamp tx ty tz qx qy qz qw
   --covariance FILE    write the covariance of each pose: time and upper triangle
-  --ply FILE           write landmarks and trajectory for a viewer
+  --ply FILE           write the trajectory, and the landmarks of a batch, for a viewer
 
 A calibration with a [stereo] baseline, in metres, has a second camera beside it, whose pixels are u_right and v_right of
 TRACKS.csv. The smoother takes them, the others do not.

@@ -23,7 +23,7 @@
 //! | `--start EXPORT.json` | what GTSAM was given, its start among it: the batch of exactly that is solved from there, by GTSAM's rule of integration, and compared with GTSAM's |
 //! | `--tum FILE` | the trajectory, a line `timestamp tx ty tz qx qy qz qw` each |
 //! | `--covariance FILE` | the covariance of each pose: time and 21 numbers, see [`vislam::datasets::written::pose_covariances`] |
-//! | `--ply FILE` | landmarks in grey and the trajectory in red, for a viewer |
+//! | `--ply FILE` | the trajectory in red, and the landmarks of a batch in grey, for a viewer |
 //!
 //! The last line says how far the estimate is from the truth, as roots of mean squares in centimetres.
 //! After alignment in yaw and position: `causal_ate4_cm` of each state when it was the newest,
