@@ -100,14 +100,17 @@ fn a_line_has_its_number_whatever_ends_the_lines() {
 }
 
 #[test]
-fn a_byte_order_mark_and_empty_lines_at_the_end_do_not_matter() {
-    let text = format!("\u{feff}{IMU_HEADER}\r\n1,0,0,0,0,0,0\r\n\r\n   \n\n");
-    assert_eq!(read_imu(&text).unwrap().len(), 1);
+fn a_byte_order_mark_and_empty_lines_do_not_matter() {
+    let text = format!("{IMU_HEADER}\r\n1,0,0,0,0,0,0\r\n\r\n   \n\n");
+    for before in ["", "\u{feff}", "\n", "\u{feff}\r\n \r\n"] {
+        assert_eq!(read_imu(&format!("{before}{text}")).unwrap().len(), 1);
+    }
+    assert!(read_bal::<6>(&format!("\u{feff}{BAL}")).is_ok());
 }
 
 #[test]
 fn a_file_with_other_columns_is_refused() {
-    for header in ["", "1,0,0,0,0,0,0", "#t,x,y,z,a,b,c", SHORT_HEADER] {
+    for header in ["1,0,0,0,0,0,0", "#t,x,y,z,a,b,c", SHORT_HEADER] {
         let error = read_imu(&format!("{header}\n1,0,0,0,0,0,0\n")).unwrap_err();
         assert_eq!((error.line, error.column), (1, None));
         assert!(matches!(error.fault, TableFault::Header { .. }), "{error}");

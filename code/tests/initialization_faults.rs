@@ -9,8 +9,8 @@ use vislam::datasets::tracks::{Feature, Picture, read_tracks};
 use vislam::filtering::{Freedom, absolute_trajectory_error};
 use vislam::inertial::{NavState, StampedSample, WindowError};
 use vislam::initialization::{
-    AlignmentRefused, BatchError, BeginOptions, LandmarkRefused, NoStart, NotAtRest, RestOptions,
-    Sensors, Whole, WholeOptions, at_rest, begin,
+    AlignmentRefused, BatchError, BeginOptions, Known, LandmarkRefused, NoStart, NotAtRest,
+    RestOptions, Sensors, Whole, WholeOptions, at_rest, begin,
 };
 use vislam::preintegration::PreintegrationError;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
@@ -63,6 +63,26 @@ fn position_error(whole: &Whole, recording: &FlightRecording, pictures: &[Pictur
 fn error_of(recording: &FlightRecording, readings: &[StampedSample], pictures: &[Picture]) -> f64 {
     let whole = estimated(recording, readings, pictures).unwrap();
     position_error(&whole, recording, pictures)
+}
+
+#[test]
+fn states_that_belong_to_no_picture_are_refused() {
+    let recording = flown(&flight());
+    let sensors = Sensors::of_flight(&recording.flight);
+    let begun = begin(&sensors, &recording.readings, &recording.pictures, &BeginOptions::default());
+    let known = begun.unwrap().known;
+    let pictures = recording.pictures.len();
+    for (known, pictures) in [
+        (known.clone(), 0),
+        (Known { states: Vec::new(), ..known.clone() }, pictures),
+        (Known { first: pictures, ..known.clone() }, pictures),
+        (Known { first: usize::MAX, ..known }, pictures),
+    ] {
+        let pictures = &recording.pictures[..pictures];
+        let options = WholeOptions::default();
+        let refused = Whole::grown(&sensors, &recording.readings, pictures, known, &options);
+        assert!(matches!(refused.err().unwrap(), BatchError::Known { .. }));
+    }
 }
 
 #[test]

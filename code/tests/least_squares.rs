@@ -542,6 +542,19 @@ fn levenberg_marquardt_stays_where_residuals_have_values() {
 }
 
 #[test]
+fn levenberg_marquardt_goes_less_far_where_derivatives_have_no_values() {
+    // The first step from 1 ends at 0, where the root of x has a value and no derivative.
+    let root = |x: f64| (x >= 0.0).then(|| (x.sqrt(), 0.5 / x.sqrt()));
+    let (problem, number) = scalar(1.0, root);
+    let method = Method::LevenbergMarquardt { initial_damping: 1.0 };
+    let solution = problem.solve(&Options { method, ..Options::default() }).unwrap();
+    let first = solution.report.iterations[0];
+    assert_eq!((first.trial_cost, first.accepted), (Some(0.0), false));
+    assert_ne!(solution.report.stop, Stop::LeftDomain);
+    assert!(solution.values[number].x < 0.1, "{}", solution.values[number].x);
+}
+
+#[test]
 fn a_jacobian_of_the_wrong_sign_is_a_stall_and_is_called_one() {
     let (problem, number) = scalar(2.0, |x| Some((x - 1.0, -1.0)));
     let solution = problem.solve(&Options::default()).unwrap();
@@ -792,7 +805,7 @@ fn a_search_whose_steps_are_used_up_is_not_settled() {
 #[test]
 fn wrong_options_and_wrong_values_are_refused() {
     let (problem, _) = three_tapes(Vector2::new(3.0, 4.0), Kernel::Squared);
-    for initial_damping in [-1.0, f64::NAN] {
+    for initial_damping in [-1.0, f64::NAN, 1e13] {
         let method = Method::LevenbergMarquardt { initial_damping };
         let error = problem.solve(&Options { method, ..Options::default() }).unwrap_err();
         assert!(error.to_string().contains("initial_damping"), "{error}");

@@ -335,6 +335,16 @@ fn the_lens_and_its_inverse_cancel() {
 }
 
 #[test]
+fn beyond_a_fold_by_the_tangential_part_the_lens_shows_nothing_either() {
+    let lens = RadialTangential::new(0.0, 0.0, -0.3, 0.0, 0.0).unwrap();
+    assert_eq!(lens.monotonic_radius(), f64::INFINITY);
+    let camera = DistortedPinhole { pinhole: camera(), lens };
+    // Along y the lens shows y - 0.9 y², which grows up to 5/9.
+    assert!(camera.project_cam(&Vector3::new(0.0, 0.55, 1.0)).is_some());
+    assert_eq!(camera.project_cam(&Vector3::new(0.0, 0.56, 1.0)), None);
+}
+
+#[test]
 fn beyond_the_fold_the_lens_shows_nothing() {
     // r - r³/3 grows up to r = 1, where it is 2/3.
     let lens = RadialTangential::new(-1.0 / 3.0, 0.0, 0.0, 0.0, 0.0).unwrap();

@@ -80,7 +80,7 @@ pub fn read_bal<const D: usize>(text: &str) -> Result<TinyBa<BalCamera, D>, BalE
 where
     BalCamera: Camera<D>,
 {
-    let mut lines = Lines { lines: text.lines(), number: 0 };
+    let mut lines = Lines { lines: text.trim_start_matches('\u{feff}').lines(), number: 0 };
     let [cameras, points, observations] = lines.header()?;
     let factors =
         (0..observations).map(|_| lines.observation(cameras, points)).collect::<Result<_, _>>()?;

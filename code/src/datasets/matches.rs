@@ -23,7 +23,7 @@ use crate::structure_from_motion::{Picture, PictureMatch};
 pub fn read_matches(text: &str) -> Result<(Vec<Picture>, Vec<PictureMatch>), MatchListError> {
     let (mut pictures, mut matches) = (Vec::new(), Vec::new());
     let mut known: HashMap<(usize, [u64; 2]), usize> = HashMap::new();
-    for (number, line) in text.lines().enumerate() {
+    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let at = |fault| MatchListError { line: number + 1, fault };
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {

@@ -27,7 +27,7 @@ use std::str::{FromStr, SplitWhitespace};
 use nalgebra::{Isometry2, Isometry3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector2};
 use thiserror::Error;
 
-use super::table::rotation;
+use super::table::{rotation, shortened};
 use crate::factors::GraphPose;
 use crate::loop_closure::{LoopClosureError, PoseGraph, RelativeMeasurement};
 
@@ -279,11 +279,6 @@ impl Fields<'_> {
             None => Ok(()),
         }
     }
-}
-
-/// The beginning of a text that may be a whole file.
-fn shortened(text: &str) -> String {
-    text.chars().take(40).collect()
 }
 
 /// What is wrong with the file of a pose graph, and in which line, counted from one. Whoever opened

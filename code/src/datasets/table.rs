@@ -72,11 +72,12 @@ impl<'a> Row<'a> {
 /// do not count, and neither do a `#`, a byte-order mark or units in the header.
 pub(super) fn rows<'a>(text: &'a str, headers: &[Header]) -> Result<Vec<Row<'a>>, TableError> {
     let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    let mut lines = lines.filter(|(_, text)| !text.is_empty());
     let (mut end, names) = lines.next().unwrap_or((1, ""));
-    let header = header(names, headers)?;
+    let header = header(end, names, headers)?;
     let mut rows = Vec::new();
-    for (line, text) in lines.filter(|(_, text)| !text.is_empty()) {
+    for (line, text) in lines {
         let fields: Vec<&str> = text.split(',').map(str::trim).collect();
         let (wanted, found) = (header.len(), fields.len());
         let row = Row { line, header, fields };
@@ -92,14 +93,14 @@ pub(super) fn rows<'a>(text: &'a str, headers: &[Header]) -> Result<Vec<Row<'a>>
     Ok(rows)
 }
 
-/// The header whose names stand in the first line; a unit in brackets may follow each.
-fn header(line: &str, headers: &[Header]) -> Result<Header, TableError> {
+/// The header whose names stand in a line; a unit in brackets may follow each.
+fn header(number: usize, line: &str, headers: &[Header]) -> Result<Header, TableError> {
     let bare = |name: &'_ str| name.split(['[', '(']).next().unwrap_or_default().trim().to_owned();
     let names: Vec<String> = line.trim_start_matches('#').split(',').map(bare).collect();
     headers.iter().copied().find(|header| names == *header).ok_or_else(|| {
         let wanted: Vec<String> = headers.iter().map(|header| header.join(",")).collect();
         let fault = TableFault::Header { found: shortened(line), wanted: wanted.join("` or `") };
-        TableError { line: 1, column: None, fault }
+        TableError { line: number, column: None, fault }
     })
 }
 
@@ -126,7 +127,7 @@ pub(super) fn rotation(quaternion: Quaternion<f64>) -> Result<UnitQuaternion<f64
 }
 
 /// The beginning of a text that may be a whole file.
-fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.into(),

@@ -142,8 +142,8 @@ pub const LONGEST_STEP: f64 = 0.1;
 ///
 /// # Errors
 ///
-/// [`WindowError`] when times are not in order or not covered, or an end lies in a gap. Of the
-/// readings only those that are cut out are looked at: all have to be in order.
+/// [`WindowError`] when times are not in order or not covered, or there is a gap. Of the readings
+/// only those that are cut out are looked at: all have to be in order.
 pub fn between(
     samples: &[StampedSample],
     start: i64,
@@ -167,19 +167,18 @@ pub fn between(
 /// Moves the first reading to the start and the last one to the end, and adds one between them where there is
 /// none.
 fn cut(window: &mut Vec<StampedSample>, start: i64, end: i64) -> Result<(), WindowError> {
-    if let Some(late) = window.windows(2).position(|w| w[0].nanoseconds >= w[1].nanoseconds) {
-        return Err(WindowError::Unsorted { nanoseconds: window[late + 1].nanoseconds });
+    for pair in window.windows(2) {
+        let [from, to] = [pair[0].nanoseconds, pair[1].nanoseconds];
+        if from >= to {
+            return Err(WindowError::Unsorted { nanoseconds: to });
+        }
+        if pair[0].seconds_to(&pair[1]) > LONGEST_STEP {
+            return Err(WindowError::Gap { from, to });
+        }
     }
     let count = window.len();
     if count < 2 {
         return Err(WindowError::NotCovered { start, end });
-    }
-    for at in [1, count - 1] {
-        let [before, after] = [window[at - 1], window[at]];
-        if before.seconds_to(&after) > LONGEST_STEP {
-            let (from, to) = (before.nanoseconds, after.nanoseconds);
-            return Err(WindowError::Gap { from, to });
-        }
     }
     let first = StampedSample::interpolate(&window[0], &window[1], start);
     let last = StampedSample::interpolate(&window[count - 2], &window[count - 1], end);
@@ -213,10 +212,9 @@ pub enum WindowError {
         /// End given, in nanoseconds.
         end: i64,
     },
-    /// An end of the interval lies where nothing was measured.
+    /// Nothing was measured in a part of the interval.
     #[error(
-        "there is no reading between {from} ns and {to} ns, where the interval begins or ends; begin \
-         after the gap"
+        "there is no reading between {from} ns and {to} ns; end before the gap, or begin after it"
     )]
     Gap {
         /// Time of the last reading before, in nanoseconds.

@@ -20,6 +20,19 @@ pub enum BatchError {
         /// How many guesses.
         guesses: usize,
     },
+    /// States that are known belong to no pictures.
+    #[error(
+        "{states} states are known from picture {first} on, of {pictures}; give one or more, and none \
+         beyond the last picture"
+    )]
+    Known {
+        /// The picture of the first, counted from zero.
+        first: usize,
+        /// How many are known.
+        states: usize,
+        /// How many pictures there are.
+        pictures: usize,
+    },
     /// A landmark was seen from a state that does not exist.
     #[error("track {track} names state {state} of {states}, counted from zero; leave it out")]
     Sighting {

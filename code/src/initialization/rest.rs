@@ -98,8 +98,10 @@ fn pictures_at_rest<'a>(
         return Err(NotAtRest::Features { found, needed });
     }
     let median = *moved.select_nth_unstable_by(found / 2, f64::total_cmp).1;
-    let (median, allowed) = (median / sensors.pixel_sigma, options.motion);
-    if median <= allowed { Ok((first, last)) } else { Err(NotAtRest::Motion { median, allowed }) }
+    if median <= options.motion * sensors.pixel_sigma {
+        return Ok((first, last));
+    }
+    Err(NotAtRest::Motion { median: median / sensors.pixel_sigma, allowed: options.motion })
 }
 // ANCHOR_END: pictures_at_rest
 

@@ -21,7 +21,7 @@ pub struct SphereMinimum {
 ///
 /// Implements {eq:sphere-condition}.
 ///
-/// `None` when a number is not finite, or when all places are equally good.
+/// `None` when a number is not finite, or all places are equally good; two of those of a circle.
 pub fn minima_on_sphere(
     square: &Matrix3<f64>,
     target: &Vector3<f64>,
@@ -70,7 +70,8 @@ impl Secular {
         let reach = self.parts.norm() / self.length;
         let scale = self.values.amax().max(reach);
         let nothing = f64::EPSILON * scale;
-        if !(scale > 0.0 && scale.is_finite()) {
+        let spread = reach.max(self.values.max() - self.values.min());
+        if !(spread > nothing && scale.is_finite()) {
             return None;
         }
         if self.is_short(nothing) {

@@ -61,6 +61,16 @@ pub struct Known {
     pub standing: Range<usize>,
 }
 
+impl Known {
+    /// That there is a state, and a picture for each.
+    fn fits(&self, pictures: &[Picture]) -> Result<(), BatchError> {
+        let (first, states, pictures) = (self.first, self.states.len(), pictures.len());
+        let is_within = first.checked_add(states).is_some_and(|end| end <= pictures);
+        let fits = states > 0 && is_within;
+        fits.then_some(()).ok_or(BatchError::Known { first, states, pictures })
+    }
+}
+
 /// The batch of a flight at its minimum.
 pub struct Whole {
     /// The batch.
@@ -129,6 +139,7 @@ impl Whole {
         options: &WholeOptions,
         mut told: impl FnMut(usize),
     ) -> Result<Self, BatchError> {
+        known.fits(pictures)?;
         let mut growing = Growing { sensors, readings, pictures, options, known };
         while !growing.extend()? {
             growing.settle(ROUGHLY)?;

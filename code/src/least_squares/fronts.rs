@@ -245,8 +245,9 @@ impl Fronts {
         variables: &[usize],
     ) -> Option<DMatrix<f64>> {
         let values = problem.values();
-        let coordinates = variables.iter().filter_map(|index| values.coordinates_of(*index));
-        let columns = coordinates.flat_map(|own| self.columns.select(own));
+        let own = variables.iter().map(|index| values.coordinates_of(*index));
+        let own: Vec<_> = own.collect::<Option<_>>()?;
+        let columns = own.into_iter().flat_map(|own| self.columns.select(own));
         let columns: Vec<usize> = columns.map(|column| self.place[column]).collect();
         let front = self.tree.front_of(*columns.iter().min()?);
         let node = &self.tree.nodes[front];

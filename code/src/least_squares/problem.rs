@@ -102,7 +102,8 @@ impl Problem {
             let coordinate = which.end - 1;
             return Err(ProblemError::NoSuchCoordinate { coordinate, dimension });
         }
-        self.held[coordinates][which].fill(true);
+        let held = &mut self.held[coordinates];
+        held.iter_mut().take(which.end).skip(which.start).for_each(|held| *held = true);
         Ok(())
     }
 

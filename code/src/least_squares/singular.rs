@@ -1,6 +1,6 @@
 //! Singular values that are small beside the largest and right all the same.
 //!
-//! The decomposition of nalgebra 0.35 is not used: of matrices without full rank, some come back
+//! The decomposition of nalgebra 0.35 is not used here: of matrices without full rank, some come back
 //! with singular values that are wrong by a hundredth.
 
 use nalgebra::{DMatrix, DVector};

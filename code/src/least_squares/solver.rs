@@ -450,10 +450,11 @@ impl<S: LinearSystem> Search<S> {
         }
         let trial_cost = self.try_step(problem);
         self.record(0.0, &predicted, trial_cost, trial_cost.is_some());
-        match trial_cost {
-            Some(cost) => self.take_trial(problem, cost, false),
-            None => Ok(Some(Stop::LeftDomain)),
-        }
+        let is_taken = match trial_cost {
+            Some(cost) => self.take_trial(problem, cost, false)?,
+            None => false,
+        };
+        Ok((!is_taken).then_some(Stop::LeftDomain))
     }
     // ANCHOR_END: gauss_newton
 
@@ -483,8 +484,11 @@ impl<S: LinearSystem> Search<S> {
         let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else { return Ok(None) };
         let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost
             && damping <= STRONG_DAMPING;
-        let stop = self.take_trial(problem, trial_cost, is_level)?;
-        Ok(stop.or(is_level.then_some(Stop::DecreaseSmall)))
+        if !self.take_trial(problem, trial_cost, is_level)? {
+            self.refuse_last();
+            return Ok(None);
+        }
+        Ok(is_level.then_some(Stop::DecreaseSmall))
     }
     // ANCHOR_END: levenberg_marquardt
 
@@ -536,24 +540,32 @@ impl<S: LinearSystem> Search<S> {
         cost.is_finite().then_some(cost)
     }
 
-    /// Goes to the end of the step, unless derivatives have no values there.
+    /// Goes to the end of the step, unless derivatives have no values there. True when it did.
     fn take_trial(
         &mut self,
         problem: &Problem,
         cost: f64,
         is_level: bool,
-    ) -> Result<Option<Stop>, SolveError> {
+    ) -> Result<bool, SolveError> {
         swap(&mut self.values, &mut self.trial);
         let is_last = is_level || self.iterations.len() >= self.options.max_iterations;
         if (self.linearizes_end || !is_last) && self.linearize(problem).is_err() {
             swap(&mut self.values, &mut self.trial);
             self.linearize(problem)?;
-            return Ok(Some(Stop::LeftDomain));
+            return Ok(false);
         }
         self.cost = cost;
-        Ok(None)
+        Ok(true)
     }
     // ANCHOR_END: try_step
+
+    /// Takes back that the last step was accepted: its end has a cost and no derivatives.
+    fn refuse_last(&mut self) {
+        self.damping.learn(None);
+        if let Some(last) = self.iterations.last_mut() {
+            last.accepted = false;
+        }
+    }
 
     fn gain_ratio(&self, predicted: &Prediction, trial_cost: Option<f64>) -> Option<f64> {
         Some((self.cost - trial_cost?) / predicted.predicted_decrease)
@@ -627,7 +639,7 @@ impl Options {
     fn check(&self) -> Result<(), SolveError> {
         let damping = Damping::begin(self).value;
         let numbers = [
-            ("initial_damping", damping, damping >= 0.0),
+            ("initial_damping", damping, (0.0..=LARGEST_DAMPING).contains(&damping)),
             ("gradient_tolerance", self.gradient_tolerance, self.gradient_tolerance >= 0.0),
             ("step_tolerance", self.step_tolerance, self.step_tolerance >= 0.0),
             ("decrease_tolerance", self.decrease_tolerance, self.decrease_tolerance >= 0.0),

@@ -129,13 +129,14 @@ impl Values {
         is_kind.then_some(Key { index: index as u32, place, kind: PhantomData })
     }
 
-    /// The value of a variable; `None` when the key is that of another problem.
+    /// The value of a variable; `None` when there is none of its kind and place. A key of another
+    /// problem can be that of another variable here.
     pub fn get<V: Manifold>(&self, key: Key<V>) -> Option<&V> {
         self.of_kind().get(key.place as usize)
     }
 
-    /// Gives a variable another value. False, and nothing happens, when the key is that of another
-    /// problem or the dimension differs.
+    /// Gives a variable another value. False, and nothing happens, when [`Values::get`] finds none or
+    /// the dimension differs.
     pub fn set<V: Manifold>(&mut self, key: Key<V>, value: V) -> bool {
         match self.of_kind_mut::<V>().get_mut(key.place as usize) {
             Some(place) if place.dimension() == value.dimension() => {

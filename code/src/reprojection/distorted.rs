@@ -19,10 +19,11 @@ pub struct DistortedPinhole {
 impl DistortedPinhole {
     /// Pixel of a point in camera coordinates (metres), or `None` as in
     /// [`Pinhole::project_cam`], and also when the point lies so far off the axis that the
-    /// lens model folds over: [`RadialTangential::monotonic_radius`].
+    /// lens model folds over, beyond [`RadialTangential::monotonic_radius`] or by its
+    /// tangential part.
     pub fn project_cam(&self, point_in_camera: &Vector3<f64>) -> Option<Vector2<f64>> {
         let ideal = point_in_camera.xy() / point_in_camera.z;
-        if ideal.norm() < self.lens.monotonic_radius() {
+        if self.lens.is_invertible_at(&ideal) {
             let distorted = point_in_camera.z * self.lens.distort(&ideal);
             self.pinhole.project_cam(&distorted.push(point_in_camera.z))
         } else {

@@ -149,7 +149,7 @@ impl RadialTangential {
     }
 
     /// Whether the radius is below the fold and the Jacobian positive definite.
-    fn is_invertible_at(&self, ideal: &Vector2<f64>) -> bool {
+    pub(super) fn is_invertible_at(&self, ideal: &Vector2<f64>) -> bool {
         let jacobian = self.jacobian(ideal);
         let is_definite = jacobian.determinant() > 0.0 && jacobian.trace() > 0.0;
         is_definite && ideal.norm() < self.monotonic_radius

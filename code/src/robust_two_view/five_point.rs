@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, SVector, Unit, Vector3};
 use thiserror::Error;
 
 use super::cubics::{constraints, eliminated};
-use super::motion::{RayPair, RelativeMotion, volume_and_row};
+use super::motion::{RayPair, RelativeMotion, frame, volume_and_row};
 use super::{Candidates, real_roots, rotation_of_rays};
 use crate::least_squares::Manifold;
 
@@ -262,10 +262,7 @@ fn a_motion(essential: &Matrix3<f64>) -> Option<RelativeMotion> {
     let longest = if squares[0] > squares[1] { 0 } else { 1 };
     let longest = if squares[longest] > squares[2] { longest } else { 2 };
     let direction = products[longest] / squares[longest].sqrt();
-    let x = (products[0] - direction.cross(&a)).normalize();
-    let y = products[1] - direction.cross(&b);
-    let y = (y - x.dot(&y) * x).normalize();
-    let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+    let matrix = frame(&(products[0] - direction.cross(&a)), &(products[1] - direction.cross(&b)));
     let rotation = Rotation3::from_matrix_unchecked(matrix);
     let motion = RelativeMotion { rotation, direction: Unit::new_unchecked(direction) };
     (matrix.sum() + direction.sum()).is_finite().then_some(motion)

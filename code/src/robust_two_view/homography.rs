@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Rotation3, Unit, Vector3};
 use thiserror::Error;
 
 use super::linear::{least_vector, normalization};
+use super::motion::frame;
 use super::{Candidates, RayPair, RelativeMotion, matches_are_finite};
 
 /// Three rays that span less lie in one plane, up to rounding.
@@ -136,7 +137,9 @@ pub fn plane_motions(
     let filler = RelativeMotion { rotation: Rotation3::identity(), direction: Vector3::x_axis() };
     let filler = PlaneMotion { motion: filler, normal: Vector3::z_axis(), baseline: 0.0 };
     let mut found = Candidates::none(filler);
-    for sign in [1.0, -1.0] {
+    // After a step along the normal the two mixtures are one.
+    let mixtures: &[f64] = if along.min(across).powi(2) <= TURNED { &[1.0] } else { &[1.0, -1.0] };
+    for sign in mixtures {
         let kept = (along * v + sign * across * u) / (most - least).sqrt();
         if let Some(motion) = keeping(&matrix, &w, &kept, rays) {
             found.push(motion);
@@ -154,9 +157,8 @@ fn keeping(
 ) -> Option<PlaneMotion> {
     let normal = a.cross(b);
     let before = Matrix3::from_columns(&[*a, *b, normal]);
-    let (to_a, to_b) = (matrix * a, matrix * b);
-    let after = Matrix3::from_columns(&[to_a, to_b, to_a.cross(&to_b)]);
-    let rotation = Rotation3::from_matrix(&(after * before.transpose()));
+    let after = frame(&(matrix * a), &(matrix * b));
+    let rotation = Rotation3::from_matrix_unchecked(after * before.transpose());
     let shift = (matrix - rotation.matrix()) * normal;
     let ahead = rays.iter().filter(|ray| normal.dot(ray) > 0.0).count();
     let behind = rays.len() - ahead;

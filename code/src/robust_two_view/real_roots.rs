@@ -13,8 +13,9 @@ use super::Candidates;
 /// counted by t in z = t / (1 − |t|), which takes all of the line to the interval from −1 to 1.
 ///
 /// Numbers below 1e-14 of a polynomial's largest coefficient count as rounding: roots that lie nearer
-/// to each other than about 1e-7 by t can be found as one, and those beyond 1e14 are not found. There
-/// are none of a polynomial that has an infinite coefficient or NaN, or is zero.
+/// to each other than about 1e-7 by t can be found as one, a root at which the sign does not change is
+/// found to 1e-7 by t, and those beyond 1e14 are not found. There are none of a polynomial that has an
+/// infinite coefficient or NaN, or is zero.
 // ANCHOR: isolated
 pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N> {
     let mut roots = Candidates::none(0.0);
@@ -24,10 +25,11 @@ pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N>
     while let Some((low, high)) = waiting.pop() {
         match low.changes.saturating_sub(high.changes) {
             0 => {}
-            1 => roots.push(chain.refine(low, high)),
+            1 if low.negative != high.negative => roots.push(chain.refine(low, high)),
+            1 if high.t - low.t < TOUCHING => roots.push(line(0.5 * (low.t + high.t))),
             _ if high.t - low.t < CLOSEST => roots.push(line(0.5 * (low.t + high.t))),
             _ => {
-                let middle = chain.at(0.5 * (low.t + high.t));
+                let middle = chain.between(low, high);
                 waiting.push((middle, high));
                 waiting.push((low, middle));
             }
@@ -40,6 +42,10 @@ pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N>
 
 /// Roots that lie nearer to each other are one.
 const CLOSEST: f64 = 1e-12;
+/// Nearer to a root at which the sign does not change the chain is rounding.
+const TOUCHING: f64 = 1e-7;
+/// Where the middle of an interval is a multiple root, it is divided in this share.
+const ASIDE: f64 = 0.45;
 /// A remainder that is smaller is rounding.
 const NOTHING: f64 = 1e-14;
 /// A step of Halley triples the number of digits.
@@ -60,6 +66,8 @@ struct Place {
     negative: bool,
     /// How often the sign changes along the chain.
     changes: usize,
+    /// Whether all of the chain is zero, as at a multiple root.
+    multiple: bool,
 }
 
 /// The chain, power by power, so that all of it is evaluated at once.
@@ -103,7 +111,14 @@ impl<const N: usize> Chain<N> {
         let signs = &values[..self.length];
         let changes =
             signs.windows(2).filter(|pair| is_negative(pair[0]) != is_negative(pair[1])).count();
-        Place { t, negative: is_negative(values[0]), changes }
+        let multiple = signs.iter().all(|value| *value == 0.0);
+        Place { t, negative: is_negative(values[0]), changes, multiple }
+    }
+
+    /// A place between two, in the middle unless the chain vanishes there and counts nothing.
+    fn between(&self, low: Place, high: Place) -> Place {
+        let middle = self.at(0.5 * (low.t + high.t));
+        if middle.multiple { self.at(low.t + ASIDE * (high.t - low.t)) } else { middle }
     }
 
     /// The values of all polynomials, by the scheme of Horner.

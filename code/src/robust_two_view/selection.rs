@@ -164,7 +164,7 @@ pub enum NoMotion {
     },
     /// A plane explains everything.
     #[error(
-        "all points lie in one plane, which {} motions explain; take points beside the plane, or a \
+        "all points lie in one plane; motions that explain it: {}; take points beside the plane, or a \
          third picture",
         motions.len()
     )]

@@ -192,7 +192,8 @@ impl Trajectory {
 
     // ANCHOR: trajectories
     /// A level circle to the left from the origin, nose ahead, at `speed` m/s and `rate` rad/s.
-    /// In the body frame the acceleration is constant.
+    /// In the body frame the acceleration is constant. The rate is not zero: a straight line is
+    /// [`Trajectory::constant_velocity`].
     pub fn level_turn(speed: f64, rate: f64) -> Self {
         let radius = speed / rate;
         let y =

@@ -119,10 +119,10 @@ impl Smoother {
             self.place_landmarks(&frame)?;
         }
         self.solve(&mut smoothed)?;
-        smoothed.landmarks = self.window.landmarks.len();
         if frame.is_keyframe {
             self.keep(picture)?;
         }
+        smoothed.landmarks = self.window.landmarks.len();
         smoothed.states = self.window.frames.len();
         Ok(smoothed)
     }

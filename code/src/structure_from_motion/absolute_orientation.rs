@@ -6,8 +6,11 @@ use thiserror::Error;
 use crate::filtering::rotation_towards;
 use crate::observability::Similarity;
 
-/// How little a rotation may decide, as a part of the mean square of the coordinates.
-const UNDECIDED: f64 = 1e-12;
+/// Points whose spread is a smaller part of their coordinates, squared, are in one place.
+const ONE_PLACE: f64 = 1e-12;
+/// A rotation is open when another one makes the sum that it maximizes smaller by less than this part
+/// of the spread.
+const UNDECIDED: f64 = 1e-9;
 
 /// Whether the two worlds have one unit of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,11 +49,11 @@ pub fn absolute_orientation(
     let moment: Matrix3<f64> = centred().map(|(a, b)| b * a.transpose()).sum();
     let reach = pairs.iter().map(|pair| pair.0.amax() * pair.1.amax()).fold(0.0, f64::max);
     let extent = (squares.0 * squares.1).sqrt();
-    if extent <= UNDECIDED * reach {
+    if extent <= ONE_PLACE * reach {
         return Err(OrientationError::OnePlace);
     }
-    let undecided = UNDECIDED.sqrt() * 1e-3 * extent;
-    let rotation = rotation_towards(&moment, undecided).ok_or(OrientationError::Rotation)?;
+    let rotation =
+        rotation_towards(&moment, UNDECIDED * extent).ok_or(OrientationError::Rotation)?;
     let along = rotation.matrix().component_mul(&moment).sum();
     let scale = match scale {
         ScaleFreedom::Free => along / squares.0,

@@ -228,9 +228,11 @@ fn point_of_many(views: &[View], least_parallax: f64) -> Option<Vector3<f64>> {
 fn point_of_two(views: &[View; 2], least_parallax: f64) -> Option<Vector3<f64>> {
     match triangulate(views, least_parallax) {
         Ok(point) => Some(point),
-        Err(TriangulationError::Behind { .. } | TriangulationError::Parallax { .. })
-            if least_parallax == 0.0 =>
-        {
+        Err(
+            TriangulationError::Behind { .. }
+            | TriangulationError::Parallax { .. }
+            | TriangulationError::AtInfinity { .. },
+        ) if least_parallax == 0.0 => {
             let [first, second] = views.map(|view| view.centre());
             let direction = views[0].ray().normalize() + views[1].ray().normalize();
             let distance = FAR * (first - second).norm();

@@ -6,7 +6,7 @@
 //! [`triangulate_nonlinear`] moves it to where it is most likely and says how sure that is, and
 //! [`StereoFactor`] is what a pair of lenses at a known distance tells an estimator.
 //!
-//! Nothing here allocates.
+//! Only [`triangulate_nonlinear`] allocates.
 
 mod epipolar;
 mod likelihood;

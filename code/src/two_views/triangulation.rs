@@ -91,11 +91,10 @@ pub fn triangulate(
     check(views)?;
     let world = Normalization::of(views)?;
     let angle = widest_parallax(views);
-    let too_small = TriangulationError::Parallax { angle, least: least_parallax };
     if angle.is_nan() || angle < least_parallax {
-        return Err(too_small);
+        return Err(TriangulationError::Parallax { angle, least: least_parallax });
     }
-    let point = linear_point(views, &world).ok_or(too_small)?;
+    let point = linear_point(views, &world).ok_or(TriangulationError::AtInfinity { angle })?;
     refuse_behind(views, &point)?;
     Ok(point)
 }
@@ -209,7 +208,7 @@ pub(super) fn check(views: &[View]) -> Result<(), TriangulationError> {
         if !(u.is_finite() && v.is_finite()) {
             return Err(TriangulationError::Pixel { view: index, u, v });
         }
-        if !(view.sigma > 0.0 && view.sigma.is_finite()) {
+        if !(view.sigma > 0.0 && view.sigma.is_finite() && view.sigma.recip().is_finite()) {
             return Err(TriangulationError::Sigma { view: index, sigma: view.sigma });
         }
         let Pinhole { fx, fy, cx, cy } = view.camera;
@@ -241,7 +240,7 @@ pub enum TriangulationError {
         /// Row given, in pixels.
         v: f64,
     },
-    /// The standard deviation is not a positive, finite number.
+    /// The standard deviation is not a positive, finite number, or one over it is infinite.
     #[error("view {view}: sigma is {sigma}; give a positive, finite number of pixels")]
     Sigma {
         /// Index of the view.
@@ -277,6 +276,15 @@ pub enum TriangulationError {
         angle: f64,
         /// The least that was asked for, in radians.
         least: f64,
+    },
+    /// The rays are parallel as far as rounding can tell.
+    #[error(
+        "the point is at infinity: the rays meet at no finite place, and the widest angle between \
+         two of them is {angle:.2e} rad; wait until the camera has moved farther"
+    )]
+    AtInfinity {
+        /// The widest angle, in radians.
+        angle: f64,
     },
     /// The rays meet behind a camera, or nearer than it can see.
     #[error(

@@ -133,6 +133,7 @@ fn a_covariance_is_that_of_the_last_linearization_whatever_step_was_taken_before
     let order = Fronts::order_along(&problem, &trunk).unwrap();
     let mut fronts = Fronts::in_order(&problem, &order).unwrap();
     assert_eq!(fronts.covariance_of(&problem, newest), None);
+    let beyond = problem.values().len();
     let covariance = |problem: &Problem, fronts: &mut Fronts, damping: Option<f64>| {
         let at = Point { values: problem.values(), frozen: None };
         fronts.linearize(problem, at).unwrap();
@@ -143,6 +144,7 @@ fn a_covariance_is_that_of_the_last_linearization_whatever_step_was_taken_before
         fronts.covariance_of(problem, newest).unwrap()
     };
     covariance(&problem, &mut fronts, Some(0.0));
+    assert_eq!(fronts.covariance_of(&problem, &[newest[0], beyond]), None);
     let step: Vec<f64> =
         (0..problem.values().dimension()).map(|at| 0.02 * (at as f64).sin()).collect();
     problem.set_values(problem.values().retract(&step)).unwrap();

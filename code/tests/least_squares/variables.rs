@@ -189,6 +189,8 @@ fn a_coordinate_that_does_not_exist_cannot_be_held() {
     let spot = problem.add_variable(Vector2::<f64>::zeros());
     let refused = problem.hold_coordinates(spot, 1..3);
     assert_eq!(refused, Err(ProblemError::NoSuchCoordinate { coordinate: 2, dimension: 2 }));
+    let backwards = std::ops::Range { start: 2, end: 1 };
+    assert_eq!(problem.hold_coordinates(spot, backwards), Ok(()));
 }
 
 /// Three vectors and linear measurements of them, enough for all or for fewer.

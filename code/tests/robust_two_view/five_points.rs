@@ -232,6 +232,23 @@ fn real_roots_are_those_that_were_multiplied() {
 }
 
 #[test]
+fn roots_at_which_the_sign_does_not_change_are_found_and_hide_no_others() {
+    let check = |found: Vec<f64>, expected: &[f64]| {
+        let mut found = found;
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
+        let are_near = found.iter().zip(expected).all(|(found, root)| (found - root).abs() < 1e-5);
+        assert!(are_near, "{found:?} {expected:?}");
+    };
+    check(real_roots(&[0.0, 0.0, 1.0]).to_vec(), &[0.0]);
+    check(real_roots(&[1.0, 2.0, 1.0]).to_vec(), &[-1.0]);
+    check(real_roots(&[1.0, -2.0, 1.0]).to_vec(), &[1.0]);
+    check(real_roots(&[0.0, 0.0, -5.0, 1.0]).to_vec(), &[0.0, 5.0]);
+    check(real_roots(&[-20.0, -16.0, -1.0, 1.0]).to_vec(), &[-2.0, 5.0]);
+    check(real_roots(&[-8.0, 12.0, -6.0, 1.0]).to_vec(), &[2.0]);
+}
+
+#[test]
 fn polynomials_without_real_roots_or_without_meaning_have_none() {
     assert!(real_roots(&[1.0, 0.0, 1.0]).is_empty());
     assert!(real_roots(&[0.0; 4]).is_empty());

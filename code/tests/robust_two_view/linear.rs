@@ -111,6 +111,34 @@ fn the_motion_of_a_plane_is_one_of_two() {
 }
 
 #[test]
+fn two_cameras_that_look_at_each_other_over_a_plane_have_a_half_turn() {
+    // The ground is one unit below both cameras, the second of which is turned about one of its axes.
+    for (axis, ahead) in [(0, Vector3::z()), (1, Vector3::y()), (2, Vector3::z())] {
+        let mut half_turn = -Matrix3::identity();
+        half_turn[(axis, axis)] = 1.0;
+        let shift = Vector3::new(0.3, 0.0, 10.0);
+        let homography = half_turn + shift * ahead.transpose();
+        for scale in [1.0, -2.0] {
+            let motions = plane_motions(&(scale * homography), &[ahead]).unwrap();
+            let is_true = |found: &vislam::robust_two_view::PlaneMotion| {
+                (found.motion.rotation.matrix() - half_turn).amax() < 1e-9
+                    && (found.motion.direction.into_inner() - shift.normalize()).amax() < 1e-9
+            };
+            assert_eq!(motions.iter().filter(|found| is_true(found)).count(), 1, "axis {axis}");
+        }
+    }
+}
+
+#[test]
+fn a_step_towards_a_plane_is_one_motion_and_not_twice_the_same() {
+    let homography = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.5));
+    let motions = plane_motions(&homography, &[Vector3::z()]).unwrap();
+    assert_eq!(motions.len(), 1);
+    let found = motions.iter().next().unwrap();
+    assert!((found.motion.direction.z - 1.0).abs() < 1e-12 && (found.baseline - 0.5).abs() < 1e-12);
+}
+
+#[test]
 fn a_rotation_is_no_plane() {
     let pose = motion(&mut random(16));
     let rotation = pose.rotation.to_rotation_matrix().into_inner();
