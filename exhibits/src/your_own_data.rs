@@ -1,4 +1,4 @@
-//! What page `your_own_data` shows: how many broken files the readers of recorded data were given.
+//! What page `your_own_data` shows: how many broken files the readers were given.
 
 use crate::chapter::Chapter;
 use crate::data::NotMade;
@@ -10,6 +10,9 @@ const RECORD: &str = "broken_files";
 /// The environment variable that says for how many seconds each reader is tried.
 const SECONDS: &str = "VISLAM_FUZZ_SECONDS";
 
+/// The packages whose readers are tried, each with the name of its test.
+const TRIALS: [[&str; 2]; 3] = [["fuzz", "datasets"], ["press", "fuzz"], ["grader", "fuzz"]];
+
 pub fn exhibits(chapter: &mut Chapter) {
     let of = |value| accepted(RECORD, value);
     chapter.number("readers", of("readers"), "", 0);
@@ -19,7 +22,8 @@ pub fn exhibits(chapter: &mut Chapter) {
 
 /// Registers the record.
 pub fn records(chapter: &mut Chapter) {
-    let inputs = vec![("readers", "those of fuzz/tests/datasets.rs, all at once".to_owned())];
+    let tests = TRIALS.map(|[package, test]| format!("{package}/tests/{test}.rs")).join(", ");
+    let inputs = vec![("readers", format!("those of {tests}; those of one file at once"))];
     chapter.record_of_data(RECORD, &[], inputs, tried);
 }
 
@@ -31,7 +35,11 @@ fn tried() -> Result<Vec<RecordValue>, NotMade> {
         NotMade::DataAbsent(sentence)
     };
     let seconds = said.ok_or_else(absent)?;
-    let files = files(&release::tested(&["--package", "fuzz", "--test", "datasets"])?);
+    let said = TRIALS
+        .iter()
+        .map(|[package, test]| release::tested(&["--package", package, "--test", test]))
+        .collect::<Result<Vec<_>, _>>()?;
+    let files: Vec<f64> = said.iter().flat_map(|said| files(said)).collect();
     Ok(vec![
         RecordValue::new("readers", files.len() as f64, "", 0, 0.0),
         RecordValue::new("seconds", seconds, "s", 0, 1e3),
