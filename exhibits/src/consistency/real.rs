@@ -79,7 +79,7 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
     let seconds = 1e-9
         * (flight.pictures[flight.pictures.len() - 1].nanoseconds - flight.pictures[0].nanoseconds)
             as f64;
-    let (mut others, mut surest, mut surer) = (0.0_f64, f64::NAN, f64::NAN);
+    let mut others = 0.0_f64;
     let mut values = vec![RecordValue::new("seconds", seconds, "s", 0, 1e-3)];
     for kept in KEPT {
         for policy in policies() {
@@ -93,18 +93,13 @@ fn real() -> Result<Vec<RecordValue>, NotMade> {
             let part = 100.0 * claimed.part_of_turn().unwrap_or(f64::NAN);
             if policy == Policy::Standard {
                 values.push(RecordValue::new(format!("claimed_{kept}"), part, "%", 1, 0.02));
-                surest = sigma;
             } else {
                 others = others.max(part);
-            }
-            if policy == Policy::RightInvariant {
-                surer = 100.0 * (1.0 - surest / sigma);
             }
         }
     }
     // What is zero but for rounding differs from machine to machine.
     let above = others.log10().ceil().max(-9.0);
     values.push(RecordValue::new("others_exponent", above, "", 0, 0.0));
-    values.push(RecordValue::new("surer", surer, "%", 0, 0.02));
     Ok(values)
 }

@@ -173,8 +173,13 @@ fn reweighting(chapter: &mut Chapter) {
         start: 0.5,
         part: 1.0,
     };
-    let fourth_power =
-        Reweighted { cost: |s| 0.25 * s.powi(4), weight: |s| s * s, start: 0.0, ..kept };
+    let fourth_power = Reweighted {
+        readings: [0.0, 0.0, 0.0, 10.0],
+        cost: |s| 0.25 * s.powi(4),
+        weight: |s| s * s,
+        start: 0.0,
+        ..kept
+    };
     let beyond = Reweighted { part: 3.0, ..kept };
     for (condition, dropped) in [("concave", fourth_power), ("solved", beyond)] {
         chapter.counterexample("reweighting", condition, raised, [kept, dropped]);

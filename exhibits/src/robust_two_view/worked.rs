@@ -40,7 +40,8 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("oracle_off", scene.degrees_off(&scene.of_oracle()), "°", 2);
     chapter.number("found_right", right as f64, "", 0);
     chapter.number("found_wrong", (found.inliers.len() - right) as f64, "", 0);
-    chapter.number("by_chance", found.by_chance, "", 1);
+    let by_chance = found.by_chance * WRONG as f64 / (RIGHT + WRONG) as f64;
+    chapter.number("by_chance", by_chance, "", 1);
     chapter.number("found_draws", found.draws as f64, "", 0);
     let options = ConsensusOptions::default();
     chapter.number("patience", options.patience, "", 0);

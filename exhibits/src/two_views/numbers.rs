@@ -136,7 +136,8 @@ fn driving(chapter: &mut Chapter) {
     chapter.number("drive_near", point.z - last.z, "m", 0);
     let steps = draws.steps as f64 / draws.likely.len() as f64;
     chapter.number("drive_steps", steps, "", 1);
-    chapter.number("drive_weight", (point.z - first.z) / (point.z - last.z), "", 0);
+    let weight = ((point.z - first.z) / (point.z - last.z)).powi(2);
+    chapter.number("drive_weight", weight, "", 0);
     chapter.number("drive_side_cm", 100.0 * point.x, "cm", 0);
     chapter.number("drive_views", views.len() as f64, "", 0);
     chapter.number("ellipse_percent", 100.0 * (1.0 - (-0.5 * NINETY_FIVE.powi(2)).exp()), "%", 0);
