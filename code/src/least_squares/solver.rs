@@ -480,15 +480,15 @@ impl<S: LinearSystem> Search<S> {
         let trial_cost = self.try_step(problem);
         let gain = self.gain_ratio(&predicted, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
         self.record(damping, &predicted, trial_cost, gain.is_some());
-        self.damping.learn(gain);
-        let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else { return Ok(None) };
+        let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else {
+            self.learn(None);
+            return Ok(None);
+        };
         let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost
             && damping <= STRONG_DAMPING;
-        if !self.take_trial(problem, trial_cost, is_level)? {
-            self.refuse_last();
-            return Ok(None);
-        }
-        Ok(is_level.then_some(Stop::DecreaseSmall))
+        let is_taken = self.take_trial(problem, trial_cost, is_level)?;
+        self.learn(gain.filter(|_| is_taken));
+        Ok((is_taken && is_level).then_some(Stop::DecreaseSmall))
     }
     // ANCHOR_END: levenberg_marquardt
 
@@ -559,11 +559,12 @@ impl<S: LinearSystem> Search<S> {
     }
     // ANCHOR_END: try_step
 
-    /// Takes back that the last step was accepted: its end has a cost and no derivatives.
-    fn refuse_last(&mut self) {
-        self.damping.learn(None);
+    /// Sets the damping by the gain of the last step, or by none when it was not taken: then its end may
+    /// have a cost and no derivatives.
+    fn learn(&mut self, gain: Option<f64>) {
+        self.damping.learn(gain);
         if let Some(last) = self.iterations.last_mut() {
-            last.accepted = false;
+            last.accepted = gain.is_some();
         }
     }
 

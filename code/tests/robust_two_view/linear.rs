@@ -111,9 +111,9 @@ fn the_motion_of_a_plane_is_one_of_two() {
 }
 
 #[test]
-fn two_cameras_that_look_at_each_other_over_a_plane_have_a_half_turn() {
-    // The ground is one unit below both cameras, the second of which is turned about one of its axes.
-    for (axis, ahead) in [(0, Vector3::z()), (1, Vector3::y()), (2, Vector3::z())] {
+fn two_cameras_that_are_turned_round_see_a_plane_and_their_half_turn() {
+    // Turned about each of its axes, with a wall or the ground on one side of both cameras.
+    for (axis, ahead) in [(0, Vector3::x()), (1, Vector3::y()), (2, Vector3::z())] {
         let mut half_turn = -Matrix3::identity();
         half_turn[(axis, axis)] = 1.0;
         let shift = Vector3::new(0.3, 0.0, 10.0);
