@@ -178,7 +178,8 @@ fn wrong_tracks_are_refused() {
 fn missing_readings_are_said_and_it_begins_again() {
     for estimator in [("estimator", 0.0), MSCKF] {
         let settings = [estimator, READINGS_MISSING];
-        let meanwhile = session(&[&settings[..], &[("time", 13.0)]].concat());
+        let mut meanwhile = session(&[&settings[..], &[("time", 13.0)]].concat());
+        assert!(meanwhile.readings()[0].1.is_nan(), "nothing is known");
         assert!(meanwhile.said().starts_with("No readings"), "{}", meanwhile.said());
         let mut waiting = session(&[&settings[..], &[("time", 14.0)]].concat());
         assert!(waiting.readings()[0].1.is_nan(), "nothing is known");
