@@ -101,13 +101,16 @@ fn report(
     Ok(())
 }
 
-/// The readings of all intervals of a length, summed up, with the states at both ends.
+/// An interval: the states at both ends, and the readings between them summed up.
+type Interval<'a> = (&'a GroundTruth, Preintegrated, &'a GroundTruth);
+
+/// All intervals of a length.
 fn summed<'a>(
     samples: &[StampedSample],
     truth: &'a [GroundTruth],
     rule: Rule,
     seconds: f64,
-) -> Result<Vec<(&'a GroundTruth, Preintegrated, &'a GroundTruth)>, Box<dyn Error>> {
+) -> Result<Vec<Interval<'a>>, Box<dyn Error>> {
     let mut all = Vec::new();
     for (first, last) in intervals(truth, seconds) {
         let window = match between(samples, first.nanoseconds, last.nanoseconds) {
