@@ -16,7 +16,8 @@ pub fn all() -> Vec<Hostile> {
     all
 }
 
-const NO_END: &str = "Is there a loop that does not end?";
+/// Steps or time, whichever the machine has fewer of.
+const NO_END: &str = "Is there a loop that does not end";
 
 fn running() -> Vec<Hostile> {
     let one = |function: &str, statement: &str| {
@@ -77,7 +78,7 @@ fn running() -> Vec<Hostile> {
                  std::hint::black_box(Vec::<u8>::new().try_reserve(1 << 30)); }\n}",
             ),
             Runs(0.0),
-            "Is there a loop that does not end",
+            NO_END,
         ),
         row(
             "asks for the time",
