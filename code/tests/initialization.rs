@@ -103,6 +103,9 @@ fn a_place_on_a_sphere_is_least_or_all_are() {
     let on_a_circle = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 2.0));
     let (one, other) = minima_on_sphere(&on_a_circle, &Vector3::zeros(), 1.0).unwrap();
     assert!((one.value - 1.0).abs() < 1e-12 && (other.unwrap().value - 1.0).abs() < 1e-12);
+    let no_number = Vector3::new(f64::NAN, 0.0, 0.0);
+    assert_eq!(minima_on_sphere(&on_a_circle, &no_number, 1.0), None);
+    assert_eq!(minima_on_sphere(&on_a_circle, &Vector3::zeros(), 0.0), None);
 }
 
 #[test]

@@ -393,6 +393,15 @@ fn a_camera_that_only_turned_is_refused() {
 }
 
 #[test]
+fn the_unit_of_noise_makes_no_difference() {
+    for sigma in [1e-152, 1e152] {
+        let views = views_of(&point(), 0.5).map(|view| View { sigma, ..view });
+        let found = triangulate(&views, LEAST_PARALLAX).unwrap();
+        assert_abs_diff_eq!(found, point(), epsilon = 1e-9);
+    }
+}
+
+#[test]
 fn rays_that_hardly_differ_are_refused_with_their_angle() {
     let far = Vector3::new(0.0, 0.0, 100.0);
     let views = views_of(&far, 0.5);

@@ -6,7 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { launch, open, overhang, pages, pageWith, serve } from "./helper.mjs";
+import { each, launch, open, overhang, pages, pageWith, serve } from "./helper.mjs";
 
 let browser, server;
 
@@ -21,14 +21,14 @@ after(async () => {
 });
 
 async function everyPage({ media, ...options }, body, files = pages()) {
-    const page = await browser.page(options);
-    if (media) await page.emulateMedia({ media });
-    for (const file of files) {
+    await each(files, async file => {
+        const page = await browser.page(options);
+        if (media) await page.emulateMedia({ media });
         await open(page, server.url + file);
         await body(page, file);
         assert.deepEqual(page.complaints, [], file);
-    }
-    await page.context().close();
+        await page.context().close();
+    });
 }
 
 for (const width of [320, 360, 768, 1280, 1920]) {

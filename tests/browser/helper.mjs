@@ -46,6 +46,15 @@ export function pageWith(pattern) {
     return page;
 }
 
+/** Does something with every file, with as many at a time as there are processors. */
+export async function each(files, body) {
+    const waiting = [...files];
+    const worker = async () => {
+        while (waiting.length > 0) await body(waiting.shift());
+    };
+    await Promise.all(Array.from({ length: os.availableParallelism() }, worker));
+}
+
 export const read = file => fs.readFileSync(path.join(bookDir, file), "utf8");
 
 const types = {

@@ -5,7 +5,7 @@ import fs from "node:fs";
 import { after, before, test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { terms } from "./terms.mjs";
-import { axe, bookDir, launch, libraryPages, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
+import { axe, bookDir, each, launch, libraryPages, open, overhang, pages, pageWith, read, serve } from "./helper.mjs";
 
 let browser, server;
 
@@ -53,21 +53,19 @@ async function weights(answers) {
 
 test("every page loads under a sub-path with an empty console, no failed or foreign request, and no more than 500 kB for its first view", async () => {
     const heavy = [];
-    for (const file of pages()) {
-        await at(file, {}, async (page, answers) => {
-            assert.ok((await page.locator("main").innerText()).length > 100, `${file} is empty`);
-            assert.ok(await page.evaluate(() => document.title && document.documentElement.lang), `${file} has no title or language`);
-            await page.evaluate(() => document.fonts.ready);
-            const faces = await page.evaluate(() => [...document.fonts].filter(face => face.status === "error").length);
-            assert.equal(faces, 0, `${file}: fonts that did not load`);
-            await page.waitForLoadState("networkidle");
-            const loaded = await weights(answers);
-            const total = loaded.reduce((sum, [, weight]) => sum + weight, 0);
-            assert.ok(total > 20, `${file} weighs nothing: ${total}`);
-            const most = loaded.slice(0, 4).map(([name, weight]) => `${name} ${weight.toFixed(0)}`).join(", ");
-            if (total > 500) heavy.push(`${file} weighs ${total.toFixed(0)} kB: ${most}`);
-        });
-    }
+    await each(pages(), file => at(file, {}, async (page, answers) => {
+        assert.ok((await page.locator("main").innerText()).length > 100, `${file} is empty`);
+        assert.ok(await page.evaluate(() => document.title && document.documentElement.lang), `${file} has no title or language`);
+        await page.evaluate(() => document.fonts.ready);
+        const faces = await page.evaluate(() => [...document.fonts].filter(face => face.status === "error").length);
+        assert.equal(faces, 0, `${file}: fonts that did not load`);
+        await page.waitForLoadState("networkidle");
+        const loaded = await weights(answers);
+        const total = loaded.reduce((sum, [, weight]) => sum + weight, 0);
+        assert.ok(total > 20, `${file} weighs nothing: ${total}`);
+        const most = loaded.slice(0, 4).map(([name, weight]) => `${name} ${weight.toFixed(0)}`).join(", ");
+        if (total > 500) heavy.push(`${file} weighs ${total.toFixed(0)} kB: ${most}`);
+    }));
     assert.deepEqual(heavy, [], "divide the page, or show less of a figure");
 });
 
@@ -208,14 +206,12 @@ for (const [number, { width, dark }] of ways.entries()) {
     test(`at ${width} px in ${dark ? "dark" : "light"}, axe finds nothing serious and no page scrolls sideways`, async () => {
         const turn = pages().filter((_, index) => process.env.EVERY || index % ways.length === number);
         assert.notEqual(turn.length, 0);
-        for (const file of turn) {
-            await at(file, { width, dark }, async page => {
-                assert.equal(await overhang(page), null, file);
-                await page.evaluate(() => document.querySelectorAll("main details").forEach(fold => { fold.open = true; }));
-                assert.equal(await overhang(page), null, `${file}, folds open`);
-                assert.deepEqual(await axe(page), [], file);
-            });
-        }
+        await each(turn, file => at(file, { width, dark }, async page => {
+            assert.equal(await overhang(page), null, file);
+            await page.evaluate(() => document.querySelectorAll("main details").forEach(fold => { fold.open = true; }));
+            assert.equal(await overhang(page), null, `${file}, folds open`);
+            assert.deepEqual(await axe(page), [], file);
+        }));
     });
 }
 

@@ -72,8 +72,8 @@ impl<M: CameraModel> Camera<6> for Posed<M> {
     fn differentiate(&self, point_in_world: &Vector3<f64>) -> Option<LinearizedPixel<6>> {
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         let point = rotation * point_in_world + self.camera_from_world.translation.vector;
-        let pixel = self.intrinsics.project_cam(&point)?;
-        let by_point = self.intrinsics.projection_jacobian(&point)? * rotation.matrix();
+        let (pixel, by_camera_point) = self.intrinsics.project_cam_with_jacobian(&point)?;
+        let by_point = by_camera_point * rotation.matrix();
         Some(LinearizedPixel { pixel, by_camera: by_twist(&by_point, point_in_world), by_point })
     }
 

@@ -112,8 +112,9 @@ impl<M: CameraModel> BodyPixel<'_, M> {
     pub fn linearize(&self, seen: Seen) -> Option<(Vector2<f64>, BySeen)> {
         let (body, landmark, extrinsics) = seen;
         let point = in_camera(seen);
-        let residual = self.inverse_sigma * (self.camera.project_cam(&point)? - self.pixel);
-        let by_camera_point = self.inverse_sigma * self.camera.projection_jacobian(&point)?;
+        let (pixel, by_camera_point) = self.camera.project_cam_with_jacobian(&point)?;
+        let residual = self.inverse_sigma * (pixel - self.pixel);
+        let by_camera_point = self.inverse_sigma * by_camera_point;
         let camera_from_body = extrinsics.rotation.to_rotation_matrix().transpose();
         let camera_from_world = camera_from_body * body.world_from_body.transpose();
         let by_landmark = by_camera_point * camera_from_world.matrix();

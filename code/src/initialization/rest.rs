@@ -224,7 +224,7 @@ pub enum NotAtRest {
         /// Its time, in nanoseconds.
         nanoseconds: i64,
     },
-    /// The readings do not cover the pictures.
+    /// The readings do not cover the pictures, have a gap, or are not in order.
     #[error(transparent)]
     Readings(#[from] WindowError),
 }

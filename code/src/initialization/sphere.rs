@@ -71,7 +71,8 @@ impl Secular {
         let scale = self.values.amax().max(reach);
         let nothing = f64::EPSILON * scale;
         let spread = reach.max(self.values.max() - self.values.min());
-        if !(spread > nothing && scale.is_finite()) {
+        let is_finite = (self.values.sum() + reach).is_finite();
+        if !(spread > nothing && is_finite) {
             return None;
         }
         if self.is_short(nothing) {

@@ -99,8 +99,8 @@ pub enum Method {
     GaussNewton,
     /// Steps are damped, and refused when the cost does not fall ([@nielsen1999; @nocedal2006]).
     LevenbergMarquardt {
-        /// The first damping, relative to the Hessian's diagonal. At zero, steps are damped once one
-        /// has been tried.
+        /// The first damping, relative to the Hessian's diagonal, at most 1e12. At zero, steps are
+        /// damped once one has been tried.
         initial_damping: f64,
     },
 }
@@ -185,7 +185,7 @@ pub enum Stop {
     Stalled,
     /// The same with a linearization point that is frozen: along that Jacobian nothing descends.
     NoDescentAtFrozenPoint,
-    /// A Gauss-Newton step led to where a residual is undefined or not finite.
+    /// A Gauss-Newton step led to where a residual or its derivative is undefined or not finite.
     LeftDomain,
 }
 // ANCHOR_END: stop
@@ -198,7 +198,7 @@ impl Stop {
     }
 
     /// Whether steps led as far as they could, be it to no stationary point: they were not used up,
-    /// and did not lead to where a residual is undefined.
+    /// and did not lead to where a residual or its derivative is undefined.
     pub fn is_settled(&self) -> bool {
         !matches!(self, Stop::IterationLimit | Stop::LeftDomain)
     }
@@ -223,8 +223,8 @@ impl fmt::Display for Stop {
                  linearization point follow, or accept the values"
             }
             Self::LeftDomain => {
-                "not converged: the last step led to where a residual is undefined or not finite; \
-                 start nearer or use Levenberg-Marquardt"
+                "not converged: the last step led to where a residual or its derivative is undefined \
+                 or not finite; start nearer or use Levenberg-Marquardt"
             }
         })
     }
@@ -449,7 +449,7 @@ impl<S: LinearSystem> Search<S> {
             return Ok(Some(stop));
         }
         let trial_cost = self.try_step(problem);
-        self.record(0.0, &predicted, trial_cost, trial_cost.is_some());
+        self.record(0.0, &predicted, trial_cost);
         let is_taken = match trial_cost {
             Some(cost) => self.take_trial(problem, cost, false)?,
             None => false,
@@ -463,7 +463,7 @@ impl<S: LinearSystem> Search<S> {
     ///
     /// # Errors
     ///
-    /// A [`SolveError`] when a residual becomes one that is not finite.
+    /// A [`SolveError`] when the values that a step was refused for cannot be linearized again.
     // ANCHOR: levenberg_marquardt
     pub fn levenberg_marquardt(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         let damping = self.damping.value;
@@ -479,15 +479,15 @@ impl<S: LinearSystem> Search<S> {
         }
         let trial_cost = self.try_step(problem);
         let gain = self.gain_ratio(&predicted, trial_cost).filter(|gain| *gain > SMALLEST_GAIN);
-        self.record(damping, &predicted, trial_cost, gain.is_some());
+        self.record(damping, &predicted, trial_cost);
         let Some(trial_cost) = trial_cost.filter(|_| gain.is_some()) else {
-            self.learn(None);
+            self.damping.learn(None);
             return Ok(None);
         };
         let is_level = self.cost - trial_cost <= self.options.decrease_tolerance * self.cost
             && damping <= STRONG_DAMPING;
         let is_taken = self.take_trial(problem, trial_cost, is_level)?;
-        self.learn(gain.filter(|_| is_taken));
+        self.damping.learn(gain.filter(|_| is_taken));
         Ok((is_taken && is_level).then_some(Stop::DecreaseSmall))
     }
     // ANCHOR_END: levenberg_marquardt
@@ -555,30 +555,19 @@ impl<S: LinearSystem> Search<S> {
             return Ok(false);
         }
         self.cost = cost;
+        if let Some(last) = self.iterations.last_mut() {
+            last.accepted = true;
+        }
         Ok(true)
     }
     // ANCHOR_END: try_step
-
-    /// Sets the damping by the gain of the last step, or by none when it was not taken: then its end may
-    /// have a cost and no derivatives.
-    fn learn(&mut self, gain: Option<f64>) {
-        self.damping.learn(gain);
-        if let Some(last) = self.iterations.last_mut() {
-            last.accepted = gain.is_some();
-        }
-    }
 
     fn gain_ratio(&self, predicted: &Prediction, trial_cost: Option<f64>) -> Option<f64> {
         Some((self.cost - trial_cost?) / predicted.predicted_decrease)
     }
 
-    fn record(
-        &mut self,
-        damping: f64,
-        predicted: &Prediction,
-        trial_cost: Option<f64>,
-        accepted: bool,
-    ) {
+    /// Notes a step that has been tried and not yet taken.
+    fn record(&mut self, damping: f64, predicted: &Prediction, trial_cost: Option<f64>) {
         self.iterations.push(Iteration {
             cost: self.cost,
             gradient_norm: predicted.gradient_norm,
@@ -586,7 +575,7 @@ impl<S: LinearSystem> Search<S> {
             step_norm: predicted.step_norm,
             trial_cost,
             gain_ratio: self.gain_ratio(predicted, trial_cost),
-            accepted,
+            accepted: false,
         });
     }
 
@@ -753,7 +742,10 @@ pub enum SolveError {
         variable: usize,
     },
     /// An option has an impossible value.
-    #[error("option {name} is {value}; tolerances and damping are zero or positive")]
+    #[error(
+        "option {name} is {value}; tolerances and damping are finite and not negative, and damping \
+         begins with at most 1e12"
+    )]
     Option {
         /// Its name.
         name: &'static str,

@@ -19,16 +19,11 @@ pub struct DistortedPinhole {
 impl DistortedPinhole {
     /// Pixel of a point in camera coordinates (metres), or `None` as in
     /// [`Pinhole::project_cam`], and also when the point lies so far off the axis that the
-    /// lens model folds over, beyond [`RadialTangential::monotonic_radius`] or by its
-    /// tangential part.
+    /// lens model folds over, beyond [`RadialTangential::monotonic_radius`], or where its
+    /// tangential part keeps the Jacobian from being positive definite.
     pub fn project_cam(&self, point_in_camera: &Vector3<f64>) -> Option<Vector2<f64>> {
-        let ideal = point_in_camera.xy() / point_in_camera.z;
-        if self.lens.is_invertible_at(&ideal) {
-            let distorted = point_in_camera.z * self.lens.distort(&ideal);
-            self.pinhole.project_cam(&distorted.push(point_in_camera.z))
-        } else {
-            None
-        }
+        let (pixel, _) = self.project_cam_with_jacobian(point_in_camera)?;
+        Some(pixel)
     }
 
     /// Pixel of a point in world coordinates (metres), or `None` as in
@@ -41,21 +36,32 @@ impl DistortedPinhole {
         self.project_cam(&se3::transform(camera_from_world, point_in_world))
     }
 
-    // ANCHOR: distorted_jacobian
     /// The 2×3 Jacobian of the pixel by the point in camera coordinates, in pixels per
-    /// metre, or `None` as in [`DistortedPinhole::project_cam`]. The Jacobian of the lens,
-    /// {eq:distortion-jacobian}, stands between focal lengths and perspective.
+    /// metre, or `None` as in [`DistortedPinhole::project_cam`].
     pub fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
-        self.project_cam(point_in_camera)?;
+        let (_, jacobian) = self.project_cam_with_jacobian(point_in_camera)?;
+        Some(jacobian)
+    }
+
+    // ANCHOR: distorted_jacobian
+    /// Pixel of a point in camera coordinates (metres) with its 2×3 Jacobian by the point, in
+    /// pixels per metre, or `None` as in [`DistortedPinhole::project_cam`]. The Jacobian of the
+    /// lens, {eq:distortion-jacobian}, stands between focal lengths and perspective.
+    pub fn project_cam_with_jacobian(
+        &self,
+        point_in_camera: &Vector3<f64>,
+    ) -> Option<(Vector2<f64>, Matrix2x3<f64>)> {
         let depth = point_in_camera.z;
         let ideal = point_in_camera.xy() / depth;
-        let bend = self.lens.jacobian(&ideal) / depth;
+        let (distorted, by_ideal) = self.lens.shown(&ideal)?;
+        let pixel = self.pinhole.project_cam(&(depth * distorted).push(depth))?;
+        let bend = by_ideal / depth;
         let mut jacobian = Matrix2x3::zeros();
         jacobian.fixed_columns_mut::<2>(0).copy_from(&bend);
         jacobian.set_column(2, &(-bend * ideal));
         jacobian.row_mut(0).scale_mut(self.pinhole.fx);
         jacobian.row_mut(1).scale_mut(self.pinhole.fy);
-        Some(jacobian)
+        Some((pixel, jacobian))
     }
     // ANCHOR_END: distorted_jacobian
 
@@ -68,8 +74,7 @@ impl DistortedPinhole {
     ) -> Option<Projection> {
         let rotation = camera_from_world.rotation.to_rotation_matrix().into_inner();
         let point_in_camera = rotation * point_in_world + camera_from_world.translation.vector;
-        let pixel = self.project_cam(&point_in_camera)?;
-        let by_camera_point = self.projection_jacobian(&point_in_camera)?;
+        let (pixel, by_camera_point) = self.project_cam_with_jacobian(&point_in_camera)?;
         Projection::new(pixel, &by_camera_point, &rotation, point_in_world)
     }
 

@@ -139,8 +139,8 @@ impl RadialTangential {
         let mut step = self.jacobian(ideal).try_inverse()? * error;
         for _ in 0..MAX_HALVINGS {
             let next = ideal + step;
-            let next_error = distorted - self.distort(&next);
-            if self.is_invertible_at(&next) && next_error.norm() < error.norm() {
+            let left = self.shown(&next).map(|(shown, _)| distorted - shown);
+            if let Some(next_error) = left.filter(|left| left.norm() < error.norm()) {
                 return Some((next, next_error));
             }
             step *= 0.5;
@@ -148,11 +148,13 @@ impl RadialTangential {
         None
     }
 
-    /// Whether the radius is below the fold and the Jacobian positive definite.
-    pub(super) fn is_invertible_at(&self, ideal: &Vector2<f64>) -> bool {
+    /// Where the lens shows an ideal point, with the Jacobian, if the radius is below the fold and the
+    /// Jacobian positive definite.
+    pub(super) fn shown(&self, ideal: &Vector2<f64>) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let jacobian = self.jacobian(ideal);
         let is_definite = jacobian.determinant() > 0.0 && jacobian.trace() > 0.0;
-        is_definite && ideal.norm() < self.monotonic_radius
+        let is_within = is_definite && ideal.norm() < self.monotonic_radius;
+        is_within.then(|| (self.distort(ideal), jacobian))
     }
     // ANCHOR_END: newton_step
 

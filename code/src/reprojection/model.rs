@@ -12,6 +12,15 @@ pub trait CameraModel: Clone + Send + Sync + 'static {
 
     /// The 2×3 Jacobian of the pixel by the point in camera coordinates, in pixels per metre.
     fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>>;
+
+    /// Both at once.
+    #[inline(always)]
+    fn project_cam_with_jacobian(
+        &self,
+        point_in_camera: &Vector3<f64>,
+    ) -> Option<(Vector2<f64>, Matrix2x3<f64>)> {
+        Some((self.project_cam(point_in_camera)?, self.projection_jacobian(point_in_camera)?))
+    }
 }
 // ANCHOR_END: camera_model
 
@@ -34,5 +43,12 @@ impl CameraModel for DistortedPinhole {
 
     fn projection_jacobian(&self, point_in_camera: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
         self.projection_jacobian(point_in_camera)
+    }
+
+    fn project_cam_with_jacobian(
+        &self,
+        point_in_camera: &Vector3<f64>,
+    ) -> Option<(Vector2<f64>, Matrix2x3<f64>)> {
+        self.project_cam_with_jacobian(point_in_camera)
     }
 }

@@ -36,6 +36,7 @@ pub use homography::{
 };
 pub(crate) use linear::least_vector;
 pub use matches::{MatchError, Matches};
+pub(crate) use motion::frame;
 pub use motion::{RayPair, RelativeMotion};
 pub use plane::{OnePlane, OnlyTurned};
 pub use real_roots::real_roots;

@@ -51,7 +51,7 @@ impl RelativeMotion {
 }
 
 /// The right-handed frame with one vector along its first axis and another in the plane of the first two.
-pub(super) fn frame(first: &Vector3<f64>, second: &Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn frame(first: &Vector3<f64>, second: &Vector3<f64>) -> Matrix3<f64> {
     let x = first.normalize();
     let y = (second - x.dot(second) * x).normalize();
     Matrix3::from_columns(&[x, y, x.cross(&y)])

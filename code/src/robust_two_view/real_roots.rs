@@ -12,10 +12,14 @@ use super::Candidates;
 /// may not leave the interval. No bound of the roots is needed, since places are
 /// counted by t in z = t / (1 − |t|), which takes all of the line to the interval from −1 to 1.
 ///
-/// Numbers below 1e-14 of a polynomial's largest coefficient count as rounding: roots that lie nearer
-/// to each other than about 1e-7 by t can be found as one, a root at which the sign does not change is
-/// found to 1e-7 by t, and those beyond 1e14 are not found. There are none of a polynomial that has an
-/// infinite coefficient or NaN, or is zero.
+/// A root at which the sign does not change is one of the last of the chain, the common divisor of all,
+/// and is found there.
+///
+/// A coefficient below 1e-14 of the largest counts as rounding, so roots beyond 1e14 are not found. So
+/// does a remainder below 1e-12: roots nearer to each other than about 1e-6 by t can be found as one.
+/// Above degree four more than that can be rounding, and then a root at which the sign does not change is
+/// found twice or not at all. Where three roots are one it is found to about 1e-5. There are no roots of a
+/// polynomial that has an infinite coefficient or NaN, or is zero.
 // ANCHOR: isolated
 pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N> {
     let mut roots = Candidates::none(0.0);
@@ -25,8 +29,10 @@ pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N>
     while let Some((low, high)) = waiting.pop() {
         match low.changes.saturating_sub(high.changes) {
             0 => {}
-            1 if low.negative != high.negative => roots.push(chain.refine(low, high)),
-            1 if high.t - low.t < TOUCHING => roots.push(line(0.5 * (low.t + high.t))),
+            1 if low.first != high.first => roots.push(chain.refine(0, low.first, [low.t, high.t])),
+            1 if low.last != high.last => {
+                roots.push(chain.refine(chain.length - 1, low.last, [low.t, high.t]));
+            }
             _ if high.t - low.t < CLOSEST => roots.push(line(0.5 * (low.t + high.t))),
             _ => {
                 let middle = chain.between(low, high);
@@ -42,12 +48,14 @@ pub fn real_roots<const N: usize>(coefficients: &[f64; N]) -> Candidates<f64, N>
 
 /// Roots that lie nearer to each other are one.
 const CLOSEST: f64 = 1e-12;
-/// Nearer to a root at which the sign does not change the chain is rounding.
-const TOUCHING: f64 = 1e-7;
-/// Where the middle of an interval is a multiple root, it is divided in this share.
+/// Where the middle of an interval is nearly a multiple root, it is divided in this share.
 const ASIDE: f64 = 0.45;
-/// A remainder that is smaller is rounding.
+/// So near to a multiple root the signs of the chain are rounding.
+const NEARLY: f64 = 1e-7;
+/// A coefficient that is smaller is rounding.
 const NOTHING: f64 = 1e-14;
+/// So is a remainder.
+const NO_REMAINDER: f64 = 1e-12;
 /// A step of Halley triples the number of digits.
 const A_THIRD_OF_THE_DIGITS: f64 = 1e-6;
 /// More steps than Halley or bisection need.
@@ -63,11 +71,11 @@ fn line(t: f64) -> f64 {
 struct Place {
     t: f64,
     /// Whether the polynomial is negative.
-    negative: bool,
+    first: bool,
     /// How often the sign changes along the chain.
     changes: usize,
-    /// Whether all of the chain is zero, as at a multiple root.
-    multiple: bool,
+    /// Whether the last of the chain is.
+    last: bool,
 }
 
 /// The chain, power by power, so that all of it is evaluated at once.
@@ -111,14 +119,21 @@ impl<const N: usize> Chain<N> {
         let signs = &values[..self.length];
         let changes =
             signs.windows(2).filter(|pair| is_negative(pair[0]) != is_negative(pair[1])).count();
-        let multiple = signs.iter().all(|value| *value == 0.0);
-        Place { t, negative: is_negative(values[0]), changes, multiple }
+        let [first, last] = [0, self.length - 1].map(|k| is_negative(values[k]));
+        Place { t, first, last, changes }
     }
 
-    /// A place between two, in the middle unless the chain vanishes there and counts nothing.
+    /// A place between two, in the middle unless a multiple root is there.
     fn between(&self, low: Place, high: Place) -> Place {
-        let middle = self.at(0.5 * (low.t + high.t));
-        if middle.multiple { self.at(low.t + ASIDE * (high.t - low.t)) } else { middle }
+        let [middle, aside] = [0.5, ASIDE].map(|share| low.t + share * (high.t - low.t));
+        self.at(if self.is_multiple(middle) { aside } else { middle })
+    }
+
+    /// Whether the last of the chain, which has the multiple roots, vanishes but for rounding.
+    fn is_multiple(&self, t: f64) -> bool {
+        let (last, z) = (self.length - 1, line(t));
+        let degree = self.degrees[last] as i32;
+        degree > 0 && self.values(z)[last].abs() <= NEARLY * z.abs().max(1.0).powi(degree)
     }
 
     /// The values of all polynomials, by the scheme of Horner.
@@ -142,30 +157,39 @@ impl<const N: usize> Chain<N> {
     }
 
     // ANCHOR: refine_root
-    /// The root between two places of which one alone is negative.
-    fn refine(&self, low: Place, high: Place) -> f64 {
-        let (mut from, mut to) = (low.t, high.t);
+    /// The root of one of the chain between two places at which its signs differ: whether it is
+    /// negative at the first is given.
+    fn refine(&self, which: usize, begins: bool, [mut from, mut to]: [f64; 2]) -> f64 {
         let mut t = 0.5 * (from + to);
         for _ in 0..MOST_STEPS {
             let z = line(t);
-            let [value, slope, bend] = self.derivatives(z);
-            *(if (value < 0.0) == low.negative { &mut from } else { &mut to }) = t;
+            let [value, slope, bend] = self.derivatives(which, z);
+            if value == 0.0 {
+                return z;
+            }
+            *(if (value < 0.0) == begins { &mut from } else { &mut to }) = t;
             let next = z - value * slope / (slope * slope - value * bend);
-            // The step after this one would be the cube of it.
-            if (next - z).abs() <= A_THIRD_OF_THE_DIGITS * z.abs() {
+            let short = A_THIRD_OF_THE_DIGITS * z.abs();
+            let beyond = next + short.copysign(next - z);
+            let [step, end] = [next, beyond].map(|z| z / (1.0 + z.abs()));
+            let is_inside = |t: f64| t > from && t < to;
+            let is_short = (next - z).abs() <= short;
+            // A step is short near a root, where the next would be the cube of it, and near a place
+            // without slope.
+            let crosses = || (self.derivatives(which, beyond)[0] < 0.0) != (value < 0.0);
+            if is_short && is_inside(end) && crosses() {
                 return next;
             }
-            let step = next / (1.0 + next.abs());
-            t = if step > from && step < to { step } else { 0.5 * (from + to) };
+            t = if !is_short && is_inside(step) { step } else { 0.5 * (from + to) };
         }
         line(t)
     }
     // ANCHOR_END: refine_root
 
-    /// The value, the first derivative and half the second.
-    fn derivatives(&self, z: f64) -> [f64; 3] {
+    /// The value, the first derivative and half the second of one of the chain.
+    fn derivatives(&self, which: usize, z: f64) -> [f64; 3] {
         self.powers.iter().rev().fold([0.0; 3], |[value, slope, bend], coefficients| {
-            [value * z + coefficients[0], slope * z + value, bend * z + slope]
+            [value * z + coefficients[which], slope * z + value, bend * z + slope]
         })
     }
 }
@@ -200,6 +224,6 @@ fn negative_remainder<const N: usize>(
         }
         rest[power] = 0.0;
     }
-    let is_rest = rest.iter().any(|coefficient| coefficient.abs() > NOTHING);
+    let is_rest = rest.iter().any(|coefficient| coefficient.abs() > NO_REMAINDER);
     is_rest.then(|| scaled(rest.map(|coefficient| -coefficient))).flatten()
 }

@@ -8,8 +8,8 @@ use crate::observability::Similarity;
 
 /// Points whose spread is a smaller part of their coordinates, squared, are in one place.
 const ONE_PLACE: f64 = 1e-12;
-/// A rotation is open when another one makes the sum that it maximizes smaller by less than this part
-/// of the spread.
+/// A rotation is open when the next stationary one, half a turn away, makes the sum that it maximizes
+/// smaller by less than this part of the spread.
 const UNDECIDED: f64 = 1e-9;
 
 /// Whether the two worlds have one unit of length.

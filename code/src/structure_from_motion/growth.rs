@@ -10,11 +10,11 @@ use crate::robust_two_view::{Consensus, ConsensusError, ConsensusOptions, consen
 /// So many cameras move along with a new one.
 const NEIGHBOURS: usize = 6;
 /// All cameras are adjusted when so many times as many are there as the last time.
-const GROWTH: f64 = 1.15;
+pub const GROWTH: f64 = 1.15;
 /// A camera that was refused is tried again when it sees so many times as many points.
 const MORE_SEEN: f64 = 1.1;
 /// The least number of points for a pose: three fix it, and as many again contradict.
-pub(super) const LEAST_SEEN: usize = 6;
+pub const LEAST_SEEN: usize = 6;
 /// Into how many parts width and height are divided, to see how points are spread.
 const GRIDS: [usize; 3] = [2, 4, 8];
 

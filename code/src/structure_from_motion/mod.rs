@@ -25,6 +25,7 @@ mod tracks;
 mod verification;
 
 pub use absolute_orientation::{OrientationError, ScaleFreedom, absolute_orientation};
+pub use growth::{GROWTH, LEAST_SEEN};
 pub use pictures::{Picture, PictureMatch};
 pub use point_pairs::PointPairs;
 use reconstruction::NoFirstPair;

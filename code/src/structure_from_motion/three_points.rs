@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
-use crate::robust_two_view::{Candidates, real_roots};
+use crate::robust_two_view::{Candidates, frame, real_roots};
 use crate::two_views::cofactors;
 
 /// Sines that are smaller are rounding.
@@ -181,13 +181,9 @@ fn on_line(line: &Vector3<f64>, conics: &[Matrix3<f64>; 2]) -> Option<[Vector3<f
 
 /// The motion that takes one triangle to another with the same sides.
 fn laid_upon(from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> Isometry3<f64> {
-    let frame = |corners: &[Vector3<f64>; 3]| {
-        let side = corners[1] - corners[0];
-        let normal = side.cross(&(corners[2] - corners[0])).normalize();
-        let x = side.normalize();
-        Matrix3::from_columns(&[x, normal.cross(&x), normal])
-    };
-    let rotation = Rotation3::from_matrix_unchecked(frame(to) * frame(from).transpose());
+    let sides =
+        |corners: &[Vector3<f64>; 3]| frame(&(corners[1] - corners[0]), &(corners[2] - corners[0]));
+    let rotation = Rotation3::from_matrix_unchecked(sides(to) * sides(from).transpose());
     let centre = |corners: &[Vector3<f64>; 3]| corners.iter().sum::<Vector3<f64>>() / 3.0;
     let translation = centre(to) - rotation * centre(from);
     Isometry3::from_parts(translation.into(), rotation.into())

@@ -107,11 +107,12 @@ pub fn triangulate(
 /// The rows are reduced to a 4×4 triangle view by view. Their products would be fewer
 /// numbers, but squares of small angles.
 fn linear_point(views: &[View], world: &Normalization) -> Option<Vector3<f64>> {
+    let sharpest = views.iter().map(|view| view.sigma).fold(f64::INFINITY, f64::min);
     let mut triangle = Matrix4::zeros();
     for view in views {
         let mut stacked = Matrix6x4::zeros();
         stacked.fixed_rows_mut::<4>(0).copy_from(&triangle);
-        stacked.fixed_rows_mut::<2>(4).copy_from(&linear_rows(view, world));
+        stacked.fixed_rows_mut::<2>(4).copy_from(&linear_rows(view, world, sharpest));
         triangle = stacked.qr().r();
     }
     if !is_finite(&triangle) {
@@ -126,14 +127,16 @@ fn linear_point(views: &[View], world: &Normalization) -> Option<Vector3<f64>> {
 
 // ANCHOR: linear_rows
 /// The two rows that one view gives: the pixel's slopes times the depth, less the lateral
-/// coordinates. They are divided by the noise of a slope, so that sharper views count more.
-fn linear_rows(view: &View, world: &Normalization) -> Matrix2x4<f64> {
+/// coordinates. They are divided by the noise of a slope, in that of the sharpest view's pixels, so that
+/// sharper views count more.
+fn linear_rows(view: &View, world: &Normalization, sharpest: f64) -> Matrix2x4<f64> {
     let rotation = view.camera_from_world.rotation.to_rotation_matrix();
     let mut coordinates = rotation.matrix().insert_column(3, 0.0);
     coordinates.set_column(3, &(view.in_camera(&world.centre) / world.length));
     let slope = back_project(&view.camera, &view.pixel, 1.0);
     let row = |axis: usize, focal_length: f64| {
-        (slope[axis] * coordinates.row(2) - coordinates.row(axis)) * (focal_length / view.sigma)
+        let weight = focal_length * (sharpest / view.sigma);
+        (slope[axis] * coordinates.row(2) - coordinates.row(axis)) * weight
     };
     Matrix2x4::from_rows(&[row(0, view.camera.fx), row(1, view.camera.fy)])
 }

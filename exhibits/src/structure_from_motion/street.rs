@@ -7,8 +7,8 @@ use vislam::manifold::se3;
 use vislam::observability::Similarity;
 use vislam::reprojection::Pinhole;
 use vislam::structure_from_motion::{
-    Adjustments, Picture, PictureMatch, Reconstruction, ReconstructionOptions, ScaleFreedom,
-    absolute_orientation, reconstruct,
+    Adjustments, GROWTH, LEAST_SEEN, Picture, PictureMatch, Reconstruction, ReconstructionOptions,
+    ScaleFreedom, absolute_orientation, reconstruct,
 };
 
 use crate::chapter::Chapter;
@@ -164,6 +164,8 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("street_metres", APART * (SHOWN - 1) as f64, "m", 0);
     chapter.number("street_matches", street.matches.len() as f64, "", 0);
     chapter.number("begin", BEGIN as f64, "", 0);
+    chapter.number("least_seen", LEAST_SEEN as f64, "", 0);
+    chapter.number("growth", 100.0 * (GROWTH - 1.0), "%", 0);
     chapter.number("street_points", found.points.len() as f64, "", 0);
     chapter.number("street_kept", found.verified.verified_matches as f64, "", 0);
     let largest = |way: usize| off[way].iter().copied().fold(0.0, f64::max);
