@@ -17,11 +17,16 @@ use crate::records::Record;
 /// Shows what changed since it was last accepted, and accepts it unless `only_show`. With `moved` it is only the
 /// equations that moved from a chapter to another and say what they said: nobody has to look at them again.
 pub fn accept(maker: &Maker, only_show: bool, moved: bool) -> Result<()> {
-    let mut changes = equations(maker, only_show, moved)?;
-    if !moved {
-        changes += records(maker, only_show)?;
-    }
-    match (changes, only_show, moved) {
+    // Records first: exhibits that show a new one, or one that cannot be read, end before their equations are known.
+    let records = if moved { 0 } else { records(maker, only_show)? };
+    let equations = match equations(maker, only_show, moved) {
+        Err(why) if only_show && records > 0 => {
+            println!("Before these records are accepted, equations cannot be compared: {why:#}");
+            0
+        }
+        equations => equations?,
+    };
+    match (records + equations, only_show, moved) {
         (0, _, true) => println!("Nothing moved."),
         (0, _, false) => println!("Nothing changed."),
         (n, true, true) => println!("{n} moved; `cargo book accept --moved` carries them over."),

@@ -855,6 +855,21 @@ fn a_record_that_says_another_number_than_it_has_is_named() {
 }
 
 #[test]
+fn a_record_that_cannot_be_read_is_accepted_anew() {
+    let (kept, proposed) = ("exhibits/records/long.toml", "target/press/records/long.toml");
+    let book = with_record("3.1");
+    book.write(proposed, &book.read(kept));
+    book.write(kept, "values = 1");
+    let shown = book.run(&["accept", "--show"]);
+    let said = String::from_utf8_lossy(&shown.stdout).into_owned();
+    assert!(shown.status.success() && said.contains("most = 3.1"), "{said}");
+    assert!(said.contains("equations cannot be compared"), "{said}");
+    assert_eq!(book.read(kept), "values = 1");
+    assert!(book.run(&["accept"]).status.success());
+    assert!(book.run(&["check"]).status.success());
+}
+
+#[test]
 fn a_record_that_no_program_makes_is_named() {
     let exhibits = "target/press/exhibits/one/exhibits.json";
     let book = with_record("3.1").with(exhibits, "\"name\":\"long\"", "\"name\":\"other\"");
