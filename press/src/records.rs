@@ -61,8 +61,7 @@ impl Value {
     /// Whether the text says the number, rounded to the digits that it has.
     pub fn is_told(&self) -> bool {
         let plain = self.text.replace(',', "").replace('\u{2212}', "-");
-        let digits = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-        let half = 0.500_001 * 0.1_f64.powi(digits as i32);
+        let half = 0.500_001 * 0.1_f64.powi(decimals(&self.text) as i32);
         plain.parse::<f64>().is_ok_and(|said| (said - self.value).abs() <= half)
     }
 
@@ -84,9 +83,15 @@ impl Value {
                 self.within, again.within
             ));
         }
-        (self.value == again.value && self.text != again.text)
+        let says_otherwise = self.value == again.value && self.text != again.text;
+        (says_otherwise || decimals(&self.text) != decimals(&again.text))
             .then(|| format!("was said as {} and is as {}", self.text, again.text))
     }
+}
+
+/// How many digits stand behind the point.
+fn decimals(text: &str) -> usize {
+    text.split_once('.').map_or(0, |(_, fraction)| fraction.len())
 }
 
 impl Record {
@@ -212,9 +217,13 @@ mod tests {
         let others = [
             Value { unit: "px".into(), ..first.clone() },
             Value { within: 0.5, ..first.clone() },
-            Value { text: "1234".into(), ..first.clone() },
+            Value { text: "1,234.5".into(), ..first.clone() },
         ];
         assert!(others.iter().all(|other| first.difference(other).is_some()));
+        let first = Value { within: 0.5, ..first };
+        let again = |text: &str| Value { value: 1230.0, text: text.into(), ..first.clone() };
+        assert_eq!(first.difference(&again("1230.0")), None);
+        assert!(first.difference(&again("1230")).is_some());
     }
 
     #[test]
