@@ -1,7 +1,7 @@
 //! What the program `exhibits` computed: checks, numbers, figures, records.
 
+use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -234,12 +234,9 @@ impl Exhibits {
     /// to do.
     pub fn why_no_number(&self, name: &str, slug: &str) -> (String, String) {
         let (owner, value) = name.split_once('.').unwrap_or((slug, name));
-        let mut made = self.chapters.values().flat_map(|shown| &shown.records);
         let problem = match self.records.contains_key(owner) {
             true => format!("the accepted record `{owner}` has no value `{value}`"),
-            false if made.any(|record| record.name == owner) => {
-                format!("the record `{owner}` was never accepted")
-            }
+            false if self.is_made(owner) => format!("the record `{owner}` was never accepted"),
             false => {
                 return (
                     "no program computes this number".to_owned(),
@@ -251,6 +248,11 @@ impl Exhibits {
             problem,
             format!("run `cargo book record {owner}`, then `cargo book accept`, or mend the name"),
         )
+    }
+
+    /// Whether a program makes a record of this name.
+    fn is_made(&self, record: &str) -> bool {
+        self.chapters.values().flat_map(|shown| &shown.records).any(|made| made.name == record)
     }
 
     /// The names of all numbers, with where they are made.
@@ -277,26 +279,20 @@ impl Exhibits {
                 self.record_faults(inputs, &mut faults);
             }
         }
-        let made: BTreeSet<&String> = self
-            .chapters
-            .values()
-            .flat_map(|shown| &shown.records)
-            .map(|made| &made.name)
-            .collect();
         for record in self.records.values() {
-            self.accepted_faults(record, made.contains(&record.name), &mut faults);
+            self.accepted_faults(record, &mut faults);
         }
         faults
     }
 
-    fn accepted_faults(&self, record: &Record, is_made: bool, faults: &mut Faults) {
+    fn accepted_faults(&self, record: &Record, faults: &mut Faults) {
         let (file, name) = (record.file(), &record.name);
         let place = (file.as_str(), 0);
         if self.chapters.contains_key(name) {
             let problem = "a record has the name of a chapter, so its values cannot be told apart";
             faults.add(place, name, problem, "rename the record");
         }
-        if !is_made {
+        if !self.is_made(name) {
             let mend = "register it in exhibits/src/, or delete its file";
             faults.add(place, name, "no program makes this record", mend);
         }
