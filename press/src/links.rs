@@ -91,12 +91,6 @@ impl Rendered {
             "" => Some(self.path.clone()),
             way => {
                 let way = way.split('?').next().unwrap_or(way);
-                // Whoever asks for a page that is not there may be anywhere, so that page names its root.
-                let way = if self.path == Path::new("404.html") {
-                    way.trim_start_matches('/')
-                } else {
-                    way
-                };
                 self.path.parent().and_then(|folder| files::joined(folder, way))
             }
         };
