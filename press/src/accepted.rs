@@ -53,9 +53,9 @@ impl Accepted {
     }
 }
 
-/// TeX with its white space evened out, so that moving a line break changes nothing.
-pub fn normal(tex: &str) -> String {
-    tex.split_whitespace().collect::<Vec<_>>().join(" ")
+/// A text with its white space evened out, so that moving a line break changes nothing.
+pub fn normal(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A short digest of an equation's TeX, for the ledger.

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use regex::Regex;
 
+use crate::accepted::normal;
 use crate::fault::Faults;
 use crate::settings::Allowed;
 
@@ -58,17 +59,16 @@ impl<'a> Lint<'a> {
         let mut at = 0;
         while let Some(number) = pattern.captures_at(text, at).and_then(|found| found.get(1)) {
             at = number.end();
-            let permission = self
-                .allowed
-                .iter()
-                .position(|allowed| allowed.chapter == slug && allowed.text == number.as_str());
-            match permission {
+            let said = normal(number.as_str());
+            let allows =
+                |allowed: &Allowed| allowed.chapter == slug && normal(&allowed.text) == said;
+            match self.allowed.iter().position(allows) {
                 Some(index) => self.used[index] = true,
                 None => {
                     let line = place.1 + text[..number.start()].matches('\n').count();
                     faults.add(
                         (place.0, line),
-                        number.as_str(),
+                        said,
                         "a number with a unit is typed into the prose",
                         format!("compute it: register it in exhibits/src/{slug}.rs and write {{{{value {slug}.NAME}}}}; or allow it with a reason under [[preprocessor.press.allow]] in book.toml"),
                     );
@@ -136,6 +136,16 @@ mod tests {
         assert_eq!(found("3 m 4 s", false).len(), 2);
         assert_eq!(found(r"b = 0.5\,\mathrm{m}", true).len(), 1);
         assert_eq!(found(r"90^\circ", true).len(), 1);
+    }
+
+    #[test]
+    fn a_number_is_named_and_allowed_wherever_its_line_ends() {
+        assert_eq!(found("moves 3\npx away", false), ["3 px"]);
+        let allowed = [Allowed { chapter: "a".into(), text: "60 s".into(), reason: "so".into() }];
+        let (mut lint, mut faults) = (Lint::new(&allowed), Faults::default());
+        lint.prose(("a.md", 1), "a", "A minute has 60\ns.", &mut faults);
+        lint.finish(&mut faults);
+        assert!(faults.is_empty(), "{}", faults.report());
     }
 
     #[test]
