@@ -138,7 +138,7 @@ fn katex_settings(
 
 /// What a rendered formula depends on besides its TeX: the settings, the macros, and who renders.
 pub fn salt(root: &Path, settings: &KatexConfig) -> Result<String> {
-    let renderers = digest(root, &[], &["Cargo.lock"])?;
+    let renderers = digest(root, &["press/src/engine"], &["Cargo.lock"])?;
     let version = env!("CARGO_PKG_VERSION");
     Ok(format!("{version} {renderers} {settings:?} {:?}", macros(root, settings)?))
 }
@@ -215,5 +215,15 @@ mod tests {
     fn the_line_of_an_error_is_counted_in_the_formula() {
         assert_eq!(line_of("a\n\\b\nc", "Undefined control sequence: \\b at position 3: …"), 1);
         assert_eq!(line_of("a", "no position"), 0);
+    }
+
+    #[test]
+    fn a_formula_is_rendered_again_when_what_renders_it_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let salt = || salt(folder.path(), &KatexConfig::default()).unwrap();
+        let first = salt();
+        assert_eq!(first, salt());
+        files::write(&folder.path().join("press/src/engine/port.rs"), b"// other").unwrap();
+        assert_ne!(first, salt());
     }
 }
