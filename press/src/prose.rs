@@ -201,11 +201,8 @@ struct One<'a> {
 
 impl One<'_> {
     fn mark(&self, mark: &Mark<'_>, out: &mut String, found: &mut Found<'_>) {
-        if let Mark::Span { attributes, .. } = mark
-            && let Some(key) = attributes.key_beyond(&SPAN_KEYS)
-        {
-            let mend = format!("mend the name; known are {}", SPAN_KEYS.join(", "));
-            found.faults.add(self.place, key, "no span has such an attribute", mend);
+        if let Mark::Span { attributes, .. } = mark {
+            self.unread(attributes, found);
         }
         match mark {
             Mark::Plain(text) => {
@@ -233,7 +230,8 @@ impl One<'_> {
                 out.push_str(&self.saying(text, &attributes.id, found));
             }
             Mark::Span { text, attributes } => {
-                out.push_str(&self.span(text, &attributes.classes, found));
+                let class = attributes.classes.first().map_or("", String::as_str);
+                out.push_str(&self.span(text, class, found));
             }
             Mark::Directive(word @ ("ledger" | "bibliography" | "index" | "mine")) => {
                 out.push_str(&format!("{{{{{word}}}}}"));
@@ -249,6 +247,32 @@ impl One<'_> {
             | Mark::NoAttributes
             | Mark::MisplacedDisplay
             | Mark::Nested => self.misused(mark, found),
+        }
+    }
+
+    /// Faults for what a span says of itself and nothing reads.
+    fn unread(&self, attributes: &Attributes, found: &mut Found<'_>) {
+        if let Some(key) = attributes.key_beyond(&SPAN_KEYS) {
+            let mend = format!("mend the name; known are {}", SPAN_KEYS.join(", "));
+            found.faults.add(self.place, key, "no span has such an attribute", mend);
+        }
+        if let Some(class) = attributes.classes.get(1) {
+            let mend = "put one span into the other: [[…]{.condition name=\"…\"}]{.measured}";
+            found.faults.add(
+                self.place,
+                class,
+                "a span has one class, and this is its second",
+                mend,
+            );
+        }
+        if !attributes.id.is_empty() && !attributes.has("saying") {
+            let mend = "remove it, or make the span a saying";
+            found.faults.add(
+                self.place,
+                &attributes.id,
+                "only a saying has a name to link to",
+                mend,
+            );
         }
     }
 
@@ -529,29 +553,29 @@ impl One<'_> {
         }
     }
 
-    fn span(&self, text: &str, classes: &[String], found: &mut Found<'_>) -> String {
-        if matches!(classes, [class] if class == "further") {
+    fn span(&self, text: &str, class: &str, found: &mut Found<'_>) -> String {
+        if class == "further" {
             return self.further(text, found);
         }
         let inside = Prose { line: self.place.1, ..*self.prose }.resolve(text, self.known, found);
-        match classes {
+        match class {
             // The theorems know their conditions; in print they are what the counterexamples speak of.
-            [class] if class == "condition" => match self.prose.html {
+            "condition" => match self.prose.html {
                 true => format!("<span class=\"condition\">{inside}</span>"),
                 false => inside,
             },
-            [class] if class == "screen" => match self.prose.html {
+            "screen" => match self.prose.html {
                 true => format!("<span class=\"screen\">{inside}</span>"),
                 false => String::new(),
             },
-            [class] if TERMS.contains(&class.as_str()) => match self.prose.html {
+            class if TERMS.contains(&class) => match self.prose.html {
                 true => format!("<span class=\"term {class}\">{inside}</span>"),
                 false => inside,
             },
             _ => {
                 found.faults.add(
                     self.place,
-                    classes.join(" "),
+                    class,
                     "a span has no class that the book knows",
                     format!(
                         "coloured terms are {}, a term that is explained is defined, a letter is a symbol, what a theorem assumes is a condition, a statement with an address of its own is a saying, what only a screen can do is screen, and a pointer into depth is further",

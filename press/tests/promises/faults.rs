@@ -493,6 +493,16 @@ fn marks_and_attributes_that_nothing_reads_are_named() {
             "A [sum]{.measured mean=\"x\"},",
             "src/one.md:3: mean: no span has such an attribute",
         ),
+        (
+            "A sum,",
+            "A [sum]{.defined .measured},",
+            "src/one.md:3: measured: a span has one class, and this is its second",
+        ),
+        (
+            "A sum,",
+            "A [sum]{.measured #sum},",
+            "src/one.md:3: sum: only a saying has a name to link to",
+        ),
         ("{#sec:more}", "{#sec:more .dept}", "src/one.md:23: dept: nothing reads this attribute"),
         (
             "{#fig:sums alt",
