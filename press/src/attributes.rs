@@ -29,6 +29,12 @@ impl Attributes {
         self.pairs.keys().map(String::as_str).find(|key| !known.contains(key))
     }
 
+    /// Reads a text that is `{…}` and nothing else.
+    pub fn whole(text: &str) -> Option<Attributes> {
+        let (attributes, length) = Attributes::parse(text)?;
+        (length == text.len()).then_some(attributes)
+    }
+
     /// Reads `{…}` at the start of `text`; gives the attributes and how many bytes they took.
     ///
     /// `None` when `text` does not begin with attributes that are closed and well formed.
@@ -40,7 +46,7 @@ impl Attributes {
             if let Some(after) = rest.strip_prefix('}') {
                 return Some((attributes, text.len() - after.len()));
             }
-            let end = rest.find(|c: char| c.is_whitespace() || c == '}' || c == '=')?;
+            let end = rest.find(|c: char| ends_word(c) || c == '=')?;
             let (word, after) = rest.split_at(end);
             rest = after;
             if let Some(id) = word.strip_prefix('#').filter(|id| !id.is_empty()) {
@@ -56,12 +62,18 @@ impl Attributes {
     }
 }
 
+/// Whether a letter can stand in no word of attributes. Brackets cannot: where one is never closed, the words behind it
+/// would be read again from each of them.
+fn ends_word(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '[' | ']' | '{' | '}')
+}
+
 /// The value of a pair and what follows it.
 fn value(text: &str) -> Option<(&str, &str)> {
     if let Some(quoted) = text.strip_prefix('"') {
         return quoted.split_once('"');
     }
-    let end = text.find(|c: char| c.is_whitespace() || c == '}')?;
+    let end = text.find(ends_word)?;
     (end > 0).then(|| text.split_at(end))
 }
 
@@ -85,5 +97,8 @@ mod tests {
         assert_eq!(Attributes::parse("{#eq:a"), None);
         assert_eq!(Attributes::parse("{{value a.b}}"), None);
         assert_eq!(Attributes::parse("{word}"), None);
+        assert_eq!(Attributes::parse("{.a[b]{.c}"), None);
+        assert_eq!(Attributes::parse("{a=b[c]{.d}"), None);
+        assert_eq!(Attributes::whole("{.a} b"), None);
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! Everything else stays text and reaches mdBook untouched.
 
+use std::sync::LazyLock;
+
+use regex::Regex;
+
 use crate::attributes::Attributes;
 
 /// A piece of a chapter that begins on a line of its own.
@@ -87,6 +91,10 @@ impl Kind {
 
 /// What can be said of a division.
 const DIVISION_KEYS: [&str; 7] = ["difficulty", "item", "needs", "of", "text", "title", "without"];
+
+/// Braces at a heading that begin as attributes do.
+static BEGUN: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(r"\s\{(?:[#.]|\w.*\}$)").expect("a valid pattern"));
 
 /// Splits a chapter into blocks.
 pub fn blocks(chapter: &str) -> Vec<Block> {
@@ -185,13 +193,17 @@ impl Reader<'_> {
         let line = self.lines[self.at];
         let level = line.len() - line.trim_start_matches('#').len();
         let text = line[level..].trim();
-        let tail =
-            text.rfind(" {").and_then(|at| Some((at, Attributes::parse(&text[at + 1..])?.0)));
-        let (title, attributes) = match tail {
-            Some((at, attributes)) => (text[..at].trim().to_owned(), attributes),
-            None => (text.to_owned(), Attributes::default()),
+        let tail = |(at, _)| Some((at, Attributes::whole(&text[at + 1..])?));
+        let kind = match text.match_indices(" {").find_map(tail) {
+            None if BEGUN.is_match(text) => {
+                Kind::Unclosed("the list of a heading's attributes ({#sec:name .depth key=\"…\"})")
+            }
+            found => {
+                let (end, attributes) = found.unwrap_or((text.len(), Attributes::default()));
+                Kind::Heading { level, title: text[..end].trim().to_owned(), attributes }
+            }
         };
-        self.push(self.at, Kind::Heading { level, title, attributes });
+        self.push(self.at, kind);
         self.at += 1;
     }
 
@@ -213,11 +225,18 @@ impl Reader<'_> {
             .map(|line| outdented(line, indent).to_owned())
             .collect();
         let info = open[mark.len()..].trim();
-        let attributes =
-            Attributes::parse(info).map(|(attributes, _)| attributes).unwrap_or_default();
-        let word = info.split([',', ' ', '{']).next().unwrap_or_default().to_owned();
-        let language = attributes.classes.first().cloned().unwrap_or(word);
-        self.push(first, Kind::Fence { language, attributes, body });
+        let kind = match Attributes::whole(info) {
+            None if info.contains('{') => Kind::Unclosed(
+                "the list of a listing's attributes ({.rust #lst:name caption=\"…\"})",
+            ),
+            attributes => {
+                let attributes = attributes.unwrap_or_default();
+                let word = info.split([',', ' ', '{']).next().unwrap_or_default();
+                let language = attributes.classes.first().map_or(word, String::as_str).to_owned();
+                Kind::Fence { language, attributes, body }
+            }
+        };
+        self.push(first, kind);
         self.at = first + length + 2;
     }
 
@@ -286,9 +305,9 @@ impl Reader<'_> {
 
     fn div(&mut self) {
         let rest = self.lines[self.at].trim().trim_start_matches(':').trim();
-        let kind = match (rest, Attributes::parse(rest)) {
+        let kind = match (rest, Attributes::whole(rest)) {
             ("", _) => Kind::Close,
-            (_, Some((attributes, _))) => Kind::Open(attributes),
+            (_, Some(attributes)) => Kind::Open(attributes),
             (class, None) => {
                 Kind::Open(Attributes { classes: vec![class.to_owned()], ..Attributes::default() })
             }
@@ -330,8 +349,8 @@ impl Reader<'_> {
         let rest = rest[..more].iter().map(|line| line.trim());
         let text = [text.trim()].into_iter().chain(rest).collect::<Vec<_>>().join("\n");
         let at = text.rfind("{.step")?;
-        let (attributes, length) = Attributes::parse(&text[at..])?;
-        let text = (at + length == text.len()).then(|| text[..at].trim().to_owned())?;
+        let attributes = Attributes::whole(&text[at..])?;
+        let text = text[..at].trim().to_owned();
         Some((Kind::Step { number, text, attributes }, more + 1))
     }
 
@@ -433,6 +452,27 @@ mod tests {
         let lines: Vec<_> = found.iter().map(|block| block.line).collect();
         assert_eq!(lines, [1, 3, 4]);
         assert_eq!(found[1].kind, Kind::AfterComment("lost".to_owned()));
+    }
+
+    #[test]
+    fn attributes_may_hold_braces_and_are_told_where_they_never_end() {
+        for (line, title) in [
+            ("## A {#sec:a .depth establishes=\"A set {a} is.\"}", "A"),
+            ("## A {b c} {#sec:a}", "A {b c}"),
+        ] {
+            let found = blocks(line);
+            let Kind::Heading { title: found, attributes, .. } = &found[0].kind else {
+                panic!("{found:?}")
+            };
+            assert_eq!((found.as_str(), attributes.id.as_str()), (title, "sec:a"));
+        }
+        for text in ["## A {#sec:a .b c=\"d}", "## A {b=\"c}", "## A {#a", "```{.rust a=\"b}\n```"]
+        {
+            let found = blocks(text);
+            assert!(matches!(found[..], [Block { kind: Kind::Unclosed(_), .. }]), "{found:?}");
+        }
+        let found = blocks("## The set $\\{a\\}$ of {{value a.b}} and [x]{.prior}");
+        assert!(matches!(found[0].kind, Kind::Heading { .. }), "{found:?}");
     }
 
     #[test]

@@ -514,6 +514,16 @@ fn marks_and_attributes_that_nothing_reads_are_named() {
             "\n<!-- to do --> More.\n\n## More",
             "src/one.md:23: More.: what stands behind a comment",
         ),
+        (
+            "## Letters",
+            "## Letters {#sec:letters .depth establishes=\"A sentence.}",
+            "src/one.md:27: the list of a heading's attributes",
+        ),
+        (
+            "\n## More",
+            "\n```{.text caption=\"A sum.}\na\n```\n\n## More",
+            "src/one.md:23: the list of a listing's attributes",
+        ),
     ] {
         says(&SmallBook::sound().with("src/one.md", old, new).faults(), &[said]);
     }
