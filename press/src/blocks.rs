@@ -92,6 +92,14 @@ impl Kind {
 /// What can be said of a division.
 const DIVISION_KEYS: [&str; 7] = ["difficulty", "item", "needs", "of", "text", "title", "without"];
 
+/// What stands in a paragraph for each line of a comment, so that the lines below it are counted as they are.
+pub const COMMENT: &str = "\u{c}";
+
+/// A text as it is written: without what stands for comments.
+pub fn without_comments(text: &str) -> String {
+    text.replace(&format!("{COMMENT}\n"), "")
+}
+
 /// Braces at a heading that begin as attributes do.
 static BEGUN: LazyLock<Regex> =
     LazyLock::new(|| Regex::new(r"\s\{(?:[#.]|\w.*\}$)").expect("a valid pattern"));
@@ -318,21 +326,33 @@ impl Reader<'_> {
 
     fn comment(&mut self) {
         let first = self.at;
-        self.end_text();
-        let end = self.lines[first..]
-            .iter()
-            .enumerate()
-            .find_map(|(length, line)| Some((first + length, line.split_once("-->")?.1)));
-        match end {
-            Some((last, after)) => {
-                if !after.trim().is_empty() {
-                    self.push(last, Kind::AfterComment(after.trim().to_owned()));
+        let Some((last, after)) = self.end_of_comments() else {
+            self.push(first, Kind::Unclosed("a comment"));
+            self.at = self.lines.len();
+            return;
+        };
+        if !after.is_empty() {
+            let words = after.to_owned();
+            self.push(last, Kind::AfterComment(words));
+        } else if self.after_blank() {
+            self.end_text();
+        } else if let Some((_, text)) = &mut self.text {
+            text.push_str(&format!("{COMMENT}\n").repeat(last + 1 - first));
+        }
+        self.at = last + 1;
+    }
+
+    /// The line on which the comments end that begin here one behind the other, and what stands behind them there.
+    fn end_of_comments(&self) -> Option<(usize, &str)> {
+        let (mut at, mut rest) = (self.at, self.lines[self.at]);
+        loop {
+            match rest.split_once("-->") {
+                Some((_, after)) if after.trim_start().starts_with("<!--") => rest = after,
+                Some((_, after)) => return Some((at, after.trim())),
+                None => {
+                    at += 1;
+                    rest = self.lines.get(at)?;
                 }
-                self.at = last + 1;
-            }
-            None => {
-                self.push(first, Kind::Unclosed("a comment"));
-                self.at = self.lines.len();
             }
         }
     }
@@ -452,6 +472,17 @@ mod tests {
         let lines: Vec<_> = found.iter().map(|block| block.line).collect();
         assert_eq!(lines, [1, 3, 4]);
         assert_eq!(found[1].kind, Kind::AfterComment("lost".to_owned()));
+        assert!(blocks("<!-- a --> <!-- b\n--> <!-- c -->\n").is_empty());
+    }
+
+    #[test]
+    fn a_comment_inside_of_a_paragraph_does_not_end_it() {
+        let found = blocks("One\n<!-- a\nb -->\nsentence.\n\n<!-- c -->\nAnother.\n");
+        let [Block { kind: Kind::Text(one), .. }, Block { line: 7, .. }] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!(without_comments(one), "One\nsentence.\n\n");
+        assert_eq!(one.lines().position(|line| line == "sentence."), Some(3));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::accepted::Accepted;
 use crate::api::items::{Item, Library};
 use crate::attributes::Attributes;
 use crate::bibliography::Bibliography;
+use crate::blocks::without_comments;
 use crate::exhibits::Exhibits;
 use crate::fault::Faults;
 use crate::formulas::Formula;
@@ -158,7 +159,7 @@ impl Prose<'_> {
                 None => out.push_str(&written),
             }
         }
-        out
+        without_comments(&out)
     }
 
     /// Where a label leads to from here. It may lead into depth: what asks for it is a pointer, and not a step of the
@@ -314,7 +315,8 @@ impl One<'_> {
 
     fn math(&self, tex: &str, found: &mut Found<'_>) -> String {
         found.lint.tex(self.place, &self.prose.page.owner, tex, &mut found.faults);
-        let filled = fill(tex, self.prose.page, self.place, self.known, found);
+        let tex = without_comments(tex);
+        let filled = fill(&tex, self.prose.page, self.place, self.known, found);
         if self.prose.html {
             found.formulas.push(Formula {
                 file: self.place.0.to_owned(),

@@ -7,7 +7,7 @@ use maud::html;
 use super::Emitter;
 use crate::api::items::{Code, Library, SOURCES};
 use crate::attributes::Attributes;
-use crate::blocks::{Block, Kind};
+use crate::blocks::{Block, COMMENT, Kind};
 use crate::prose::Told;
 
 /// What an algorithm says before its lines, in this order.
@@ -109,16 +109,15 @@ impl Emitter<'_, '_> {
     pub(super) fn parts(&mut self, first: usize, text: &str) {
         let lines: Vec<&str> = text.lines().collect();
         let mut at = 0;
-        for paragraph in lines.split(|line| line.trim().is_empty()) {
+        for paragraph in lines.split(|line| line.trim().is_empty() && *line != COMMENT) {
             let line = first + at;
             at += paragraph.len() + 1;
-            match paragraph {
-                [] => {}
-                [name, said, more @ ..] if said.starts_with(": ") => {
-                    let said = [&[&said[2..]], more].concat().join("\n");
-                    self.part(line, name, &said);
-                }
-                [name, ..] => {
+            let [name, below @ ..] = paragraph else { continue };
+            let comments = below.iter().take_while(|line| **line == COMMENT).count();
+            let said = below[comments..].join("\n");
+            match said.strip_prefix(": ") {
+                Some(said) => self.part(line, name, (line + comments + 1, said)),
+                None => {
                     let problem =
                         "this is no part of an algorithm, and no line that names its code";
                     let mend = "write a part as its name with `: what it says` below, and a line as `1. what is done {.step code=\"…\"}`";
@@ -128,8 +127,8 @@ impl Emitter<'_, '_> {
         }
     }
 
-    fn part(&mut self, line: usize, name: &str, said: &str) {
-        let said = self.resolve(line + 1, said);
+    fn part(&mut self, line: usize, name: &str, said: (usize, &str)) {
+        let said = self.resolve(said.0, said.1);
         let Some(algorithm) = self.in_algorithm() else { return };
         let due = PARTS.get(algorithm.parts.len()).copied().unwrap_or_default();
         algorithm.parts.push(name.to_owned());

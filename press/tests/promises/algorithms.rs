@@ -167,6 +167,21 @@ fn a_part_that_is_missing_or_out_of_order_is_named() {
 }
 
 #[test]
+fn a_comment_may_stand_inside_of_a_part() {
+    let book = sound().with("src/one.md", "Given\n:", "Given\n<!-- what\nelse -->\n:").with(
+        "src/one.md",
+        "@eq:sum,\n",
+        "@eq:sum,\n<!-- why -->\n",
+    );
+    let output = book.run(&["check"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let before = sound().with("src/one.md", ": @sec:one", ": @sec:on").faults();
+    let line = before.split(':').nth(1).and_then(|line| line.parse::<usize>().ok()).unwrap();
+    let fault = format!("src/one.md:{}: @sec:on", line + 3);
+    says(&book.with("src/one.md", ": @sec:one", ": @sec:on").faults(), &[&fault]);
+}
+
+#[test]
 fn lines_are_counted_through() {
     says(
         &faults("3. give the sum", "2. give the sum"),

@@ -530,6 +530,21 @@ fn marks_and_attributes_that_nothing_reads_are_named() {
 }
 
 #[test]
+fn a_comment_inside_of_a_paragraph_changes_nothing_and_moves_no_line() {
+    let book =
+        SmallBook::sound().with("src/one.md", "[both are", "[both\n<!-- why\nso -->\nare").with(
+            "src/one.md",
+            "A sum,",
+            "A [sum\n<!-- why -->\nof two]{.measured} $a\n<!-- b -->\n+ b$,",
+        );
+    let output = book.run(&["build"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(book.read("book/one.html").contains(">sum\nof two</span>"));
+    let book = book.with("src/one.md", "@eq:sum of", "@eq:summ of");
+    says(&book.faults(), &["src/one.md:7: @eq:summ"]);
+}
+
+#[test]
 fn two_pages_of_one_name_are_named() {
     let book = SmallBook::sound().with("src/SUMMARY.md", "\n---", "- [One](more/one.md)\n\n---");
     book.write("src/more/one.md", "# One\n\nThe same.\n");
