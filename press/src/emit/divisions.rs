@@ -229,6 +229,8 @@ impl Emitter<'_, '_> {
         }
         division.right_choices += usize::from(right);
         let mark = if right { " data-right" } else { "" };
+        // A line of it that begins like an item of a list is none.
+        let text = text.replace('\n', " ");
         self.out.push_str(&format!("<li{mark}>\n\n{text}\n\n</li>\n"));
     }
 

@@ -595,6 +595,15 @@ fn a_prediction_needs_one_right_choice_and_a_reveal() {
 }
 
 #[test]
+fn a_choice_stays_one_paragraph_whatever_its_lines_begin_with() {
+    let choices = "::: {.predict #predict:x}\nWhat?\n\n- [ ] The depth\n  + the baseline.\n- [x] That.\n\n\
+        ::: reveal\nWhy.\n:::\n:::\n\n## More";
+    let book = SmallBook::sound().with("src/one.md", "## More", choices);
+    assert!(book.run(&["build"]).status.success());
+    assert!(book.read("book/one.html").contains("<p>The depth + the baseline.</p>"));
+}
+
+#[test]
 fn an_unknown_work_is_named() {
     let book = SmallBook::sound().with("src/one.md", "[@author2001]", "[@author2001; @other1999]");
     says(
