@@ -69,7 +69,7 @@ pub const DEEPEST: usize = 8;
 
 /// Splits a paragraph into its marks.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
-    let ends = Ends { pairs: pairs(text), fences: fences(text) };
+    let ends = Ends::of(text);
     let mut tokens = Vec::<Token<'_>>::new();
     let mut push = |at: usize, mark| {
         let before = tokens.last().map_or((0, 0), |token| (token.at, token.line));
@@ -115,6 +115,23 @@ struct Ends {
     pairs: HashMap<usize, Pair>,
     /// Where backticks begin of which so many, and no more, stand in a row.
     fences: HashMap<usize, Vec<usize>>,
+    /// Where paragraphs end at an empty line.
+    paragraphs: Vec<usize>,
+    /// Where `}}` stands.
+    braces: Vec<usize>,
+}
+
+impl Ends {
+    fn of(text: &str) -> Ends {
+        let all = |end| text.match_indices(end).map(|(at, _)| at).collect();
+        let (paragraphs, braces) = (all("\n\n"), all("}}"));
+        Ends { pairs: pairs(text), fences: fences(text), paragraphs, braces }
+    }
+}
+
+/// The first of some places, in order, that is not before another.
+fn first(places: &[usize], from: usize) -> Option<usize> {
+    places.get(places.partition_point(|&place| place < from)).copied()
 }
 
 /// A bracket that is closed.
@@ -165,8 +182,8 @@ fn mark<'a>(text: &'a str, at: usize, ends: &Ends) -> Option<(Mark<'a>, usize)> 
     let rest = &text[at..];
     match rest.as_bytes()[0] {
         b'`' => Some(code(text, at, &ends.fences)),
-        b'$' => Some(math(rest)),
-        b'{' => braces(rest),
+        b'$' => Some(math(rest, first(&ends.paragraphs, at).map(|end| end - at))),
+        b'{' => braces(rest, first(&ends.braces, at).map(|end| end - at)),
         b'[' => match ends.pairs.get(&at)? {
             Pair { height, .. } if *height > DEEPEST => Some((Mark::Nested, 1)),
             Pair { end, .. } => bracket(rest, end - at),
@@ -179,23 +196,20 @@ fn mark<'a>(text: &'a str, at: usize, ends: &Ends) -> Option<(Mark<'a>, usize)> 
 fn code<'a>(text: &'a str, at: usize, fences: &HashMap<usize, Vec<usize>>) -> (Mark<'a>, usize) {
     let ticks = ticks(&text[at..]);
     let inside = at + ticks;
-    let closing = fences
-        .get(&ticks)
-        .and_then(|begins| begins.get(begins.partition_point(|&begin| begin < inside)).copied());
-    match closing {
+    match fences.get(&ticks).and_then(|begins| first(begins, inside)) {
         Some(begin) => (Mark::Code(&text[at..begin + ticks]), begin + ticks - at),
         None => (Mark::Plain(&text[at..inside]), ticks),
     }
 }
 
-fn math(rest: &str) -> (Mark<'_>, usize) {
+/// What begins with a dollar sign in a paragraph that ends so many bytes behind it, or with the text.
+fn math(rest: &str, paragraph: Option<usize>) -> (Mark<'_>, usize) {
     if rest.starts_with("$$") {
         return (Mark::MisplacedDisplay, 2);
     }
-    let body = &rest[1..];
-    let paragraph = body.find("\n\n").unwrap_or(body.len());
+    let body = &rest[1..paragraph.unwrap_or(rest.len())];
     let mut from = 0;
-    while let Some(found) = body[from..paragraph].find('$') {
+    while let Some(found) = body[from..].find('$') {
         let end = from + found;
         let slashes = body[..end].len() - body[..end].trim_end_matches('\\').len();
         if slashes.is_multiple_of(2) {
@@ -206,15 +220,16 @@ fn math(rest: &str) -> (Mark<'_>, usize) {
     (Mark::UnclosedMath, 1)
 }
 
-fn braces(rest: &str) -> Option<(Mark<'_>, usize)> {
-    let body = rest.strip_prefix("{{")?;
-    let Some(end) = body.find("}}") else { return Some((Mark::UnclosedBraces, 2)) };
-    let inside = body[..end].trim();
+/// What begins with a brace, where `}}` stands next so many bytes behind it.
+fn braces(rest: &str, end: Option<usize>) -> Option<(Mark<'_>, usize)> {
+    rest.strip_prefix("{{")?;
+    let Some(end) = end else { return Some((Mark::UnclosedBraces, 2)) };
+    let inside = rest[2..end].trim();
     let mark = match inside.split_once(char::is_whitespace) {
         Some(("value", name)) => Mark::Value(name.trim()),
         _ => Mark::Directive(inside),
     };
-    Some((mark, end + 4))
+    Some((mark, end + 2))
 }
 
 /// What begins with a bracket that is closed `end` bytes behind it.

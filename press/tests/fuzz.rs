@@ -239,6 +239,16 @@ fn paragraph() {
 }
 
 #[test]
+fn what_never_ends_in_a_long_paragraph() {
+    let reader = |bytes: &[u8]| tokens(&text(bytes)).len().to_string();
+    for word in ["$a$ ", "{{a ", "[a]{.", "[a]{b="] {
+        let input = word.repeat(500_000 / word.len());
+        let held = Bounds::default().hold(input.as_bytes(), &reader);
+        assert!(held.is_ok(), "{word}: {held:?}");
+    }
+}
+
+#[test]
 fn bibliography() {
     Trial::of("bibliography", [WORKS])
         .words(&[
