@@ -1,10 +1,13 @@
 //! Errors in the path make the scale too small.
 
+use std::sync::LazyLock;
+
 use nalgebra::DVector;
 
 use super::exact::Told;
 use crate::chapter::Chapter;
 use crate::comparison::Comparison;
+use crate::random::Random;
 
 const MOTIONS: usize = 20;
 const CAMERAS: usize = 14;
@@ -38,27 +41,34 @@ fn shrunk(of: &Erring) -> f64 {
 }
 
 fn attenuation(formula: Shrunk) -> Comparison {
+    static DRAWN: LazyLock<Vec<(Erring, f64)>> = LazyLock::new(|| {
+        let mut random = Random::new(71);
+        (0..MOTIONS).map(|_| drawn(&mut random)).collect()
+    });
     let against = "least squares with errors drawn in the column of centres, in the mean";
-    Comparison::absolute(against, 0.013, "of the scale").over(MOTIONS, 71, |random| {
-        let system = Told::drawn(random, CAMERAS).system();
-        let rows = system.matrix.nrows();
-        // What the nine others can imitate of a column is taken off it.
-        let basis = system.matrix.columns(1, 9).into_owned().qr().q();
-        let beyond = |column: &DVector<f64>| column - &basis * basis.tr_mul(column);
-        let (column, right) = (system.matrix.column(0).into_owned(), beyond(&system.right));
-        let square = beyond(&column).norm_squared();
-        let scale = beyond(&column).dot(&right) / square;
-        let free = (rows - 9) as f64;
-        let sigma = (random.logarithmic(0.05..1.0) * square / free).sqrt();
-        let draw = |_| {
-            let errors = DVector::from_fn(rows, |_, _| random.normal(sigma));
-            let erring = beyond(&(&column + errors));
-            erring.dot(&right) / (erring.norm_squared() * scale)
-        };
-        let mean = (0..DRAWS).map(draw).sum::<f64>() / DRAWS as f64;
-        let column = column.norm_squared();
-        let of =
-            Erring { beyond: square, column, rows: rows as f64, free, variance: sigma * sigma };
-        (formula(&of), mean)
-    })
+    let comparison = Comparison::absolute(against, 0.013, "of the scale");
+    comparison.each(DRAWN.iter(), |(of, mean)| (formula(of), *mean))
+}
+
+/// What errs, with the mean of the scale that is found over the true one.
+fn drawn(random: &mut Random) -> (Erring, f64) {
+    let system = Told::drawn(random, CAMERAS).system();
+    let rows = system.matrix.nrows();
+    // What the nine others can imitate of a column is taken off it.
+    let basis = system.matrix.columns(1, 9).into_owned().qr().q();
+    let beyond = |column: &DVector<f64>| column - &basis * basis.tr_mul(column);
+    let (column, right) = (system.matrix.column(0).into_owned(), beyond(&system.right));
+    let square = beyond(&column).norm_squared();
+    let scale = beyond(&column).dot(&right) / square;
+    let free = (rows - 9) as f64;
+    let sigma = (random.logarithmic(0.05..1.0) * square / free).sqrt();
+    let draw = |_| {
+        let errors = DVector::from_fn(rows, |_, _| random.normal(sigma));
+        let erring = beyond(&(&column + errors));
+        erring.dot(&right) / (erring.norm_squared() * scale)
+    };
+    let mean = (0..DRAWS).map(draw).sum::<f64>() / DRAWS as f64;
+    let column = column.norm_squared();
+    let of = Erring { beyond: square, column, rows: rows as f64, free, variance: sigma * sigma };
+    (of, mean)
 }

@@ -1,6 +1,6 @@
 //! The linear equations of a motion that is known at all times, without a program that sums readings.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use vislam::inertial::GRAVITY;
 use vislam::initialization::LinearAlignment;
 use vislam::simulation::{ScalarTrajectory, Trajectory};
@@ -76,8 +76,11 @@ impl Told {
         self.map_from_world * self.motion.at(t).state.position + self.rotation(t) * self.lever
     }
 
-    /// Twice the sum over time of a vector, by Simpson's rule.
-    fn twice_summed(until: f64, of: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
+    /// Twice the sum over time of a vector or of several, by Simpson's rule.
+    fn twice_summed<const N: usize>(
+        until: f64,
+        of: impl Fn(f64) -> SMatrix<f64, 3, N>,
+    ) -> SMatrix<f64, 3, N> {
         let step = until / f64::from(STEPS);
         let weight = |k| match k {
             0 | STEPS => 1.0,
@@ -86,15 +89,15 @@ impl Told {
         };
         let term = |k: u32| {
             let t = f64::from(k) * step;
-            weight(k) * (until - t) * of(t)
+            of(t) * (weight(k) * (until - t))
         };
-        (0..=STEPS).map(term).sum::<Vector3<f64>>() * (step / 3.0)
+        (0..=STEPS).map(term).sum::<SMatrix<f64, 3, N>>() * (step / 3.0)
     }
 
-    /// What the forces do to the position until a time, if the accelerometer has a bias.
-    fn forces(&self, until: f64, bias: &Vector3<f64>) -> Vector3<f64> {
+    /// What the forces do to the position until a time, as the accelerometer reads them with its bias.
+    fn forces(&self, until: f64) -> Vector3<f64> {
         Self::twice_summed(until, |t| {
-            let read = self.motion.at(t).sample(&GRAVITY).accelerometer + bias;
+            let read = self.motion.at(t).sample(&GRAVITY).accelerometer + self.bias;
             self.rotation(t) * read
         })
     }
@@ -102,18 +105,12 @@ impl Told {
     pub fn rows(&self) -> Vec<Row> {
         let first = self.centre(0.0);
         let row = |&seconds: &f64| {
-            let forces = self.forces(seconds, &self.bias);
-            let changed = |axis| {
-                let mut bias = Vector3::zeros();
-                bias[axis] = 1.0;
-                // More bias in the readings is less that is taken off them.
-                self.forces(seconds, &(self.bias - bias)) - forces
-            };
             Row {
                 seconds,
                 moved: (self.centre(seconds) - first) / self.scale,
-                forces,
-                by_bias: Matrix3::from_columns(&[0, 1, 2].map(changed)),
+                forces: self.forces(seconds),
+                // More bias in the readings is less that is taken off them.
+                by_bias: -Self::twice_summed(seconds, |t| self.rotation(t).into_inner()),
                 swung: self.rotation(seconds) * self.lever - self.rotation(0.0) * self.lever,
             }
         };

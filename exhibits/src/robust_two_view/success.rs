@@ -1,6 +1,6 @@
 //! How often so many draws lead to the right motion: as the textbook has it, and run.
 
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 use vislam::filtering::chi_square_quantile;
 use vislam::robust_two_view::{
@@ -50,9 +50,7 @@ pub fn predicted(draws: f64) -> f64 {
     1.0 - (1.0 - all_right()).powf(draws)
 }
 
-fn gate() -> f64 {
-    chi_square_quantile(0.99, 1).expect("a probability")
-}
+static GATE: LazyLock<f64> = LazyLock::new(|| chi_square_quantile(0.99, 1).expect("a probability"));
 
 fn scene(number: u64, way: Way) -> Scene {
     let sigma = if way == Way::Exact { 0.0 } else { SIGMA };
@@ -61,17 +59,17 @@ fn scene(number: u64, way: Way) -> Scene {
 
 /// Whether enough of the right matches agree.
 fn is_right(data: &GeneralMotion, motion: &RelativeMotion) -> bool {
-    let error = data.squared_errors(motion, gate());
-    let agree = (0..RIGHT).filter(|datum| error(*datum, *datum) <= gate()).count();
+    let error = data.squared_errors(motion, *GATE);
+    let agree = (0..RIGHT).filter(|datum| error(*datum, *datum) <= *GATE).count();
     agree as f64 >= AGREE * RIGHT as f64
 }
 
 /// The truncated sum of squares, or some number above `bound` when it is above.
 fn score(data: &GeneralMotion, motion: &RelativeMotion, bound: f64) -> f64 {
-    let error = data.squared_errors(motion, gate());
+    let error = data.squared_errors(motion, *GATE);
     let mut sum = 0.0;
     for datum in (0..data.count()).rev() {
-        sum += error(datum, datum).min(gate());
+        sum += error(datum, datum).min(*GATE);
         if sum > bound {
             break;
         }
