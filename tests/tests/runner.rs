@@ -134,6 +134,23 @@ fn progress_knows_what_was_tested_as_it_is() {
     assert!(progress::list(&folder).contains(exercise.slug));
 }
 
+#[test]
+fn an_answer_that_is_refused_for_a_name_is_listed_as_that_and_not_asked_again() {
+    let (_temporary, folder) = folder();
+    let exercise = EXERCISES[0];
+    let answer = "//! Edition 1.\nfn jacobians() {}";
+    fs::write(folder.answer(SLUG), answer).expect("written");
+    let is_asked = || progress::to_judge(&folder).iter().any(|asked| asked.slug == SLUG);
+    assert!(is_asked());
+    Verdicts::new(SLUG, answer).refused("jacobians").keep(&folder).expect("kept");
+    assert_eq!(progress::state(&folder, exercise), State::Refused("jacobians".to_owned()));
+    assert!(!is_asked() && !progress::is_solved(&folder, exercise));
+    let list = progress::list(&folder);
+    assert!(list.contains("refused: `jacobians` needs another name"), "{list}");
+    fs::write(folder.answer(SLUG), answer.replace("jacobians", "mine")).expect("written");
+    assert!(is_asked());
+}
+
 /// Tests of an answer that pass where it says so.
 fn judged(folder: &Folder, exercise: &'static Exercise) {
     let answer = text(&folder.answer(exercise.slug));

@@ -25,10 +25,11 @@ pub fn judge(
 ) -> ExitCode {
     let mut arguments = Arguments::from_args();
     let taken = names::taken(exercise, source);
-    if !taken.is_empty() && !arguments.list {
-        for name in taken {
+    if let (Some(first), false) = (taken.first(), arguments.list) {
+        for name in &taken {
             println!("{}", selection::wrapped(&names::refusal(name), 96));
         }
+        keep(&Verdicts::new(exercise.slug, source).refused(first));
         return ExitCode::FAILURE;
     }
     // The name of the exercise selects all its checks; they do not repeat it.
@@ -53,15 +54,20 @@ pub fn judge(
     });
     let conclusion = libtest_mimic::run(&arguments, trials.collect());
     let kept = verdicts.lock().map(|verdicts| verdicts.clone());
-    if let (false, Ok(verdicts)) = (partial, kept)
-        && let Err(error) = verdicts.keep(&Folder::here())
-    {
-        eprintln!("the outcome could not be kept for the list of progress: {error}");
+    if let (false, Ok(verdicts)) = (partial, kept) {
+        keep(&verdicts);
     }
     if conclusion.has_failed() {
         println!("A hint: cargo run -p exercises -- hint {}", exercise.slug);
     }
     conclusion.exit_code()
+}
+
+/// Keeps an outcome, unless there is no room for it.
+fn keep(verdicts: &Verdicts) {
+    if let Err(error) = verdicts.keep(&Folder::here()) {
+        eprintln!("the outcome could not be kept for the list of progress: {error}");
+    }
 }
 
 /// A failure as the terminal shows it, with the path of its picture.

@@ -8,18 +8,29 @@ use exercise_spec::{EXERCISES, Exercise};
 use crate::edition;
 use crate::folder::{Folder, read};
 
-/// What the checks said about an answer.
+/// Before the name in the line of an answer that is refused.
+const REFUSED: &str = "refused";
+
+/// What the checks said about an answer, or that none was asked.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdicts {
     slug: String,
     source: String,
     checks: Vec<(String, bool)>,
+    /// A name for which it is refused.
+    refused: Option<String>,
 }
 
 impl Verdicts {
     /// None yet, about an answer with this text.
     pub fn new(slug: &str, source: &str) -> Self {
-        Self { slug: slug.to_owned(), source: source.to_owned(), checks: Vec::new() }
+        let (slug, source) = (slug.to_owned(), source.to_owned());
+        Self { slug, source, checks: Vec::new(), refused: None }
+    }
+
+    /// That it is refused for a name.
+    pub fn refused(self, name: &str) -> Self {
+        Self { refused: Some(name.to_owned()), ..self }
     }
 
     /// One more.
@@ -39,11 +50,9 @@ impl Verdicts {
     /// When the folder cannot be written to.
     pub fn keep(&self, folder: &Folder) -> std::io::Result<()> {
         let word = |passed| if passed { "passed" } else { "failed" };
-        let lines: String = self
-            .checks
-            .iter()
-            .map(|(check, passed)| format!("{} {check}\n", word(*passed)))
-            .collect();
+        let checks = self.checks.iter().map(|(check, passed)| (word(*passed), check));
+        let lines = checks.chain(self.refused.iter().map(|name| (REFUSED, name)));
+        let lines: String = lines.map(|(word, name)| format!("{word} {name}\n")).collect();
         folder.keep(&format!("{}.verdicts", self.slug), &lines)?;
         folder.keep(&format!("{}.judged", self.slug), &self.source)?;
         Ok(())
@@ -56,11 +65,14 @@ impl Verdicts {
             return None;
         }
         let lines = read(&folder.kept(&format!("{slug}.verdicts"))).ok()?;
-        let checks = lines.lines().filter_map(|line| {
-            let (word, check) = line.split_once(' ')?;
-            Some((check.to_owned(), word == "passed"))
-        });
-        Some(Self { slug: slug.to_owned(), source, checks: checks.collect() })
+        let mut kept = Self::new(slug, &source);
+        for (word, name) in lines.lines().filter_map(|line| line.split_once(' ')) {
+            match word {
+                REFUSED => kept.refused = Some(name.to_owned()),
+                _ => kept.checks.push((name.to_owned(), word == "passed")),
+            }
+        }
+        Some(kept)
     }
 }
 
@@ -71,6 +83,8 @@ pub enum State {
     Untouched,
     /// Changed since its tests ran, or they never did.
     Unknown,
+    /// It has this name, for which it is refused.
+    Refused(String),
     /// Tested as it is.
     Judged {
         /// Checks that it passes.
@@ -92,10 +106,11 @@ pub fn state(folder: &Folder, exercise: &Exercise) -> State {
         return State::Untouched;
     }
     match Verdicts::kept(folder, exercise.slug) {
+        None => State::Unknown,
+        Some(Verdicts { refused: Some(name), .. }) => State::Refused(name),
         Some(verdicts) => {
             State::Judged { passed: verdicts.passed(), of: (exercise.checks)().len() }
         }
-        None => State::Unknown,
     }
 }
 
@@ -127,6 +142,7 @@ pub fn list(folder: &Folder) -> String {
         let (mark, words) = match state(folder, exercise) {
             State::Untouched => (' ', "not begun".to_owned()),
             State::Unknown => ('?', "does not compile".to_owned()),
+            State::Refused(name) => ('-', format!("refused: `{name}` needs another name")),
             State::Judged { passed, of } if passed == of => {
                 solved += 1;
                 ('x', "solved".to_owned())
