@@ -7,14 +7,12 @@
 mod forbidden;
 mod names;
 mod paths;
-mod places;
-mod tokens;
 mod words;
 
+use exercise_runner::tokens::Tokens;
 use exercise_spec::exercise;
 
-use tokens::Tokens;
-pub(crate) use tokens::without_shebang;
+use names::Names;
 
 /// How many findings are told.
 const TOLD: usize = 5;
@@ -27,10 +25,11 @@ const TOLD: usize = 5;
 /// not, and what to do instead.
 pub fn screen(slug: &str, text: &str) -> Result<(), String> {
     let tokens = Tokens::of(text)?;
-    let mut findings: Vec<(usize, String)> = words::findings(&tokens);
+    let names = Names::of(&tokens);
+    let mut findings: Vec<(usize, String)> = words::findings(&tokens, &names);
     findings.extend(paths::findings(&tokens, slug));
     let items = exercise(slug).map_or(&[][..], |exercise| exercise.forbidden);
-    findings.extend(forbidden::findings(&tokens, items));
+    findings.extend(forbidden::findings(&tokens, &names, items));
     findings.sort();
     findings.dedup();
     let others = findings.len().saturating_sub(TOLD);

@@ -18,7 +18,7 @@ use exercise_spec::Exercise;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use crate::report::markdown::escaped;
-use crate::screen::without_shebang;
+use exercise_runner::tokens::without_shebang;
 
 /// Tokens of a run.
 pub const GRAM: usize = 12;

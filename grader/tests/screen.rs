@@ -541,6 +541,33 @@ fn no_item_of_an_answer_may_be_called_so() {
     }
 }
 
+/// Texts, with the names of the library that something of an answer gets in them.
+const GIVEN: &[(&str, &str, &[&str])] = &[
+    ("residual_jacobian", "fn r#predict() {}", &["predict"]),
+    ("residual_jacobian", "fn /* mine */ predict() {}", &["predict"]),
+    ("residual_jacobian", "fn // mine\npredict() {}", &["predict"]),
+    ("residual_jacobian", "#[cfg(test)] fn predict() {}", &[]),
+    ("residual_jacobian", "#[cfg(test)] mod tests { fn predict() {} } fn f() {}", &[]),
+    ("residual_jacobian", "#[cfg(test)] fn f() {} fn predict() {}", &["predict"]),
+    ("residual_jacobian", "/* fn predict() {} */ fn f() {}", &[]),
+    ("residual_jacobian", "/// fn predict() {}\nfn f() {}", &[]),
+    ("residual_jacobian", "fn f() -> &'static str { \"as predict says // fn predict\" }", &[]),
+    ("residual_jacobian", "fn f() -> &'static str { r#\"fn predict() {}\"# }", &[]),
+    ("null_space", "fn f() { panic!(\"rank, as svd says\") }", &[]),
+    ("outlier_rescue", "fn f(robust: fn(Kernel) -> f64) {}", &[]),
+    ("outlier_rescue", "struct S(Kernel); enum E { Kernel }", &[]),
+];
+
+#[test]
+fn the_students_tests_refuse_the_names_that_the_grader_refuses() {
+    for (slug, text, given) in GIVEN {
+        assert_eq!(taken(exercise(slug).expect("an exercise"), text), *given, "{text}");
+        let told = screen(slug, text).err().unwrap_or_default();
+        let told = told.matches("nothing of yours may have its name").count();
+        assert_eq!(told, given.len(), "{text}");
+    }
+}
+
 #[test]
 fn a_name_in_a_macro_could_become_the_librarys() {
     for (slug, text, name) in [

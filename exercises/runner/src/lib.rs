@@ -12,6 +12,7 @@ pub mod picture;
 pub mod progress;
 pub mod say;
 pub mod selection;
+pub mod tokens;
 pub mod watch;
 
 pub use judge::judge;

@@ -2,21 +2,24 @@
 
 use exercise_spec::Exercise;
 
+use crate::tokens::Tokens;
+
 /// Words before the name of an item.
-pub const ITEMS: &[&str] =
+const ITEMS: &[&str] =
     &["as", "const", "enum", "fn", "mod", "static", "struct", "trait", "type", "union"];
 
 /// Those of them that an answer gives to something, in its order.
 pub fn taken(exercise: &Exercise, source: &str) -> Vec<&'static str> {
-    let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
-    let code = code.collect::<Vec<_>>().join("\n");
-    let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
-    let words: Vec<&str> =
-        code.split(|letter| !is_part(letter)).filter(|word| !word.is_empty()).collect();
-    let named =
-        words.windows(2).filter(|pair| ITEMS.contains(&pair[0]) || pair[0] == "macro_rules");
-    let forbidden = |pair: &[&str]| exercise.forbidden.iter().find(|name| **name == pair[1]);
-    named.filter_map(forbidden).copied().collect()
+    let Ok(tokens) = Tokens::of(source) else { return Vec::new() };
+    let forbidden = |at: usize| exercise.forbidden.iter().find(|name| **name == tokens.word(at));
+    let given = (0..tokens.len()).filter(|at| is_given(&tokens, *at));
+    given.filter_map(forbidden).copied().collect()
+}
+
+/// Whether an item gets its name here, and is none of a test.
+pub fn is_given(tokens: &Tokens, at: usize) -> bool {
+    let before = |back: usize| at.checked_sub(back).map_or("", |at| tokens.keyword(at));
+    !tokens.place(at).test && (ITEMS.contains(&before(1)) || before(2) == "macro_rules")
 }
 
 /// What is to be said of one.

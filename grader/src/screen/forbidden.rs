@@ -3,23 +3,24 @@
 //! Of the book's library answers are linked with a part that does not have them. What is said here
 //! is said before a compiler says less.
 
-use exercise_runner::names::{ITEMS, refusal};
+use exercise_runner::names::{is_given, refusal};
+use exercise_runner::tokens::Tokens;
 
-use super::tokens::Tokens;
+use super::names::Names;
 
 /// Where an answer calls them, or something of its own by their names, with the lines.
-pub fn findings(tokens: &Tokens, items: &[&str]) -> Vec<(usize, String)> {
+pub fn findings(tokens: &Tokens, names: &Names, items: &[&str]) -> Vec<(usize, String)> {
     let reaches = |at: &usize| items.contains(&tokens.word(*at)) && !tokens.place(*at).test;
-    let finding = |at: usize| Some((tokens.line(at), finding(tokens, at)?));
+    let finding = |at: usize| Some((tokens.line(at), finding(tokens, names, at)?));
     (0..tokens.len()).filter(reaches).filter_map(finding).collect()
 }
 
-fn finding(tokens: &Tokens, at: usize) -> Option<String> {
+fn finding(tokens: &Tokens, names: &Names, at: usize) -> Option<String> {
     let name = tokens.word(at);
     if is_given(tokens, at) {
         return Some(refusal(name));
     }
-    if is_the_librarys(tokens, at, name) {
+    if is_the_librarys(tokens, names, at) {
         return Some(format!(
             "`{name}` of the library does what this exercise asks for. Write it yourself, of the \
                 parts that its page names."
@@ -34,13 +35,7 @@ fn finding(tokens: &Tokens, at: usize) -> Option<String> {
     })
 }
 
-/// Whether an item of the file gets its name here.
-fn is_given(tokens: &Tokens, at: usize) -> bool {
-    let before = |back: usize| at.checked_sub(back).map_or("", |at| tokens.keyword(at));
-    ITEMS.contains(&before(1)) || before(2) == "macro_rules"
-}
-
-fn is_the_librarys(tokens: &Tokens, at: usize, name: &str) -> bool {
+fn is_the_librarys(tokens: &Tokens, names: &Names, at: usize) -> bool {
     if tokens.place(at).import.is_some() || tokens.follows_path(at) {
         return true;
     }
@@ -48,7 +43,6 @@ fn is_the_librarys(tokens: &Tokens, at: usize, name: &str) -> bool {
     if tokens.follows(at, '.') {
         return called || leads;
     }
-    let names = tokens.names();
-    let is_type = name.starts_with(char::is_uppercase);
+    let is_type = tokens.word(at).starts_with(char::is_uppercase);
     names.all_of_vislam && called || names.all_of_foreign && (leads || is_type)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::tokens::Tokens;
+use exercise_runner::tokens::Tokens;
 
 /// As many parts of a path are followed. None is so long.
 const SEGMENTS: usize = 100;

@@ -1,8 +1,7 @@
 //! Paths that lead out of an answer.
 
+use exercise_runner::tokens::Tokens;
 use exercise_spec::{EXERCISES, exercise};
-
-use super::tokens::Tokens;
 
 /// Modules of the standard library that have nothing to reach where answers run.
 const EMPTY: &[(&str, &str)] = &[

@@ -1,7 +1,8 @@
 //! Words that an answer may not say.
 
-use super::names::Root;
-use super::tokens::Tokens;
+use exercise_runner::tokens::Tokens;
+
+use super::names::{Names, Root};
 
 const FILES: &str = "reads a file while it is compiled, and an answer is compiled without any \
     other file. Write what you need into the answer.";
@@ -81,13 +82,13 @@ const IN_ATTRIBUTES: &[(&str, &str)] = &[
 ];
 
 /// What it says and may not, with the lines.
-pub fn findings(tokens: &Tokens) -> Vec<(usize, String)> {
+pub fn findings(tokens: &Tokens, names: &Names) -> Vec<(usize, String)> {
     let is_loose = (0..tokens.len()).any(|at| is_loose(tokens, at));
-    let finding = |at| Some((tokens.line(at), finding(tokens, at, is_loose)?));
+    let finding = |at| Some((tokens.line(at), finding(tokens, names, at, is_loose)?));
     (0..tokens.len()).filter_map(finding).collect()
 }
 
-fn finding(tokens: &Tokens, at: usize, is_loose: bool) -> Option<String> {
+fn finding(tokens: &Tokens, names: &Names, at: usize, is_loose: bool) -> Option<String> {
     if tokens.is(at, '$') {
         return built(tokens, at);
     }
@@ -105,7 +106,7 @@ fn finding(tokens: &Tokens, at: usize, is_loose: bool) -> Option<String> {
         return Some(format!("`{word}!` {why}"));
     }
     if let Some(why) = why(MACROS_OR_NAMES) {
-        return is_macro(tokens, at, is_loose).then(|| format!("`{word}!` {why}"));
+        return is_macro(tokens, names, at, is_loose).then(|| format!("`{word}!` {why}"));
     }
     if tokens.place(at).attribute {
         return in_attribute(tokens, at)
@@ -115,11 +116,11 @@ fn finding(tokens: &Tokens, at: usize, is_loose: bool) -> Option<String> {
 }
 
 /// Whether a word that may be a variable is a macro here, or could become one.
-fn is_macro(tokens: &Tokens, at: usize, is_loose: bool) -> bool {
+fn is_macro(tokens: &Tokens, names: &Names, at: usize, is_loose: bool) -> bool {
     let place = tokens.place(at);
     let called = tokens.is(at + 1, '!') && tokens.opens(at + 2);
-    let named = (tokens.follows_path(at) || place.import.is_some())
-        && tokens.names().root(tokens, at) != Root::Own;
+    let named =
+        (tokens.follows_path(at) || place.import.is_some()) && names.root(tokens, at) != Root::Own;
     let in_macro = place.rules || place.given && is_loose;
     let hidden = in_macro && !tokens.follows(at, '.') && !tokens.follows(at, '$');
     called || named || hidden

@@ -1,21 +1,25 @@
 //! An answer as a flat list of tokens that know where they stand.
+//!
+//! Names are looked for in it and not in the text, so that raw identifiers and the insides of macros count, and comments
+//! and strings do not.
+
+mod places;
 
 use proc_macro2::extra::invalidate_current_thread_spans;
 use proc_macro2::token_stream::IntoIter;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
-use super::names::Names;
-use super::places::{self, Place};
+pub use places::Place;
 
 /// How deep brackets may be nested.
 const NESTED: usize = 100;
 
 /// One token. Brackets are marks of their own.
 #[derive(Debug)]
-pub struct Token {
+struct Token {
     kind: Kind,
     line: usize,
-    pub(super) place: Place,
+    place: Place,
 }
 
 #[derive(Debug)]
@@ -33,11 +37,12 @@ enum Kind {
 /// All tokens of an answer.
 #[derive(Debug)]
 pub struct Tokens {
-    pub(super) list: Vec<Token>,
-    names: Names,
+    list: Vec<Token>,
 }
 
 impl Tokens {
+    /// Reads an answer.
+    ///
     /// # Errors
     ///
     /// When the compiler may read the text otherwise, when it has no tokens, or too many brackets in
@@ -47,13 +52,13 @@ impl Tokens {
         let list = flat(text);
         // The parser keeps every text for its spans until it is told to let go.
         invalidate_current_thread_spans();
-        let mut tokens = Self { list: list?, names: Names::default() };
+        let mut tokens = Self { list: list? };
         places::mark(&mut tokens);
-        tokens.names = Names::of(&tokens);
         Ok(tokens)
     }
 
     /// How many there are.
+    #[allow(clippy::len_without_is_empty, reason = "nobody asks whether there is none")]
     pub fn len(&self) -> usize {
         self.list.len()
     }
@@ -114,11 +119,6 @@ impl Tokens {
     /// What is around a token.
     pub fn place(&self, at: usize) -> Place {
         self.list.get(at).map(|token| token.place).unwrap_or_default()
-    }
-
-    /// What the file calls by names.
-    pub fn names(&self) -> &Names {
-        &self.names
     }
 }
 

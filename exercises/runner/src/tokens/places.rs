@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::tokens::Tokens;
+use super::Tokens;
 
 /// What is around a token.
 #[derive(Debug, Clone, Copy, Default)]
