@@ -248,6 +248,27 @@ fn gradescope_shows_what_a_person_says_of_an_answer_that_never_ran() {
 }
 
 #[test]
+fn points_of_a_person_are_not_contradicted() {
+    for outcome in [
+        Outcome::Missing,
+        Outcome::NotBegun,
+        Outcome::Refused("unsafe".to_owned()),
+        Outcome::DoesNotCompile("error".to_owned()),
+        Outcome::CouldNotGrade("no compiler".to_owned()),
+    ] {
+        let mut exercise = exercise(0, outcome, vec![]);
+        exercise.marked = Some(10.0);
+        let grade = grade("ada", vec![exercise]);
+        let shown = gradescope(&grade, Detail::Full);
+        let told = [shown.to_string(), markdown::feedback(&grade, Detail::Full)];
+        for text in told {
+            assert!(!text.contains("earns nothing") && !text.contains("will look at it"), "{text}");
+        }
+        assert!(shown["tests"][0].get("status").is_none(), "{shown}");
+    }
+}
+
+#[test]
 fn detail_decides_what_students_read_of_hidden_checks_and_of_no_other() {
     let mut grade = grade("ada", vec![exercise(0, Outcome::Ran, vec![])]);
     for hidden in [false, true] {

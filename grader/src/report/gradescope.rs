@@ -81,7 +81,7 @@ fn output(grade: &Grade) -> String {
 
 fn tests_of(exercise: &ExerciseGrade, number: usize, detail: Detail) -> Vec<Test> {
     let title = harmless_line(&exercise.title, NAME);
-    let mut tests = match Told::of_outcome(&exercise.outcome) {
+    let mut tests = match Told::of_exercise(exercise) {
         Some(told) => vec![never_ran(exercise, &title, number, &told)],
         None => of_checks(exercise, &title, number, detail),
     };
@@ -95,7 +95,7 @@ fn never_ran(exercise: &ExerciseGrade, title: &str, number: usize, told: &Told) 
     Test {
         score,
         max_score: score.map(|_| exercise.points),
-        status: exercise.program().map(|_| "failed"),
+        status: score.map(|_| "failed"),
         name: title.to_owned(),
         number: number.to_string(),
         output: told.text(),

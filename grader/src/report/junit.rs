@@ -83,7 +83,7 @@ fn written(grade: &Grade, detail: Detail, numbers: bool) -> Result<String, Strin
 }
 
 fn cases(exercise: &ExerciseGrade, detail: Detail, numbers: bool) -> Vec<TestCase> {
-    if let Some(mut told) = Told::of_outcome(&exercise.outcome) {
+    if let Some(mut told) = Told::of_exercise(exercise) {
         if !numbers {
             told.page.clear();
         }

@@ -156,7 +156,7 @@ fn file(exercise: &ExerciseGrade) -> String {
 /// A section on an exercise, where there is something to say that the table does not.
 fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     let mut text = String::new();
-    if let Some(told) = Told::of_outcome(&exercise.outcome) {
+    if let Some(told) = Told::of_exercise(exercise) {
         text += &format!("\n{}\n", sentence(&told.sentence));
         if !told.page.is_empty() {
             text += &format!("\n{}", block(&told.page, ""));

@@ -84,24 +84,25 @@ impl Told {
         Self { sentence, page: harmless(page.trim_end(), PAGE) }
     }
 
-    /// What a student is told of an answer that never ran. Nothing when it did.
-    pub fn of_outcome(outcome: &Outcome) -> Option<Self> {
-        match outcome {
-            Outcome::Ran | Outcome::InWords => None,
-            Outcome::Missing => Some(Self::new("There is no such file, so it earns nothing.", "")),
-            Outcome::NotBegun => {
-                let sentence = "The file is as it was handed out, so it earns nothing.";
-                Some(Self::new(sentence, ""))
-            }
+    /// What a student is told of an answer that never ran. Nothing when it did. What it earns is told elsewhere when a
+    /// person has said it.
+    pub fn of_exercise(exercise: &ExerciseGrade) -> Option<Self> {
+        let marked = exercise.marked.is_some();
+        let earns = if marked { "" } else { ", so it earns nothing" };
+        let (sentence, page) = match &exercise.outcome {
+            Outcome::Ran | Outcome::InWords => return None,
+            Outcome::Missing => (format!("There is no such file{earns}."), ""),
+            Outcome::NotBegun => (format!("The file is as it was handed out{earns}."), ""),
             Outcome::Refused(why) => {
-                Some(Self::new("The file is refused, so it earns nothing. What has to go:", why))
+                (format!("The file is refused{earns}. What has to go:"), why.as_str())
             }
             Outcome::DoesNotCompile(why) => {
-                let sentence = "It does not compile, so it earns nothing. What the compiler says:";
-                Some(Self::new(sentence, why))
+                (format!("It does not compile{earns}. What the compiler says:"), why.as_str())
             }
-            Outcome::CouldNotGrade(_) => Some(Self::new(COULD_NOT_GRADE, "")),
-        }
+            Outcome::CouldNotGrade(_) if marked => ("No check could grade it.".to_owned(), ""),
+            Outcome::CouldNotGrade(_) => (COULD_NOT_GRADE.to_owned(), ""),
+        };
+        Some(Self::new(&sentence, page))
     }
 
     /// Both in one text.
