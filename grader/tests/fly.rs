@@ -4,18 +4,22 @@ mod flown;
 
 use std::f64::consts::PI;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use flown::*;
 use grader::batch::{Finished, Order};
-use grader::fly::answer::{Answer, Kind, LARGEST, NoAnswer, folder};
-use grader::fly::export::{export_with, sung};
+use grader::fly::answer::{
+    APART, Answer, Kind, LARGEST, LEAVES_OUT, LONGEST_TEXT, NoAnswer, folder,
+};
+use grader::fly::export::{export_drawn, sung};
 use grader::fly::flights::{FLIGHTS, Graded};
 use grader::fly::handed::Handed;
-use grader::fly::judge::Course;
+use grader::fly::judge::{CHECKS, Course, NEAR, NEAR_AFTER_GAP, SCALE};
 use grader::fly::key::{Exported, Key};
 use grader::fly::run::run_quietly;
+use grader::fly::series::TIMES;
+use grader::fly::symptoms::OUTSIDE;
 use grader::marks::COLUMNS;
 use grader::report::Detail;
 use grader::roster::Roster;
@@ -110,6 +114,11 @@ fn estimators_with_a_fault_are_named_and_not_as_another() {
     }
 }
 
+/// Writes the flights of a key, whose file comes back.
+fn export_of(dir: &Path, roster: &Roster, key: &Key) -> Result<PathBuf, String> {
+    export_drawn(dir, roster, || Ok(key.clone()), |_| Ok(()))
+}
+
 /// An order about submissions in a folder.
 fn order(at: &Path, out: &str) -> Order {
     Order {
@@ -139,7 +148,7 @@ fn a_class_of_ten_is_graded() {
     let names: Vec<String> = (0..10).map(|number| format!("student-{number}")).collect();
     let roster = Roster::of_folders(&names);
     let key = Key::of(77);
-    export_with(&at.path().join("flights"), &roster, &key).unwrap();
+    export_of(&at.path().join("flights"), &roster, &key).unwrap();
     for name in &names {
         let answer = reference(&Graded::all(&key, name), Estimator::Msckf);
         write(&answer, &at.path().join("submissions").join(name));
@@ -158,7 +167,7 @@ fn an_export_reads_back_and_its_key_stays_outside() {
     let dir = at.path().join("flights");
     let roster = Roster::parse("folder,name\nada,Ada\n").unwrap();
     let key = Key::of(5);
-    let beside = export_with(&dir, &roster, &key).unwrap();
+    let beside = export_of(&dir, &roster, &key).unwrap();
     assert_eq!(beside, at.path().join("flights-key.toml"));
     assert!(fs::read_dir(&dir).unwrap().all(|entry| entry.unwrap().file_name() == "ada"));
     let exported = Exported::read(&beside).unwrap();
@@ -177,10 +186,10 @@ fn an_export_reads_back_and_its_key_stays_outside() {
         );
         assert_eq!(sensors.rig.time_offset, flight.rig().time_offset);
     }
-    let again = export_with(&dir, &roster, &key).unwrap_err();
+    let again = export_of(&dir, &roster, &key).unwrap_err();
     assert!(again.contains("is there already"), "{again}");
     let unfit = Roster::parse("folder,name\n../ada,Ada\n").unwrap();
-    let error = export_with(&at.path().join("others"), &unfit, &key).unwrap_err();
+    let error = export_of(&at.path().join("others"), &unfit, &key).unwrap_err();
     assert!(error.contains("cannot be the name of a folder"), "{error}");
 }
 
@@ -503,6 +512,63 @@ fn a_key_on_whose_flights_the_canaries_fail_is_drawn_again() {
     assert!(drawn_after(9).unwrap_err().starts_with("nothing is exported"));
 }
 
+#[test]
+fn an_export_looks_whether_it_may_write_before_it_draws() {
+    let at = tempdir().unwrap();
+    let (dir, drawn) = (at.path().join("flights"), std::cell::Cell::new(0));
+    let export = |roster: &str| {
+        let draw = || {
+            drawn.set(drawn.get() + 1);
+            Ok(Key::of(drawn.get()))
+        };
+        let sing = |key: &Key| if *key == Key::of(1) { Err("it fails".to_owned()) } else { Ok(()) };
+        export_drawn(&dir, &Roster::parse(roster).unwrap(), draw, sing)
+    };
+    let refused = |roster: &str, said: &str| {
+        let error = export(roster).unwrap_err();
+        assert!(error.contains(said) && drawn.get() == 0, "{error}");
+    };
+    refused("folder,name\n", "nobody to fly for");
+    refused("folder,name\n../ada,Ada\n", "cannot be the name of a folder");
+    let key = at.path().join("flights-key.toml");
+    for there in [&dir, &key] {
+        fs::create_dir(there).unwrap();
+        refused("folder,name\nada,Ada\n", "is there already");
+        fs::remove_dir(there).unwrap();
+    }
+    assert_eq!(export("folder,name\nada,Ada\n"), Ok(key.clone()));
+    let exported = Exported::read(&key).unwrap();
+    assert_eq!(exported.key(), Ok(Key::of(2)), "the one on whose flights the canaries sing");
+}
+
+#[test]
+fn the_page_says_by_which_numbers_a_flight_is_judged() {
+    let page = fs::read_to_string(grader::repository().join("src/graded_flight.md")).unwrap();
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for (number, expected, phrase) in [
+        (FLIGHTS as f64, 10.0, "ten flights"),
+        (SCALE, 0.04, "within four per cent"),
+        (NEAR, 2.0, "at most twice the error of the plain filter"),
+        (NEAR_AFTER_GAP, 6.0, "after a gap at most six times its mean error"),
+        (TIMES[0], 10.0, "ten, fifteen and twenty seconds after the beginning"),
+        (TIMES[1], 15.0, "ten, fifteen and twenty seconds after the beginning"),
+        (TIMES[2], 20.0, "ten, fifteen and twenty seconds after the beginning"),
+        (OUTSIDE, 1e-3, "once in a thousand times"),
+        (LEAVES_OUT[0], 6.0, "six seconds"),
+        (APART, 0.25, "a quarter of a second"),
+        (LONGEST_TEXT as f64, 10_000.0, "up to ten thousand characters"),
+    ] {
+        assert_eq!(number, expected, "the page says: {phrase}");
+        assert!(words.contains(phrase), "the page does not say: {phrase}");
+    }
+    let table = page.lines().skip_while(|line| !line.starts_with("| What is asked | Points |"));
+    let rows = table.skip(2).take_while(|line| line.starts_with('|'));
+    let points =
+        rows.map(|row| row.trim_end_matches([' ', '|']).rsplit('|').next().unwrap().trim());
+    let points: Vec<f64> = points.map(|points| points.parse().unwrap()).collect();
+    assert_eq!(points, CHECKS.map(|(_, _, points)| points));
+}
+
 /// The sum of points of a row.
 fn earned_in(book: &str, name: &str) -> f64 {
     let row = book.lines().find(|line| line.starts_with(name)).expect("a row");
@@ -530,7 +596,7 @@ fn earned_by(program: &str, arguments: &[&Path]) -> Option<f64> {
     let at = tempdir().unwrap();
     let key = Key::of(11);
     let roster = Roster::of_folders(&[FOLDER.to_owned()]);
-    export_with(&at.path().join("flights"), &roster, &key).unwrap();
+    export_of(&at.path().join("flights"), &roster, &key).unwrap();
     for number in 0..FLIGHTS {
         let [from, to] = ["flights", "submissions"]
             .map(|top| at.path().join(top).join(FOLDER).join(folder(number)));

@@ -23,7 +23,7 @@ pub const LONGEST_LINE: usize = 1_000;
 /// The file of the text for a person.
 pub const TEXT: &str = "text.md";
 /// As much of it as anybody reads.
-const LONGEST_TEXT: usize = 10_000;
+pub const LONGEST_TEXT: usize = 10_000;
 /// Lines may be so many seconds apart.
 pub const APART: f64 = 0.25;
 /// An answer may begin so many seconds after it could, and end so many before the flight.

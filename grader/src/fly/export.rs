@@ -30,7 +30,7 @@ pub fn key_beside(dir: &Path) -> PathBuf {
 /// A sentence when the roster cannot be read, something is there already or cannot be written.
 pub fn export(dir: &Path, roster: &Path) -> Result<(), String> {
     let roster = Roster::read(roster)?;
-    let key = export_with(dir, &roster, &sung(Key::draw, canary::sing)?)?;
+    let key = export_drawn(dir, &roster, Key::draw, canary::sing)?;
     println!(
         "{} has the flights of {} folders; hand each one out to whom it is for. The key is in {}: \
          keep it, and keep it to yourself. Then: cargo grade fly run SUBMISSIONS --key {}",
@@ -40,6 +40,28 @@ pub fn export(dir: &Path, roster: &Path) -> Result<(), String> {
         key.display()
     );
     Ok(())
+}
+
+/// The same with a key that is drawn and tried in some way, when there is where to write and for whom. The file of the
+/// key comes back.
+///
+/// # Errors
+///
+/// As [`export`].
+pub fn export_drawn(
+    dir: &Path,
+    roster: &Roster,
+    draw: impl Fn() -> Result<Key, String>,
+    sing: impl Fn(&Key) -> Result<(), String>,
+) -> Result<PathBuf, String> {
+    let folders = folders(dir, roster)?;
+    let key = sung(draw, sing)?;
+    let beside = key_beside(dir);
+    Exported::new(&key, folders.clone()).write(&beside)?;
+    for name in &folders {
+        student(&dir.join(name), &key, name)?;
+    }
+    Ok(beside)
 }
 
 /// A drawn key on whose flights the canaries come out as they must. By chance some do not, and grading would find
@@ -63,12 +85,8 @@ pub fn sung(
     Err(format!("nothing is exported: on the flights of {DRAWN} keys in turn {wrong}"))
 }
 
-/// The same with a key, whose file comes back.
-///
-/// # Errors
-///
-/// As [`export`].
-pub fn export_with(dir: &Path, roster: &Roster, key: &Key) -> Result<PathBuf, String> {
+/// Whom to fly for, into a folder that is not there yet.
+fn folders(dir: &Path, roster: &Roster) -> Result<Vec<String>, String> {
     let folders: Vec<String> = roster.folders().map(str::to_owned).collect();
     if folders.is_empty() {
         return Err("the roster has no rows, so there is nobody to fly for".to_owned());
@@ -78,19 +96,14 @@ pub fn export_with(dir: &Path, roster: &Roster, key: &Key) -> Result<PathBuf, St
             "the roster's folder `{unfit}` cannot be the name of a folder; leave / and \\ out of it"
         ));
     }
-    if dir.exists() {
+    if let Some(there) = [dir.to_owned(), key_beside(dir)].into_iter().find(|it| it.exists()) {
         return Err(format!(
             "{} is there already; name a folder that is not there yet, so that nobody's flights \
-             are written over",
-            dir.display()
+             are written over, and no key",
+            there.display()
         ));
     }
-    let beside = key_beside(dir);
-    Exported::new(key, folders.clone()).write(&beside)?;
-    for name in &folders {
-        student(&dir.join(name), key, name)?;
-    }
-    Ok(beside)
+    Ok(folders)
 }
 
 /// Whether a name stays in the folder it is put into.
