@@ -86,12 +86,13 @@ impl Similarity {
 
     /// Adds the answers of a submission, given by slug.
     pub fn add<'a>(&mut self, name: &str, answer: impl Fn(&str) -> Option<&'a str>) {
+        let of = self.names.len();
+        self.names.push(name.to_owned());
         for exercise in &mut self.exercises {
             if let Some(text) = answer(exercise.slug) {
-                exercise.add(self.names.len(), text);
+                exercise.add(of, text);
             }
         }
-        self.names.push(name.to_owned());
     }
 
     /// Answers of an exercise that are like the reference, most alike first.

@@ -259,6 +259,16 @@ fn a_panic_costs_nobody_a_point_and_is_tried_again() {
 }
 
 #[test]
+fn a_panic_when_a_submission_is_read_again_keeps_no_report_back() {
+    let temporary = folder();
+    let path = submissions(temporary.path(), &[("ada", "right"), ("brook", "later")]);
+    let out = temporary.path().join("grades");
+    let finished = carry_out(&order(&path, &out)).expect("a batch");
+    assert_eq!((finished.graded, finished.ungraded), (2, 0));
+    assert_eq!(names(&batch(&out)), ["ada", "brook"]);
+}
+
+#[test]
 fn what_could_not_be_graded_is_tried_again_though_nothing_changed() {
     let temporary = folder();
     let path = submissions(temporary.path(), &[("ada", "cannot"), ("brook", "right")]);

@@ -8,7 +8,7 @@ use serde::ser::{Error as _, SerializeSeq, SerializeStruct};
 use serde::{Serialize, Serializer};
 
 use super::kept::Kept;
-use super::{Finished, Judging, Plan, Trouble};
+use super::{Finished, Judging, Plan, Trouble, calmly};
 use crate::changes::Changes;
 use crate::grade::{ExerciseGrade, Grade, Late, Outcome, VERSION};
 use crate::items::Items;
@@ -166,9 +166,12 @@ fn read_again(
     let (mut words, mut unread) = (BTreeMap::new(), BTreeSet::new());
     for found in &plan.submissions {
         let unknown = |_| Collected { unread: true, ..Collected::default() };
-        let collected = judge.collected(found).unwrap_or_else(unknown);
+        let collected = calmly(|| judge.collected(found)).unwrap_or_else(Err);
+        let collected = collected.unwrap_or_else(unknown);
         let answers = collected.answers;
-        similarity.add(&found.name, |slug| answers.get(slug).map(String::as_str));
+        let _ = calmly(|| {
+            similarity.add(&found.name, |slug| answers.get(slug).map(String::as_str));
+        });
         words.insert(found.name.clone(), collected.words);
         if collected.unread {
             unread.insert(found.name.clone());
