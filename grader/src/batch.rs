@@ -5,7 +5,7 @@ mod kept;
 mod publish;
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::num::NonZero;
 use std::panic::{self, AssertUnwindSafe};
@@ -438,15 +438,25 @@ fn submissions(order: &Order) -> Result<Vec<Submission>, String> {
 }
 
 /// What tables and marks call submissions: each by its folder, or by its own name where another folder is called
-/// the same.
+/// the same, and with a number where that is taken, too.
 fn folders(submissions: &[Submission]) -> BTreeMap<String, String> {
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
     for submission in submissions {
         *count.entry(cell(&submission.folder())).or_default() += 1;
     }
-    let called = |it: &Submission| match cell(&it.folder()) {
-        folder if count[&folder] == 1 => folder,
-        _ => cell(&it.name),
+    let mut taken: BTreeSet<String> = count.keys().filter(|it| count[*it] == 1).cloned().collect();
+    let mut called = |it: &Submission| {
+        let (folder, name) = (cell(&it.folder()), cell(&it.name));
+        if count[&folder] == 1 {
+            return folder;
+        }
+        let mut free = name.clone();
+        let mut number = 2;
+        while !taken.insert(free.clone()) {
+            free = format!("{name}-{number}");
+            number += 1;
+        }
+        free
     };
     submissions.iter().map(|it| (it.name.clone(), called(it))).collect()
 }

@@ -91,22 +91,33 @@ pub struct Collection {
     answers: BTreeMap<&'static str, Vec<(String, String)>>,
     /// Folders and questions of answers that have no points yet.
     unmarked: Vec<(String, &'static str)>,
+    /// How many of these are there to be read.
+    read: usize,
+    /// Folders with others.
+    unread: Vec<String>,
 }
 
 impl Collection {
-    /// Adds the answers of a submission.
-    pub fn add(&mut self, folder: &str, words: &Words, is_open: impl Fn(&str) -> bool) {
+    /// Adds the answers of a submission, and the questions that are open: those without points to which it has words,
+    /// or may have some that nobody has read.
+    pub fn add(&mut self, folder: &str, words: &Words, open: &[&'static str]) {
         for (slug, text) in words {
             self.answers.entry(slug).or_default().push((folder.to_owned(), text.clone()));
-            if is_open(slug) {
-                self.unmarked.push((folder.to_owned(), slug));
-            }
         }
+        let read = open.iter().filter(|slug| words.contains_key(*slug)).count();
+        self.read += read;
+        self.unread.extend((read < open.len()).then(|| folder.to_owned()));
+        self.unmarked.extend(open.iter().map(|slug| (folder.to_owned(), *slug)));
     }
 
     /// How many answers have no points yet.
     pub fn open(&self) -> usize {
-        self.unmarked.len()
+        self.read
+    }
+
+    /// Folders with questions that are open because nobody has read an answer.
+    pub fn unread(&self) -> &[String] {
+        &self.unread
     }
 
     /// The answers for a person to read.

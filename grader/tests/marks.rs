@@ -95,11 +95,38 @@ fn words_that_nobody_could_read_are_no_zero() {
     let order = with_marks(&order, "brook,left_perturbation,words,1,\n");
     let told = carry_out(&order).expect("a batch").told;
     let told = told.replace('\n', " ");
-    assert!(told.contains("There are words that were not read, which is no zero"), "{told}");
+    assert!(told.contains("There may be words that were not read, which is no zero"), "{told}");
     assert!(told.contains("They are those of ada."), "{told}");
     let book = read(&order.out, "gradebook.csv");
     assert_eq!(row_of(&book, "ada"), "ada,,20,20,10,10,graded,graded,,,20,ada,graded");
     assert_eq!(row_of(&book, "brook"), "brook,,21,22,11,10,graded,graded,1,,21,brook,graded");
+    let open = read(&order.out, "unmarked.csv");
+    assert_eq!(open, "folder,exercise,part,points,comment\nada,left_perturbation,words,,\n");
+
+    let both = "brook,left_perturbation,words,1,\nada,left_perturbation,words,2,\n";
+    let told = carry_out(&with_marks(&order, both)).expect("a batch").told;
+    assert!(!told.contains("not read"), "everything is marked: {told}");
+    assert_eq!(read(&order.out, "unmarked.csv").lines().count(), 1);
+    let told =
+        carry_out(&Order { points: None, marks: None, ..order.clone() }).expect("a batch").told;
+    assert!(!told.contains("not read"), "words have no points: {told}");
+    assert_eq!(read(&order.out, "unmarked.csv").lines().count(), 1);
+}
+
+#[test]
+fn many_whose_words_nobody_could_read_are_counted() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let batch = temporary.path().join("batch");
+    for number in 0..30 {
+        let name = format!("{number:02} {}", "of a long name ".repeat(6).trim_end());
+        with_the_words_of_ada(&order, &batch, &name);
+        fs::write(batch.join(name).join("exercises/answers.md"), b"\xff\xfe").expect("written");
+    }
+    let order = Order { submissions: vec![batch], ..order };
+    let told = carry_out(&order).expect("a batch").told.replace('\n', " ");
+    assert!(told.contains(", 19 of a long") && told.contains(", and 10 more."), "{told}");
+    assert_eq!(read(&order.out, "unmarked.csv").lines().count(), 31);
 }
 
 /// Hands in the same words for each folder.
@@ -150,6 +177,25 @@ fn rows_of_any_folder_come_back_to_it() {
     for points in ["0", "0.5", "1", "1.5", "2"] {
         assert_eq!(book.matches(&format!(",graded,graded,{points},,")).count(), 1, "{book}");
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn folders_that_a_spreadsheet_would_show_alike_are_marked_apart() {
+    let temporary = folder();
+    let order = with_words(temporary.path());
+    let batch = temporary.path().join("batch");
+    ["Doe, -J", "Doe, '-J"].iter().for_each(|name| with_the_words_of_ada(&order, &batch, name));
+    let order = marked_in_turn(&Order { submissions: vec![batch], ..order });
+    let told = carry_out(&order).expect("a batch").told;
+    assert!(!told.contains("these marks") && !told.contains("without points"), "{told}");
+    let book = read(&order.out, "gradebook.csv");
+    for end in [",0,,20,\"Doe, '-J\",graded", ",0.5,,20.5,\"Doe, '-J-2\",graded"] {
+        assert!(book.lines().any(|line| line.ends_with(end)), "{book}");
+    }
+    let first = with_marks(&order, "\"Doe, '-J\",left_perturbation,words,2,\n");
+    let told = carry_out(&first).expect("a batch").told;
+    assert!(told.contains("1 answer in words without points"), "a mark is no other one's: {told}");
 }
 
 #[test]

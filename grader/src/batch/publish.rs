@@ -19,6 +19,7 @@ use crate::report::{gradescope, junit, picture_file};
 use crate::repository;
 use crate::similarity::Similarity;
 use crate::submission::Collected;
+use crate::text::harmless_line;
 use crate::words::{Collection, Words};
 
 /// Writes every report, and hands back what the terminal shows.
@@ -194,12 +195,12 @@ fn by_person(sheet: &Sheet, collection: &Collection) -> String {
             "",
         );
     }
-    if !sheet.unread.is_empty() {
-        let names = sheet.unread.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+    if !collection.unread().is_empty() {
         text += &wrapped(
             &format!(
-                "There are words that were not read, which is no zero: feedback.md says why, and what is not handed in \
-                 again is for you to mark. They are those of {names}."
+                "There may be words that were not read, which is no zero: feedback.md says why, and what is not handed \
+                 in again is for you to mark in the rows of unmarked.csv. They are those of {}.",
+                some(collection.unread())
             ),
             "",
         );
@@ -208,16 +209,27 @@ fn by_person(sheet: &Sheet, collection: &Collection) -> String {
         plan.names().flat_map(|name| plan.called(name)).map(cell).collect();
     let strangers = plan.marks.strangers(|folder| known.contains(folder));
     if !strangers.is_empty() {
-        let names = strangers.join(", ");
         text += &wrapped(
             &format!(
-                "No submission has the folder of these marks, so they do not count: {names}; write \
-                 folders as the column `folder` of gradebook.csv does."
+                "No submission has the folder of these marks, so they do not count: {}; write \
+                 folders as the column `folder` of gradebook.csv does.",
+                some(&strangers)
             ),
             "",
         );
     }
     text
+}
+
+/// The first of some names, and how many more there are.
+fn some(names: &[String]) -> String {
+    const NAMED: usize = 20;
+    let mut shown: Vec<String> =
+        names.iter().take(NAMED).map(|name| harmless_line(name, 2 * NAMED)).collect();
+    if let Some(more) = names.len().checked_sub(NAMED).filter(|more| *more > 0) {
+        shown.push(format!("and {more} more"));
+    }
+    shown.join(", ")
 }
 
 /// The grades of a batch, with what persons decided laid over what the grader did.
@@ -241,15 +253,12 @@ impl Sheet<'_> {
 
     fn laid_over(&self, name: &str, mut grade: Grade) -> Result<Grade, Trouble> {
         let plan = self.plan;
-        let words = self.words.get(name);
-        let has_words = |slug: &str| {
-            self.unread.contains(name) || words.is_some_and(|words| words.contains_key(slug))
-        };
         let graded = |slug: &str| grade.exercises.iter().any(|it| it.exercise == slug);
         let of_chapters = plan.questions.iter().filter(|question| !graded(question.slug));
         let of_chapters: Vec<ExerciseGrade> = of_chapters.map(ExerciseGrade::in_words).collect();
         grade.exercises.extend(of_chapters);
-        plan.marks.lay_over(&mut grade, &plan.called(name), has_words, &plan.points);
+        let may = |slug: &str| self.may_have_words(name, slug);
+        plan.marks.lay_over(&mut grade, &plan.called(name), may, &plan.points);
         // What nobody has marked does not count yet.
         grade.exercises.retain(|it| it.outcome != Outcome::InWords || it.is_marked());
         let row = plan.matches.folder(name).unwrap_or_default();
@@ -258,14 +267,22 @@ impl Sheet<'_> {
         Ok(grade)
     }
 
+    /// Whether a submission has an answer in words, or one that nobody has read.
+    fn may_have_words(&self, name: &str, slug: &str) -> bool {
+        self.unread.contains(name)
+            || self.words.get(name).is_some_and(|words| words.contains_key(slug))
+    }
+
     fn collect(&self, name: &str, grade: &Grade, collection: &mut Collection) {
-        let is_open = |slug: &str| {
-            let asked = self.plan.questions.iter().any(|question| question.slug == slug);
-            let has = |it: &ExerciseGrade| it.exercise == slug && it.words.is_some();
-            asked && self.plan.points.of_words(slug) > 0.0 && !grade.exercises.iter().any(has)
+        let is_open = |slug: &&str| {
+            let has = |it: &ExerciseGrade| it.exercise == **slug && it.words.is_some();
+            let marked = grade.exercises.iter().any(has);
+            self.plan.points.of_words(slug) > 0.0 && self.may_have_words(name, slug) && !marked
         };
+        let asked = self.plan.questions.iter().map(|question| question.slug);
+        let open: Vec<&str> = asked.filter(is_open).collect();
         if let Some(words) = self.words.get(name) {
-            collection.add(&self.plan.folders[name], words, is_open);
+            collection.add(&self.plan.folders[name], words, &open);
         }
     }
 }
@@ -280,9 +297,15 @@ fn stored(kept: &Kept, name: &str) -> Result<Grade, Trouble> {
 }
 
 impl Plan {
-    /// By what marks may call a submission: its folder, its name, and its row of the roster.
-    fn called<'a>(&'a self, name: &'a str) -> [&'a str; 3] {
-        [&self.folders[name], name, self.matches.folder(name).unwrap_or(name)]
+    /// By what marks may call a submission: its folder and, where no other one has these, its name and its row of the
+    /// roster.
+    fn called<'a>(&'a self, name: &'a str) -> Vec<&'a str> {
+        let others = [name, self.matches.folder(name).unwrap_or(name)];
+        let free = |other: &&str| {
+            let other = cell(other);
+            !self.folders.values().any(|folder| *folder == other)
+        };
+        std::iter::once(&*self.folders[name]).chain(others.into_iter().filter(free)).collect()
     }
 
     fn names(&self) -> impl Iterator<Item = &String> {
