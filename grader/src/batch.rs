@@ -19,6 +19,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
 use crate::fly::GRADED_FLIGHT;
+use crate::fly::handed::has_flights;
 use crate::grade::{ExerciseGrade, Grade, Outcome};
 use crate::judge::Judge;
 use crate::marks::Marks;
@@ -29,7 +30,7 @@ use crate::report::gradebook::cell;
 use crate::repository;
 use crate::roster::{Matches, Roster};
 use crate::seed::Seed;
-use crate::submission::{self, Collected, Submission};
+use crate::submission::{self, Collected, Holds, Submission, has_answers};
 use crate::text::harmless;
 use crate::words;
 use kept::Kept;
@@ -166,17 +167,21 @@ pub fn carry_out_with<J: Judging>(
     order: &Order,
     prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
-    carry_out_on(order, Subject::of(order)?, prepare)
+    carry_out_on(order, Subject::of(order)?, |plan, seed| {
+        prepare(plan.points.clone(), seed, &plan.exercises)
+    })
 }
 
 /// What submissions are about.
-pub struct Subject {
+pub(crate) struct Subject {
     /// In the order of the reports.
-    pub exercises: Vec<&'static Exercise>,
+    exercises: Vec<&'static Exercise>,
     /// What is asked in words: by these exercises and, unless an order names some of them, by chapters.
-    pub questions: Vec<Question>,
+    questions: Vec<Question>,
     /// What these are worth.
-    pub points: Points,
+    points: Points,
+    /// Whether a folder has something of an answer.
+    holds: Holds,
 }
 
 impl Subject {
@@ -197,7 +202,7 @@ impl Subject {
             Some(asks) => exercises.iter().any(|exercise| exercise.slug == asks.slug),
             None => order.exercises.is_empty(),
         });
-        Ok(Self { exercises, questions, points })
+        Ok(Self { exercises, questions, points, holds: has_answers })
     }
 
     /// The graded flight, at what a file of points says.
@@ -205,7 +210,7 @@ impl Subject {
     /// # Errors
     ///
     /// A [`Trouble`] when the file cannot be read, or gives it no points.
-    pub fn flight(order: &Order) -> Result<Self, Trouble> {
+    pub(crate) fn flight(order: &Order) -> Result<Self, Trouble> {
         let points = points_of(order).map_err(Trouble::Usage)?;
         let slug = GRADED_FLIGHT.slug;
         if points.of(slug) == 0.0 {
@@ -215,7 +220,7 @@ impl Subject {
             return Err(Trouble::Usage(sentence));
         }
         let questions = vec![GRADED_FLIGHT.question()];
-        Ok(Self { exercises: vec![&GRADED_FLIGHT], questions, points })
+        Ok(Self { exercises: vec![&GRADED_FLIGHT], questions, points, holds: has_flights })
     }
 }
 
@@ -224,15 +229,14 @@ impl Subject {
 /// # Errors
 ///
 /// As [`carry_out`].
-pub fn carry_out_on<J: Judging>(
+pub(crate) fn carry_out_on<J: Judging>(
     order: &Order,
     subject: Subject,
-    prepare: impl FnOnce(Points, Seed, &[&'static Exercise]) -> Result<J, String>,
+    prepare: impl FnOnce(&Plan, Seed) -> Result<J, String>,
 ) -> Result<Finished, Trouble> {
     let plan = Plan::of(order, subject)?;
     let mut kept = Kept::open(&order.out, order.seed, &plan.slugs())?;
-    let judge = prepare(plan.points.clone(), kept.seed(), &plan.exercises)
-        .map_err(Trouble::CouldNotGrade)?;
+    let judge = prepare(&plan, kept.seed()).map_err(Trouble::CouldNotGrade)?;
     let canaries = Canaries::default();
     thread::scope(|scope| {
         scope.spawn(|| canaries.sing(&judge, &kept));
@@ -265,15 +269,18 @@ impl Canaries {
 }
 
 /// An order whose files were read.
-struct Plan {
-    submissions: Vec<Submission>,
+pub(crate) struct Plan {
+    /// By name.
+    pub submissions: Vec<Submission>,
     /// What tables and marks call each, by its name.
     folders: BTreeMap<String, String>,
     exercises: Vec<&'static Exercise>,
     questions: Vec<Question>,
-    points: Points,
+    /// What the exercises are worth.
+    pub points: Points,
     roster: Roster,
-    matches: Matches,
+    /// The rows of the roster, if the order has one.
+    pub matches: Matches,
     detail: Detail,
     marks: Marks,
     jobs: usize,
@@ -283,7 +290,7 @@ struct Plan {
 
 impl Plan {
     fn of(order: &Order, subject: Subject) -> Result<Self, Trouble> {
-        let Subject { exercises, questions, points } = subject;
+        let Subject { exercises, questions, points, holds } = subject;
         let roster = order.roster.as_deref().map(Roster::read).transpose();
         let jobs = order.jobs.map_or_else(cores, |jobs| {
             if jobs == 0 {
@@ -293,7 +300,7 @@ impl Plan {
             }
         });
         let roster = roster.map_err(Trouble::Usage)?;
-        let submissions = submissions(order).map_err(Trouble::Usage)?;
+        let submissions = submissions(order, holds).map_err(Trouble::Usage)?;
         let marks = order.marks.as_deref().map(|path| Marks::read(path, &points)).transpose();
         let matches = roster.as_ref().map(|roster| roster.matched(&submissions));
         Ok(Self {
@@ -423,10 +430,10 @@ fn exercises(slugs: &[String]) -> Result<Vec<&'static Exercise>, String> {
 }
 
 /// The submissions of an order, by name. The folder of the grades may lie among them.
-fn submissions(order: &Order) -> Result<Vec<Submission>, String> {
+fn submissions(order: &Order, holds: Holds) -> Result<Vec<Submission>, String> {
     let mut found = match order.single {
         true => submission::single(&order.submissions)?,
-        false => submission::find(&order.submissions)?,
+        false => submission::find(&order.submissions, holds)?,
     };
     if let Ok(out) = order.out.canonicalize() {
         found.retain(|submission| submission.path.canonicalize().ok().as_ref() != Some(&out));

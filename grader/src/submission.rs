@@ -14,7 +14,6 @@ use exercise_spec::EXERCISES;
 use tempfile::TempDir;
 
 use crate::archive::{self, Unpacked, Wanted, is_zip};
-use crate::fly::handed;
 use crate::text::harmless_line;
 use crate::words::{self, Words};
 
@@ -66,18 +65,21 @@ pub struct Collected {
     pub notices: Vec<String>,
 }
 
+/// Whether a folder has something of an answer.
+pub type Holds = fn(&Path) -> bool;
+
 /// The submissions that paths lead to. A path is a submission itself when answers lie at its top,
 /// or a folder of submissions: then each folder in it is one, and so is each link or archive, which
-/// can tell what is wrong.
+/// can tell what is wrong. An archive that lies beside what was unpacked from it, and `holds` answers, is none.
 ///
 /// # Errors
 ///
 /// When a path is no folder, cannot be read, holds nothing, or holds answers beside folders with
 /// others.
-pub fn find(paths: &[PathBuf]) -> Result<Vec<Submission>, String> {
+pub fn find(paths: &[PathBuf], holds: Holds) -> Result<Vec<Submission>, String> {
     let mut found = BTreeSet::new();
     for path in paths {
-        let within = submissions_in(root_of(path)?);
+        let within = submissions_in(root_of(path)?, holds);
         found.extend(within.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     Ok(named(found))
@@ -105,11 +107,11 @@ fn root_of(path: &Path) -> Result<PathBuf, String> {
     })
 }
 
-fn submissions_in(root: PathBuf) -> Result<Vec<PathBuf>, String> {
+fn submissions_in(root: PathBuf, holds: Holds) -> Result<Vec<PathBuf>, String> {
     if !root.is_dir() {
         return Ok(vec![root]);
     }
-    let entries = entries_of(&root).map_err(|error| error.to_string())?;
+    let entries = entries_of(&root, holds).map_err(|error| error.to_string())?;
     if let Some(answers) = answers_in(&root) {
         let mut others = entries.iter().filter(|folder| has_others(folder));
         let other = others.next();
@@ -131,15 +133,14 @@ fn submissions_in(root: PathBuf) -> Result<Vec<PathBuf>, String> {
     }
 }
 
-/// What may be a submission in a folder of submissions. An archive that lies beside what was
-/// unpacked from it is none.
-fn entries_of(root: &Path) -> std::io::Result<Vec<PathBuf>> {
+/// What may be a submission in a folder of submissions.
+fn entries_of(root: &Path, holds: Holds) -> std::io::Result<Vec<PathBuf>> {
     let mut entries = Vec::new();
     for entry in fs::read_dir(root)? {
         let entry = entry?;
         let kind = entry.file_type()?;
         let path = entry.path();
-        let packed = is_archive(&path) && !is_unpacked(&path.with_file_name(unpacked(&path)));
+        let packed = is_archive(&path) && !holds(&path.with_file_name(unpacked(&path)));
         let handed_in = kind.is_dir() || kind.is_symlink() || packed;
         let in_sight =
             !is_hidden(&entry.file_name()) || kind.is_dir() && answers_in(&path).is_some();
@@ -156,14 +157,9 @@ fn has_others(folder: &Path) -> bool {
     !folder.ends_with("exercises") && !folder.ends_with("src") && has_answers(folder)
 }
 
-/// Whether it is a folder and no link, and answers lie in it.
-fn has_answers(folder: &Path) -> bool {
-    is_real_folder(folder) && answers_below(folder).is_some()
-}
-
-/// Whether it is a folder with answers, to exercises or to a flight.
-fn is_unpacked(folder: &Path) -> bool {
-    has_answers(folder) || handed::answer_in(folder).is_some()
+/// Whether it is a folder and no link, and answers to exercises lie in it.
+pub fn has_answers(folder: &Path) -> bool {
+    answers_below(folder).is_some()
 }
 
 /// That nobody can tell whether it is one submission or many.
@@ -196,12 +192,11 @@ fn is_download(folder: &Path) -> bool {
     let Some(own) = name(Some(folder)) else { return false };
     let last = own.rsplit('-').next().unwrap_or_default();
     // The recipes put `__` between owner and repository.
-    let commit = last.len() >= 7
-        && last.len() < own.len()
-        && last.chars().all(|c| c.is_ascii_hexdigit())
-        && !own.contains("__");
+    let recipe = own.contains("__");
+    let commit =
+        last.len() >= 7 && last.len() < own.len() && last.chars().all(|c| c.is_ascii_hexdigit());
     let branch = own.ends_with("-main") || own.ends_with("-master");
-    commit || branch || name(folder.parent()).is_some_and(|around| around == own)
+    !recipe && (commit || branch) || name(folder.parent()).is_some_and(|around| around == own)
 }
 
 /// Endings of archives.
@@ -411,7 +406,7 @@ impl Opened {
     /// # Errors
     ///
     /// When it cannot be read, is an archive that is no ZIP file, or holds several: then nobody knows what is in it.
-    pub fn of(root: &Path, wanted: &Wanted, holds: fn(&Path) -> bool) -> Result<Self, String> {
+    pub fn of(root: &Path, wanted: &Wanted, holds: Holds) -> Result<Self, String> {
         const LINK: &str =
             "the submission is a link, and links are not followed: hand in the folder itself";
         let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
@@ -586,7 +581,7 @@ fn must_be_unpacked(archive: &Path) -> String {
 }
 
 /// The archive that a submission is, or those that lie in it where answers may lie, when there is no answer.
-fn packed(root: &Path, holds: fn(&Path) -> bool) -> Vec<PathBuf> {
+fn packed(root: &Path, holds: Holds) -> Vec<PathBuf> {
     let is_file = |path: &Path| fs::symlink_metadata(path).is_ok_and(|it| it.is_file());
     if is_zip(root) && is_file(root) {
         return vec![root.to_owned()];
@@ -657,7 +652,7 @@ fn stray(root: &Path, folder: &Path) -> Vec<String> {
         names.extend(answers.filter(|path| is_there(path)).map(|path| relative(&path)));
     }
     if answers_in(root).is_some() {
-        let entries = entries_of(root).unwrap_or_default();
+        let entries = entries_of(root, has_answers).unwrap_or_default();
         let others = entries.iter().filter(|folder| has_others(folder));
         names.extend(others.map(|folder| relative(folder)));
     }

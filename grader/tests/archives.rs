@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 
-use grader::submission::{Collected, LARGEST, Submission, collect, find};
+use grader::submission::{Collected, LARGEST, Submission, collect, find, has_answers};
 use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -40,7 +40,7 @@ fn an_archive_is_taken_for_what_is_in_it_wherever_it_lies() {
             let batch = temporary.path().join("batch");
             zip(&batch.join(outside), &[(inside, FILL_IN), ("exercises/Cargo.toml", "")]);
             zip(&batch.join("brook.zip"), &[("null_space.rs", "")]);
-            let found = find(&[batch]).expect("found");
+            let found = find(&[batch], has_answers).expect("found");
             assert_eq!(found.len(), 2);
             let taken = collect(&found[0]).expect("collected");
             assert_eq!(taken.answers.get("fill_in").map(String::as_str), Some(FILL_IN));
@@ -54,7 +54,7 @@ fn an_archive_can_be_named_itself() {
     let temporary = folder();
     let path = temporary.path().join("ada.zip");
     zip(&path, &[("fill_in.rs", FILL_IN)]);
-    let found = find(&[path]).expect("found");
+    let found = find(&[path], has_answers).expect("found");
     assert!(collect(&found[0]).expect("collected").answers.contains_key("fill_in"));
 }
 

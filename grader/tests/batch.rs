@@ -10,6 +10,7 @@ use std::sync::atomic::Ordering;
 use grader::batch::{Finished, Order, Trouble, carry_out_with};
 use grader::grade::{Batch, Grade};
 use grader::seed::Seed;
+use grader::submission::has_answers;
 use made_up::{SEED, StandIn, hand_in, order, submissions};
 use tempfile::TempDir;
 
@@ -574,7 +575,7 @@ fn a_row_belongs_to_the_folder_it_names_and_not_to_a_name_that_was_made() {
     let folders = ["A", "a", "a-2"].map(std::ffi::OsStr::new);
     let order = laid_out(temporary.path(), &folders, "folder,name\nA,Big\na,Small\na-2,Third\n");
     let mut found: Vec<Option<String>> = Vec::new();
-    let submissions = grader::submission::find(&order.submissions).expect("found");
+    let submissions = grader::submission::find(&order.submissions, has_answers).expect("found");
     let students = students(&order);
     for folder in folders {
         let name = &submissions.iter().find(|it| it.path.ends_with(folder)).expect("found").name;

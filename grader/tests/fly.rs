@@ -496,6 +496,22 @@ fn a_text_that_cannot_be_read_is_told() {
 }
 
 #[test]
+fn the_folder_of_reports_claims_nobodys_flights() {
+    let at = tempdir().unwrap();
+    let folders = ["ada", "bob"].map(str::to_owned).to_vec();
+    Exported::new(&Key::of(9), folders).write(&at.path().join("flights-key.toml")).unwrap();
+    let submissions = at.path().join("submissions");
+    fs::create_dir_all(submissions.join("bob")).unwrap();
+    fs::create_dir_all(at.path().join("ada")).unwrap();
+    fs::write(at.path().join("ada/text.md"), "It integrates.\n").unwrap();
+    zipped(&at.path().join("ada"), &submissions.join("ada.zip"));
+    let order = Order { out: submissions.join("ada"), ..order(at.path(), "") };
+    fs::create_dir_all(&order.out).unwrap();
+    let finished = run_in(at.path(), &order);
+    assert_eq!((finished.graded, finished.ungraded), (2, 0));
+}
+
+#[test]
 fn a_key_on_whose_flights_the_canaries_fail_is_drawn_again() {
     let drawn_after = |failing: u128| {
         let count = std::cell::Cell::new(0);

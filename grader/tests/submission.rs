@@ -3,7 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use grader::submission::{Collected, LARGEST, Submission, collect, find, naturally, single};
+use grader::fly::handed::has_flights;
+use grader::submission::{
+    Collected, Holds, LARGEST, Submission, collect, find, has_answers, naturally, single,
+};
 use tempfile::TempDir;
 
 /// A folder with files, each by its path and its content. A path that ends in `/` is a folder.
@@ -22,7 +25,7 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 fn names(paths: &[PathBuf]) -> Vec<String> {
-    find(paths).expect("found").into_iter().map(|submission| submission.name).collect()
+    find(paths, has_answers).expect("found").into_iter().map(|submission| submission.name).collect()
 }
 
 fn names_in(files: &[(&str, &str)]) -> Vec<String> {
@@ -70,6 +73,8 @@ fn a_folder_of_one_submission_is_named_by_it_and_a_download_by_the_folder_around
     assert_eq!(names_in(&[("batch/batch/fill_in.rs", "")]), ["batch"]);
     let cloned = "course__exercises-1234567";
     assert_eq!(names_in(&[(&format!("batch/{cloned}/src/fill_in.rs"), "")]), [cloned]);
+    let cloned = "course__hw-main";
+    assert_eq!(names_in(&[(&format!("batch/{cloned}/src/fill_in.rs"), "")]), [cloned]);
 }
 
 #[test]
@@ -84,7 +89,7 @@ fn answers_of_a_download_are_found_in_its_only_folder() {
 
 fn error_in(files: &[(&str, &str)]) -> String {
     let folder = folder(files);
-    find(&[folder.path().join("batch")]).expect_err("an error")
+    find(&[folder.path().join("batch")], has_answers).expect_err("an error")
 }
 
 #[test]
@@ -295,7 +300,8 @@ fn a_number_behind_a_name_makes_no_name_that_another_folder_has() {
         ("c/ada-2/fill_in.rs", ""),
         ("c/bob/fill_in.rs", ""),
     ]);
-    let found = find(&["a", "b", "c"].map(|name| folder.path().join(name))).expect("found");
+    let found =
+        find(&["a", "b", "c"].map(|name| folder.path().join(name)), has_answers).expect("found");
     let of = |path: &str| found.iter().find(|it| it.path.ends_with(path)).expect("it").name.clone();
     assert_eq!([of("a/ada"), of("b/ada"), of("c/ada-2")], ["ada", "ada-3", "ada-2"]);
 }
@@ -339,7 +345,7 @@ fn names_are_harmless_and_safe_for_files() {
 #[test]
 fn a_name_that_had_to_be_changed_takes_none_away() {
     let folder = folder(&[("batch/a\nb/fill_in.rs", ""), ("batch/a_b/fill_in.rs", "honest")]);
-    let found = find(&[folder.path().join("batch")]).expect("found");
+    let found = find(&[folder.path().join("batch")], has_answers).expect("found");
     let paths: Vec<(&str, bool)> =
         found.iter().map(|it| (it.name.as_str(), it.path.ends_with("a_b"))).collect();
     assert_eq!(paths, [("a_b", true), ("a_b-2", false)]);
@@ -348,9 +354,9 @@ fn a_name_that_had_to_be_changed_takes_none_away() {
 #[test]
 fn a_path_that_is_none_or_a_file_is_an_error_that_says_what_to_name() {
     let folder = folder(&[("fill_in.rs", "")]);
-    let error = find(&[folder.path().join("nobody")]).expect_err("nothing there");
+    let error = find(&[folder.path().join("nobody")], has_answers).expect_err("nothing there");
     assert!(error.ends_with("; name a submission, or a folder of submissions"), "{error}");
-    let error = find(&[folder.path().join("fill_in.rs")]).expect_err("a file");
+    let error = find(&[folder.path().join("fill_in.rs")], has_answers).expect_err("a file");
     assert!(error.ends_with("is a file; name the folder it lies in"), "{error}");
 }
 
@@ -358,12 +364,13 @@ fn a_path_that_is_none_or_a_file_is_an_error_that_says_what_to_name() {
 fn an_archive_in_the_place_of_a_submission_cannot_be_collected() {
     for name in ["bob.rar", "bob.tar.gz", "bob.7z", "bob.TGZ", "bob.tar"] {
         let folder = folder(&[("batch/alice/fill_in.rs", ""), (&format!("batch/{name}"), "PK")]);
-        let found = find(&[folder.path().join("batch")]).expect("found");
+        let found = find(&[folder.path().join("batch")], has_answers).expect("found");
         assert_eq!(found[1].name, name);
         let error = collect(&found[1]).expect_err("an archive");
         assert!(error.starts_with(&format!("`{name}` is an archive")), "{error}");
         assert!(error.ends_with("unpack it and grade again"), "{error}");
-        let error = find(&[folder.path().join("batch").join(name)]).expect_err("a file");
+        let error =
+            find(&[folder.path().join("batch").join(name)], has_answers).expect_err("a file");
         assert!(error.ends_with("is an archive; unpack it and name the folder"), "{error}");
     }
 }
@@ -373,7 +380,17 @@ fn an_archive_beside_what_was_unpacked_from_it_is_no_submission() {
     let files = [("batch/bob.tar.gz", "PK"), ("batch/bob/exercises/src/fill_in.rs", "")];
     assert_eq!(names_in(&files), ["bob"]);
     assert_eq!(names_in(&[("batch/bob.zip", "PK"), ("batch/bob/", "")]), ["bob", "bob.zip"]);
-    assert_eq!(names_in(&[("batch/bob.zip", "PK"), ("batch/bob/x/answer.toml", "")]), ["bob"]);
+    for (file, of_programs, of_flights) in [
+        ("fill_in.rs", &["bob"][..], &["bob", "bob.zip"][..]),
+        ("x/answer.toml", &["bob", "bob.zip"], &["bob"]),
+    ] {
+        let folder = folder(&[("batch/bob.zip", "PK"), (&format!("batch/bob/{file}"), "")]);
+        for (holds, expected) in [(has_answers as Holds, of_programs), (has_flights, of_flights)] {
+            let found = find(&[folder.path().join("batch")], holds).expect("found");
+            let found: Vec<&str> = found.iter().map(|it| it.name.as_str()).collect();
+            assert_eq!(found, expected, "{file}");
+        }
+    }
 }
 
 #[test]
@@ -524,7 +541,7 @@ mod links {
         symlink(folder.path().join("solutions"), folder.path().join("batch/alice"))
             .expect("a link");
         symlink("loop", folder.path().join("batch/loop")).expect("a loop");
-        let found = find(&[folder.path().join("batch")]).expect("found");
+        let found = find(&[folder.path().join("batch")], has_answers).expect("found");
         let found: Vec<(&str, usize)> = found
             .iter()
             .map(|it| (it.name.as_str(), collect(it).expect("collected").answers.len()))

@@ -27,7 +27,7 @@ impl Handed {
     ///
     /// As [`Opened::of`].
     pub fn find(path: &Path) -> Result<Self, String> {
-        Opened::of(path, &FILES, |root| answer_in(root).is_some()).map(Self)
+        Opened::of(path, &FILES, has_flights).map(Self)
     }
 
     /// The folder of the answer, if there is one.
@@ -50,8 +50,13 @@ impl Handed {
     }
 }
 
+/// Whether something of an answer to flights lies in a folder.
+pub fn has_flights(root: &Path) -> bool {
+    answer_in(root).is_some()
+}
+
 /// The folder with an answer: this one, or the one in it as long as there is no other.
-pub fn answer_in(root: &Path) -> Option<PathBuf> {
+fn answer_in(root: &Path) -> Option<PathBuf> {
     nested(root).find(|folder| has_answer(folder))
 }
 

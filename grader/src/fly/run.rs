@@ -1,6 +1,5 @@
 //! Grades what was handed in for the flights of an export.
 
-use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -16,9 +15,9 @@ use crate::batch::{Finished, Judging, Order, Subject, Trouble, carry_out_on};
 use crate::compile;
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome};
 use crate::points::Points;
-use crate::roster::Roster;
+use crate::roster::{Matches, Roster};
 use crate::seed::Seed;
-use crate::submission::{self, Collected, Submission};
+use crate::submission::{Collected, Submission};
 
 /// Grades by the key of an export, writes the reports and prints the table.
 ///
@@ -42,24 +41,13 @@ pub fn run_quietly(order: &Order, key: &Path) -> Result<Finished, Trouble> {
     let key = exported.key().map_err(Trouble::Usage)?;
     let seed = Some(Seed::new(u128::from(key.fingerprint())));
     let order = Order { seed, ..order.clone() };
-    let folders = folders(&order, &exported).map_err(Trouble::Usage)?;
-    let subject = Subject::flight(&order)?;
-    carry_out_on(&order, subject, |points, _, _| Ok(Pilot { key, exported, folders, points }))
-}
-
-/// The folder of the export that each submission answers, by its name.
-fn folders(order: &Order, exported: &Exported) -> Result<BTreeMap<String, String>, String> {
-    let found = match order.single {
-        true => submission::single(&order.submissions)?,
-        false => submission::find(&order.submissions)?,
-    };
-    let roster = match &order.roster {
-        Some(path) => Roster::read(path)?,
-        None => Roster::of_folders(&exported.folders),
-    };
-    let matches = roster.matched(&found);
-    let folder = |it: &Submission| Some((it.name.clone(), matches.folder(&it.name)?.to_owned()));
-    Ok(found.iter().filter_map(folder).collect())
+    carry_out_on(&order, Subject::flight(&order)?, |plan, _| {
+        let matches = match order.roster {
+            Some(_) => plan.matches.clone(),
+            None => Roster::of_folders(&exported.folders).matched(&plan.submissions),
+        };
+        Ok(Pilot { key, exported, matches, points: plan.points.clone() })
+    })
 }
 
 /// What was handed in, read as an answer, and notices.
@@ -76,16 +64,16 @@ fn read(path: &Path, flights: &[Graded]) -> Result<Read, String> {
 struct Pilot {
     key: Key,
     exported: Exported,
-    /// Folders of the export by names of submissions.
-    folders: BTreeMap<String, String>,
+    /// Which folder of the export each submission answers.
+    matches: Matches,
     points: Points,
 }
 
 impl Pilot {
     /// The flights of a submission.
     fn flights(&self, submission: &Submission) -> Result<Vec<Graded>, String> {
-        let folder = self.folders.get(&submission.name);
-        let folder = folder.filter(|folder| self.exported.folders.contains(folder));
+        let folder = self.matches.folder(&submission.name);
+        let folder = folder.filter(|folder| self.exported.folders.iter().any(|it| it == folder));
         let folder = folder.ok_or(
             "the export has no flights for this folder: name it as the roster does, or grade with the \
              key of its own export",

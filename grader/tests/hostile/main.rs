@@ -27,7 +27,7 @@ use grader::grade::{Batch, ExerciseGrade, Grade, Outcome, Verdict};
 use grader::machine::{Machine, STEPS};
 use grader::report::Detail;
 use grader::seed::Seed;
-use grader::submission::find;
+use grader::submission::{find, has_answers};
 use grader::text::harmless;
 
 /// Held by those who compile, so that each can say what it leaves behind.
@@ -144,7 +144,7 @@ fn honest_were_graded(batch: &Batch, root: &Path) {
 fn grade_of<'a>(batch: &'a Batch, root: &Path, folder: &Path) -> &'a Grade {
     let root = root.canonicalize().expect("a path");
     let path = root.join(folder.file_name().expect("a name"));
-    let found = find(&[root]).expect("found");
+    let found = find(&[root], has_answers).expect("found");
     let name = &found.iter().find(|it| it.path == path).expect("found").name;
     batch.grades.iter().find(|grade| grade.submission == *name).expect("a grade")
 }
