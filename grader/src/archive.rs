@@ -37,8 +37,11 @@ const ENDS: u64 = 32;
 pub struct Wanted {
     /// Whether a file of this name is.
     pub name: fn(&str) -> bool,
-    /// Whether it is a part of an answer. These come first, and no archive is opened that keeps one back.
+    /// Whether it is a part of an answer. These come first, and no archive is opened of which one cannot be taken out. A
+    /// link is none, nor what has a path that leads out.
     pub answer: fn(&str) -> bool,
+    /// Whether it is a text for a person. These come next.
+    pub text: fn(&str) -> bool,
     /// As much of each as is read, in bytes.
     pub largest: u64,
     /// As many as are.
@@ -52,6 +55,8 @@ pub struct Unpacked {
     pub folder: TempDir,
     /// What was left in the archive and why.
     pub notices: Vec<String>,
+    /// Whether a text for a person was.
+    pub text_left: bool,
     /// An archive in the archive, which nobody has looked into.
     pub inner: Option<String>,
 }
@@ -97,11 +102,13 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
     let inner = inner.map(|name| harmless_line(name, 60));
     let called = |index: &usize| last(archive.name_for_index(*index).unwrap_or_default());
     let named = (0..archive.len()).filter(|index| (wanted.name)(called(index)));
-    let (answers, others): (Vec<_>, Vec<_>) =
+    let (answers, mut others): (Vec<_>, Vec<_>) =
         named.partition(|index| (wanted.answer)(called(index)));
-    let mut room = wanted.most;
+    others.sort_by_key(|index| !(wanted.text)(called(index)));
+    let (mut room, mut text_left) = (wanted.most, false);
     for index in answers.iter().chain(&others).copied() {
-        let shown = harmless_line(archive.name_for_index(index).unwrap_or_default(), 80);
+        let name = archive.name_for_index(index).unwrap_or_default();
+        let (shown, is_text) = (harmless_line(name, 80), (wanted.text)(last(name)));
         let why_not = match one(&mut archive, index, (folder.path(), wanted), &mut room) {
             Ok(why_not) => why_not,
             Err(why) if answers.contains(&index) => {
@@ -109,10 +116,11 @@ pub fn unpacked(path: &Path, wanted: &Wanted) -> Result<Unpacked, String> {
             }
             Err(why) => Some(why),
         };
+        text_left |= is_text && why_not.is_some();
         notices.extend(why_not.map(|why| format!("`{shown}` was left in the archive: {why}")));
     }
     notices.truncate(4);
-    Ok(Unpacked { folder, notices, inner })
+    Ok(Unpacked { folder, notices, text_left, inner })
 }
 
 /// How many entries an archive can have, or says that it has: room for those is made before they are looked for. And how

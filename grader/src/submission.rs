@@ -15,14 +15,15 @@ use tempfile::TempDir;
 
 use crate::archive::{self, Unpacked, Wanted, is_zip};
 use crate::text::harmless_line;
-use crate::words::{self, Words};
+use crate::words::{self, Words, Written};
 
 /// The largest answer that is read, in bytes. The reference answers have a tenth of it at most.
 pub const LARGEST: u64 = 256_000;
 /// What is taken out of a ZIP file. There are far fewer answers.
 const WANTED: Wanted = Wanted {
-    name: |name| is_answer(name) || name.ends_with(".rs"),
+    name: |name| is_answer(name) || words::is_file(name) || name.ends_with(".rs"),
     answer: is_answer,
+    text: words::is_file,
     largest: LARGEST,
     most: 500,
 };
@@ -33,6 +34,8 @@ const NAMED: usize = 4;
 const LISTED: usize = 1_000;
 /// How deep answers may lie in folders that hold nothing but one another.
 const NESTED: usize = 5;
+/// How many folders, of those that are equally deep, are searched for words.
+const SEARCHED: usize = 200;
 
 /// What one person handed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -261,19 +264,16 @@ pub(crate) fn nested(root: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     std::iter::successors(begin, |root| only_folder(root)).take(NESTED)
 }
 
-/// Folders in which the files of a submission may lie.
-fn within(root: &Path) -> impl Iterator<Item = PathBuf> {
-    let folders = nested(root)
-        .flat_map(|root| places(&root).chain([root.join("exercises")]).collect::<Vec<_>>());
+/// Folders in which the files of a submission may lie, first where words belong.
+fn within(root: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let folders = nested(root).flat_map(|root| {
+        [root.join("exercises")].into_iter().chain(places(&root)).collect::<Vec<_>>()
+    });
     folders.filter(|folder| is_real_folder(folder))
 }
 
 fn only_folder(root: &Path) -> Option<PathBuf> {
-    let seen = |path: &PathBuf| {
-        path.file_name().is_some_and(|name| !is_hidden(name)) && is_real_folder(path)
-    };
-    let mut folders =
-        fs::read_dir(root).ok()?.flatten().take(LISTED).map(|entry| entry.path()).filter(seen);
+    let mut folders = entries_in(root).filter(|path| is_real_folder(path));
     folders.next().filter(|_| folders.next().is_none())
 }
 
@@ -385,8 +385,9 @@ fn is_reserved(name: &str) -> bool {
 ///
 /// As [`Opened::of`], and when an answer cannot be read.
 pub fn collect(submission: &Submission) -> Result<Collected, String> {
-    let opened = Opened::of(&submission.path, &WANTED, |root| answers_below(root).is_some())?;
-    let mut collected = from_folder(opened.root())?;
+    let opened = Opened::of(&submission.path, &WANTED, has_answers)?;
+    let mut collected = from_folder(&opened)?;
+    collected.unread |= opened.text_left;
     collected.notices.splice(..0, opened.notices);
     Ok(collected)
 }
@@ -395,8 +396,12 @@ pub fn collect(submission: &Submission) -> Result<Collected, String> {
 #[derive(Debug)]
 pub struct Opened {
     root: PathBuf,
+    /// The folder around the archive.
+    around: Option<PathBuf>,
     /// What was left out on the way.
     pub notices: Vec<String>,
+    /// Whether a text for a person was.
+    pub text_left: bool,
     _unpacked: Option<TempDir>,
 }
 
@@ -410,9 +415,18 @@ impl Opened {
         const LINK: &str =
             "the submission is a link, and links are not followed: hand in the folder itself";
         let kind = fs::symlink_metadata(root).map_err(unreadable)?.file_type();
-        let here = |notices| Self { root: root.to_owned(), notices, _unpacked: None };
+        let here = |notices| Self {
+            root: root.to_owned(),
+            around: None,
+            notices,
+            text_left: false,
+            _unpacked: None,
+        };
         match packed(root, holds).as_slice() {
-            [zip] if is_zip(zip) => Self::unpacked(zip, wanted, holds),
+            [zip] if is_zip(zip) => {
+                let around = Some(root.to_owned()).filter(|root| is_real_folder(root));
+                Ok(Self { around, ..Self::unpacked(zip, wanted, holds)? })
+            }
             [archive] => Err(must_be_unpacked(archive)),
             [one, other, ..] => Err(format!(
                 "there are several archives, `{}` and `{}`: leave the one that counts, and grade again",
@@ -425,14 +439,20 @@ impl Opened {
         }
     }
 
-    fn unpacked(zip: &Path, wanted: &Wanted, holds: fn(&Path) -> bool) -> Result<Self, String> {
-        let Unpacked { folder, notices, inner } = archive::unpacked(zip, wanted)?;
+    fn unpacked(zip: &Path, wanted: &Wanted, holds: Holds) -> Result<Self, String> {
+        let Unpacked { folder, notices, text_left, inner } = archive::unpacked(zip, wanted)?;
         match inner.filter(|_| !holds(folder.path())) {
             Some(inner) => Err(format!(
                 "`{}` holds another archive, `{inner}`, and no answer beside it: unpack it and grade again",
                 last(zip)
             )),
-            None => Ok(Self { root: folder.path().to_owned(), notices, _unpacked: Some(folder) }),
+            None => Ok(Self {
+                root: folder.path().to_owned(),
+                around: None,
+                notices,
+                text_left,
+                _unpacked: Some(folder),
+            }),
         }
     }
 
@@ -440,13 +460,25 @@ impl Opened {
     pub fn root(&self) -> &Path {
         &self.root
     }
+
+    /// The folder, and that around the archive which was unpacked to it.
+    pub fn roots(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(&*self.root).chain(self.around.as_deref())
+    }
+
+    /// A file of it as it is called there, harmless.
+    fn shown(&self, path: &Path) -> String {
+        let within = self.roots().find_map(|root| path.strip_prefix(root).ok());
+        harmless_line(&slashed(within.unwrap_or(path)), 60)
+    }
 }
 
 fn unreadable(error: std::io::Error) -> String {
     format!("the submission cannot be read: {error}")
 }
 
-fn from_folder(root: &Path) -> Result<Collected, String> {
+fn from_folder(opened: &Opened) -> Result<Collected, String> {
+    let root = opened.root();
     let mut collected = Collected::default();
     if !is_real_folder(root) {
         return Ok(collected);
@@ -467,7 +499,7 @@ fn from_folder(root: &Path) -> Result<Collected, String> {
             file_of(EXERCISES[0].slug)
         ));
     }
-    let (words, unread) = in_words(root, folder.as_deref());
+    let (words, unread) = in_words(opened, folder.as_deref());
     collected.words = words;
     collected.unread = !unread.is_empty();
     collected.notices.extend(unread);
@@ -476,39 +508,79 @@ fn from_folder(root: &Path) -> Result<Collected, String> {
     Ok(collected)
 }
 
-/// Answers in words: the first that are written in the folder of the others or in one around it, and why
-/// others are not read.
-fn in_words(root: &Path, folder: Option<&Path>) -> (Words, Vec<String>) {
-    let near: Vec<PathBuf> = match folder {
+/// Answers in words: the first that are written where they are looked for, and why there may be others that nobody
+/// has read.
+fn in_words(opened: &Opened, folder: Option<&Path>) -> (Words, Vec<String>) {
+    let near = near(opened, folder);
+    let far = opened.roots().flat_map(called_answers).filter(|path| !near.contains(path));
+    let (mut words, mut unread) = (Words::new(), BTreeSet::new());
+    for path in near.iter().cloned().chain(far) {
+        let Written { words: found, astray } = match answer(&path) {
+            Ok(None) => continue,
+            Ok(Some(Ok(text))) => Written::of(&text),
+            Ok(Some(Err(why))) | Err(why) => {
+                unread.insert(why);
+                continue;
+            }
+        };
+        if words.is_empty() && near.contains(&path) {
+            words = found;
+        } else if !found.is_empty() && found != words {
+            unread.insert(format!(
+                "the answers in words of `{}` are not read: hand in one `{}`, in `exercises`",
+                opened.shown(&path),
+                words::FILE
+            ));
+        }
+        unread.extend(astray.map(|line| {
+            format!(
+                "`{}` has words below no heading of a question, `{line}`: leave the headings as they were handed out",
+                opened.shown(&path)
+            )
+        }));
+    }
+    (words, unread.into_iter().collect())
+}
+
+/// Where answers in words are looked for, those before others that count more: in `exercises`, in the folder of the
+/// others or around it, and around the archive that these lay in.
+fn near(opened: &Opened, folder: Option<&Path>) -> Vec<PathBuf> {
+    let root = opened.root();
+    let mut folders: Vec<PathBuf> = match folder {
         None => within(root).collect(),
         Some(folder) => {
             let around = folder.parent().filter(|_| folder != root).map(Path::to_owned);
             let exercises = Some(root.join("exercises")).filter(|it| is_real_folder(it));
-            [Some(folder.to_owned()), around, exercises].into_iter().flatten().collect()
+            [exercises, around, Some(folder.to_owned())].into_iter().flatten().collect()
         }
     };
-    let far = within(root).filter(|place| !near.contains(place));
-    let (mut words, mut unread) = (Words::new(), BTreeSet::new());
-    for place in near.iter().cloned().chain(far) {
-        let path = place.join(words::FILE);
-        match answer(&path) {
-            Ok(None) => {}
-            Ok(Some(Ok(text))) => {
-                let found = words::answers(&text);
-                if words.is_empty() && near.contains(&place) {
-                    words = found;
-                } else if !found.is_empty() && found != words {
-                    unread.insert(format!(
-                        "the answers in words of `{}` are not read: hand in one `{}`, in `exercises`",
-                        harmless_line(&slashed(path.strip_prefix(root).unwrap_or(&path)), 60),
-                        words::FILE
-                    ));
-                }
-            }
-            Ok(Some(Err(why))) | Err(why) => drop(unread.insert(why)),
-        }
+    folders.extend(opened.around.as_deref().into_iter().flat_map(within));
+    folders.iter().map(|folder| folder.join(words::FILE)).collect()
+}
+
+/// Files that are called like that of the answers in words, or nearly so, wherever they lie.
+fn called_answers(root: &Path) -> Vec<PathBuf> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_searched = |path: &PathBuf| !["target", "vendor"].contains(&&*name(path));
+    let (mut found, mut folders) = (Vec::new(), vec![root.to_owned()]);
+    for _ in 0..NESTED + 2 {
+        let entries = folders.iter().flat_map(|folder| entries_in(folder));
+        let (files, others): (Vec<_>, Vec<_>) =
+            entries.partition(|path| words::is_file(&name(path)));
+        folders = others.into_iter().filter(is_searched).filter(|it| is_real_folder(it)).collect();
+        folders.sort();
+        folders.truncate(SEARCHED);
+        found.extend(files);
     }
-    (words, unread.into_iter().collect())
+    found.sort();
+    found
+}
+
+/// What lies in a folder and is not hidden.
+fn entries_in(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED);
+    let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
+    entries.map(|entry| entry.path()).filter(seen)
 }
 
 /// The text of an answer, why it is none, or nothing when there is no such file.
@@ -589,12 +661,8 @@ fn packed(root: &Path, holds: Holds) -> Vec<PathBuf> {
     if holds(root) {
         return Vec::new();
     }
-    let archives_in = |folder: PathBuf| {
-        let paths = fs::read_dir(folder).into_iter().flatten().flatten().take(LISTED);
-        let seen = |path: &PathBuf| path.file_name().is_some_and(|name| !is_hidden(name));
-        let paths = paths.map(|entry| entry.path()).filter(seen);
-        paths.filter(|path| is_archive(path) && is_file(path))
-    };
+    let archives_in =
+        |folder: PathBuf| entries_in(&folder).filter(|path| is_archive(path) && is_file(path));
     let archives: BTreeSet<PathBuf> = within(root).flat_map(archives_in).collect();
     archives.into_iter().collect()
 }

@@ -10,12 +10,14 @@ use crate::fly::GRADED_FLIGHT;
 use crate::points;
 use crate::report::markdown::{counted, escaped, fenced};
 use crate::repository;
-use crate::text::harmless;
+use crate::text::{harmless, harmless_line};
 
 /// The file that has the questions, and in submissions the answers.
 pub const FILE: &str = "answers.md";
 /// As much of an answer as anybody reads.
 const LONGEST: usize = 6_000;
+/// What stood above the questions in an older edition.
+const FORMER: &str = "Write below each question. Nobody but a person reads this file.";
 
 /// What was written below the questions, by their slugs.
 pub type Words = BTreeMap<&'static str, String>;
@@ -41,20 +43,55 @@ fn questions() -> String {
     fs::read_to_string(repository().join("exercises").join(FILE)).unwrap_or_default()
 }
 
-/// The answers in a text that began as the file of the questions.
-pub fn answers(text: &str) -> Words {
-    let questions = questions();
-    let questions = sections(&questions);
-    let mut words = Words::new();
-    for (slug, lines) in sections(text) {
-        let asked = questions.get(slug).map_or(&[][..], Vec::as_slice);
-        let own = lines.into_iter().filter(|line| line.is_empty() || !asked.contains(line));
-        let own = own.collect::<Vec<_>>().join("\n");
-        if !own.trim().is_empty() {
-            words.insert(slug, harmless(own.trim(), LONGEST));
+/// Whether a file is called like that of the answers, or as a browser or a student calls a copy of it.
+pub fn is_file(name: &str) -> bool {
+    let name = name.to_lowercase();
+    name.starts_with("answers") && name.ends_with(".md")
+}
+
+/// What stands in a text that began as the file of the questions.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Answers below the headings of questions.
+    pub words: Words,
+    /// A line that may belong to an answer, and nobody knows to which.
+    pub astray: Option<String>,
+}
+
+impl Written {
+    /// Reads a text.
+    pub fn of(text: &str) -> Self {
+        let questions = questions();
+        let asked = sections(&questions);
+        let sections = sections(text.trim_start_matches('\u{feff}'));
+        let mut words = Words::new();
+        for (slug, lines) in &sections {
+            let asked = asked.get(slug).map_or(&[][..], Vec::as_slice);
+            let own = lines.iter().copied().filter(|line| line.is_empty() || !asked.contains(line));
+            let own = own.collect::<Vec<_>>().join("\n");
+            if let (Some(slug), false) = (slug, own.trim().is_empty()) {
+                words.insert(*slug, harmless(own.trim(), LONGEST));
+            }
         }
+        Self { words, astray: astray(&sections, &questions) }
     }
-    words
+}
+
+/// The first line of somebody's own before any heading of a question, or a heading that names a question in a way
+/// that is not read.
+fn astray(sections: &Sections, questions: &str) -> Option<String> {
+    let handed_out =
+        |line: &str| line == FORMER || questions.lines().any(|it| it.trim_end() == line);
+    let own = |line: &str| line.contains(char::is_alphanumeric) && !handed_out(line);
+    let missing = |question: Question| !sections.contains_key(&Some(question.slug));
+    let names = |word: &String| exercise_spec::question(word).is_some_and(missing);
+    let astray = sections.iter().find_map(|(slug, lines)| {
+        lines.iter().find(|line| match (slug, line.starts_with('#')) {
+            (None, heading) => !heading && own(line),
+            (Some(_), heading) => heading && parts(line).iter().any(names),
+        })
+    });
+    astray.map(|line| harmless_line(line.trim(), 60))
 }
 
 /// The question of a line that is a heading.
@@ -64,22 +101,29 @@ fn heading(line: &str) -> Option<Question> {
 
 /// The question that a heading begins with, whatever its capitals and what follows.
 fn changed(line: &str) -> Option<Question> {
-    let heading = line.strip_prefix("## ")?.to_lowercase();
-    let mut words = heading.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
-    exercise_spec::question(words.find(|word| !word.is_empty())?)
+    exercise_spec::question(parts(line.strip_prefix("## ")?).first()?)
 }
 
-/// Lines below the headings that name a question. Where its heading stands as it was handed out, no other one is its.
-fn sections(text: &str) -> BTreeMap<&'static str, Vec<&str>> {
+/// The words of a line, in small letters.
+fn parts(line: &str) -> Vec<String> {
+    let words = line.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+    words.filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
+}
+
+/// Lines below the headings that name a question, and those before the first of them.
+type Sections<'a> = BTreeMap<Option<&'static str>, Vec<&'a str>>;
+
+/// Takes a text apart. Where the heading of a question stands as it was handed out, no other one is its.
+fn sections(text: &str) -> Sections<'_> {
     let kept: BTreeSet<&str> =
         text.lines().filter_map(heading).map(|question| question.slug).collect();
     let own = |question: &Question| !kept.contains(question.slug);
-    let mut sections: BTreeMap<&'static str, Vec<&str>> = BTreeMap::new();
+    let mut sections = Sections::new();
     let mut at = None;
     for line in text.lines().map(str::trim_end) {
         match heading(line).or_else(|| changed(line).filter(own)) {
             Some(question) => at = Some(question.slug),
-            None => at.into_iter().for_each(|slug| sections.entry(slug).or_default().push(line)),
+            None => sections.entry(at).or_default().push(line),
         }
     }
     sections

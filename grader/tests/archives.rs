@@ -158,6 +158,59 @@ fn a_link_in_an_archive_is_left_there() {
 }
 
 #[test]
+fn words_beside_an_archive_are_read() {
+    let words = |text: &str| format!("## fill_in\n\n{text}\n");
+    for (inside, beside, read, unread) in [
+        (None, Some("Four."), "Four.", false),
+        (Some("Four."), None, "Four.", false),
+        (Some("Four."), Some("Four."), "Four.", false),
+        (Some("Four."), Some("Five."), "Four.", true),
+    ] {
+        for place in ["answers.md", "exercises/answers.md"] {
+            let temporary = folder();
+            let ada = temporary.path().join("ada");
+            let inside = inside.map(words);
+            let mut files = vec![("exercises/src/fill_in.rs", FILL_IN)];
+            files.extend(inside.as_deref().map(|text| ("exercises/answers.md", text)));
+            zip(&ada.join("exercises.zip"), &files);
+            if let Some(text) = beside {
+                fs::create_dir_all(ada.join("exercises")).expect("a folder");
+                fs::write(ada.join(place), words(text)).expect("written");
+            }
+            let taken = collected(&ada).expect("collected");
+            assert!(taken.answers.contains_key("fill_in"));
+            assert_eq!((taken.words["fill_in"].as_str(), taken.unread), (read, unread), "{place}");
+            assert_eq!(taken.notices.len(), usize::from(unread), "{:?}", taken.notices);
+        }
+    }
+}
+
+#[test]
+fn words_in_an_archive_under_another_name_are_told_and_open() {
+    for place in ["docs/answers.md", "exercises/answers (1).md", "exercises/Answers.md"] {
+        let temporary = folder();
+        let path = temporary.path().join("ada.zip");
+        let files = [("exercises/src/fill_in.rs", FILL_IN), (place, "## fill_in\n\nFour.\n")];
+        zip(&path, &files);
+        assert!(collected(&path).expect("collected").unread, "{place}");
+    }
+}
+
+#[test]
+fn words_that_stay_in_an_archive_are_open() {
+    let temporary = folder();
+    let path = temporary.path().join("ada.zip");
+    zip(&path, &[("fill_in.rs", FILL_IN), ("../answers.md", "## fill_in\n\nFour.\n")]);
+    assert!(collected(&path).expect("collected").unread);
+    zip(&path, &[("fill_in.rs", FILL_IN), ("../help.rs", "")]);
+    assert!(!collected(&path).expect("collected").unread);
+    let mut zip = ZipWriter::new(File::create(&path).expect("a file"));
+    zip.add_symlink("answers.md", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
+    zip.finish().expect("an archive");
+    assert!(collected(&path).expect("collected").unread);
+}
+
+#[test]
 fn what_cannot_be_unpacked_is_left_to_a_person() {
     let temporary = folder();
     let (path, inner) = (temporary.path().join("ada.zip"), temporary.path().join("brook.zip"));

@@ -486,13 +486,45 @@ fn a_text_that_cannot_be_read_is_told() {
     let inner = at.path().join("work");
     fs::create_dir_all(&inner).unwrap();
     fs::write(inner.join("answer.toml"), "kind = \"causal\"").unwrap();
-    let text = || Handed::find(at.path()).unwrap().text();
-    assert_eq!(text(), Ok(None));
+    let handed = || Handed::find(at.path()).unwrap();
+    assert_eq!((handed().text(), handed().unread()), ((None, vec![]), false));
     fs::write(at.path().join("text.md"), "It integrates.\n").unwrap();
-    assert_eq!(text(), Ok(Some("It integrates.".to_owned())));
+    assert_eq!(handed().text(), (Some("It integrates.".to_owned()), vec![]));
     fs::write(at.path().join("text.md"), [0xff, 0xfe, 0]).unwrap();
-    assert_eq!(text(), Err("`text.md` is no text; save it as UTF-8".to_owned()));
-    assert_eq!(Handed::find(at.path()).unwrap().notices(), [text().unwrap_err()]);
+    let why = vec!["`text.md` is no text; save it as UTF-8".to_owned()];
+    assert_eq!((handed().text(), handed().unread()), ((None, why.clone()), true));
+    assert_eq!(handed().notices(), why);
+}
+
+#[test]
+fn a_text_beside_an_archive_is_read() {
+    let at = tempdir().unwrap();
+    let (work, ada) = (at.path().join("work"), at.path().join("ada"));
+    [&work, &ada].iter().for_each(|folder| fs::create_dir_all(folder).unwrap());
+    fs::write(work.join("answer.toml"), "kind = \"causal\"").unwrap();
+    zipped(&work, &ada.join("flights.zip"));
+    fs::write(ada.join("text.md"), "It integrates.\n").unwrap();
+    let handed = || Handed::find(&ada).unwrap();
+    assert!(handed().folder().is_some());
+    assert_eq!((handed().text().0.as_deref(), handed().unread()), (Some("It integrates."), false));
+    fs::write(work.join("text.md"), "It filters.\n").unwrap();
+    zipped(&work, &ada.join("flights.zip"));
+    assert_eq!((handed().text().0.as_deref(), handed().unread()), (Some("It filters."), true));
+    assert_eq!(handed().notices().len(), 1);
+    fs::write(ada.join("text.md"), "It filters.\n").unwrap();
+    assert!(!handed().unread());
+}
+
+#[test]
+fn a_text_that_stays_in_an_archive_is_told() {
+    let at = tempdir().unwrap();
+    let path = at.path().join("ada.zip");
+    let mut zip = zip::ZipWriter::new(fs::File::create(&path).unwrap());
+    zip.start_file("answer.toml", zip::write::SimpleFileOptions::default()).unwrap();
+    zip.add_symlink("text.md", "/etc/passwd", zip::write::SimpleFileOptions::default()).unwrap();
+    zip.finish().unwrap();
+    let handed = Handed::find(&path).unwrap();
+    assert!(handed.unread() && handed.notices()[0].starts_with("`text.md` was left"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ use grader::roster::Roster;
 use grader::screen::screen;
 use grader::similarity::Similarity;
 use grader::submission::{Submission, collect, naturally, unpacked};
-use grader::words::answers;
+use grader::words::Written;
 use nalgebra::Matrix6;
 use tempfile::TempDir;
 use vislam::datasets::written::{pose_covariances, tum};
@@ -63,12 +63,14 @@ fn tables() {
             let differences =
                 roster.as_ref().map(|roster| roster.matched(&submissions).differences);
             let doubtful = differences.map_or(0, |differences| differences.doubtful.len().min(2));
-            let (words, (one, other)) = (answers(&text), text.split_once('\n').unwrap_or_default());
+            let Written { words, astray } = Written::of(&text);
+            let (one, other) = text.split_once('\n').unwrap_or_default();
             let order = naturally(one, other);
             assert_eq!(naturally(other, one), order.reverse());
             let stem = unpacked(Path::new(one)).len() < one.len();
             let marks = said(&Marks::parse(&text, &points));
-            format!("{} {marks} {doubtful} {} {stem}", said(&roster), words.len())
+            let words = format!("{} {}", words.len(), astray.is_some());
+            format!("{} {marks} {doubtful} {words} {stem}", said(&roster))
         });
 }
 

@@ -209,6 +209,92 @@ fn words_that_are_not_read_are_told_and_open() {
 }
 
 #[test]
+fn a_draft_beside_the_programs_does_not_stand_for_what_is_in_exercises() {
+    let program = ("exercises/src/fill_in.rs", FILL_IN);
+    let draft = ("exercises/src/answers.md", "## fill_in\n\nA draft.\n");
+    let handed_in = ("exercises/answers.md", "## fill_in\n\nFour of them.\n");
+    for files in [vec![program, draft, handed_in], vec![draft, handed_in]] {
+        let taken = taken(&files);
+        assert_eq!(taken.words["fill_in"], "Four of them.");
+        assert!(taken.unread, "the draft is told");
+        let told = "the answers in words of `exercises/src/answers.md` are not read: ";
+        assert!(taken.notices.iter().any(|it| it.starts_with(told)), "{:?}", taken.notices);
+    }
+}
+
+#[test]
+fn words_in_a_file_of_another_name_or_place_are_told_and_open() {
+    let program = ("exercises/src/fill_in.rs", FILL_IN);
+    let words = "## fill_in\n\nFour of them.\n";
+    for place in
+        ["exercises/answers (1).md", "docs/answers.md", "docs/a/answers_final.md", "ANSWERS.md"]
+    {
+        for (text, unread) in [(words, true), ("## fill_in\n", false)] {
+            let taken = taken(&[program, (place, text)]);
+            assert_eq!(taken.unread, unread, "{place}");
+            let told = taken.notices.iter().any(|it| it.contains(&format!("`{place}`")));
+            assert_eq!(told, unread, "{:?}", taken.notices);
+        }
+    }
+    for place in ["target/answers.md", "vendor/x/answers.md", ".git/answers.md", "notes/answer.md"]
+    {
+        assert!(!taken(&[program, (place, words)]).unread, "{place}");
+    }
+}
+
+/// The file of the questions, each with a sentence below its heading, which is written in another way.
+fn answered(heading: impl Fn(&str) -> String) -> String {
+    let questions =
+        fs::read_to_string(grader::repository().join("exercises/answers.md")).expect("questions");
+    let line = |line: &str| match line.strip_prefix("## ") {
+        Some(slug) => format!("{}\n\nIt stays.\n", heading(slug)),
+        None => format!("{line}\n"),
+    };
+    questions.lines().map(line).collect()
+}
+
+#[test]
+fn words_below_headings_that_name_no_question_are_no_zero() {
+    let of = |text: &str| taken(&[("exercises/answers.md", text)]);
+    let headings: [fn(&str) -> String; 5] = [
+        |slug| format!("## 1. {slug}"),
+        |slug| format!("## Question {slug}"),
+        |slug| format!("### {slug}"),
+        |slug| format!("{slug}\n-------"),
+        |_| String::new(),
+    ];
+    for heading in headings {
+        let text = answered(heading);
+        let taken = of(&text);
+        assert!(taken.words.is_empty() && taken.unread, "{text}");
+        let told = taken.notices.iter().filter(|it| it.contains("below no heading of a question"));
+        assert_eq!(told.count(), 1, "{:?}", taken.notices);
+        let unread = of(&text.replace("It stays.", "")).unread;
+        assert_eq!(unread, text.contains("-------"), "without a word below: {text}");
+    }
+    let one = answered(|slug| match slug {
+        "manifold" => "## 2. manifold".to_owned(),
+        _ => format!("## {slug}"),
+    });
+    let taken = of(&one);
+    assert!(taken.unread && taken.notices.iter().any(|it| it.contains("`## 2. manifold`")));
+}
+
+#[test]
+fn what_was_handed_out_is_nobodys_answer() {
+    let kept = answered(|slug| format!("## {slug}"));
+    let former = kept[kept.find("## ").expect("a heading")..].to_owned();
+    let former =
+        format!("Write below each question. Nobody but a person reads this file.\n\n{former}");
+    for text in [kept.clone(), format!("\u{feff}{kept}"), former, format!("# Ada\n\n---\n{kept}")] {
+        let taken = taken(&[("exercises/answers.md", &text)]);
+        assert_eq!((taken.words["bearing"].as_str(), taken.unread), ("It stays.", false), "{text}");
+    }
+    let bare = taken(&[("answers.md", "\u{feff}## bearing\n\nOf sixty.\n")]);
+    assert_eq!(bare.words["bearing"], "Of sixty.");
+}
+
+#[test]
 fn words_without_a_program_are_found_in_nested_folders() {
     let text = "## fill_in\n\nFour of them.\n";
     for place in

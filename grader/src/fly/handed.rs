@@ -12,6 +12,7 @@ use crate::submission::{Opened, is_there, nested};
 const FILES: Wanted = Wanted {
     name: |name| [DECLARATION, TEXT, TRAJECTORY, COVARIANCE].contains(&name),
     answer: |_| true,
+    text: |name| name == TEXT,
     largest: LARGEST,
     most: 4 * FLIGHTS,
 };
@@ -35,18 +36,31 @@ impl Handed {
         answer_in(self.0.root())
     }
 
-    /// The text for a person, if there is one.
-    ///
-    /// # Errors
-    ///
-    /// Why it cannot be read.
-    pub fn text(&self) -> Result<Option<String>, String> {
-        nested(self.0.root()).find_map(|folder| written(&folder).transpose()).transpose()
+    /// The text for a person: that beside the answer, or around the archive that this lay in. And why there may be
+    /// another one, which nobody has read.
+    pub fn text(&self) -> (Option<String>, Vec<String>) {
+        let (mut text, mut unread) = (None, Vec::new());
+        for root in self.0.roots() {
+            match nested(root).find_map(|folder| written(&folder).transpose()).transpose() {
+                Ok(found) if text.is_none() => text = found,
+                Ok(found) if found.is_some() && found != text => unread.push(format!(
+                    "there is another `{TEXT}` beside the archive, which is not read: hand in one"
+                )),
+                Ok(_) => {}
+                Err(why) => unread.push(why),
+            }
+        }
+        (text, unread)
+    }
+
+    /// Whether there may be a text that nobody has read, as a notice says.
+    pub fn unread(&self) -> bool {
+        self.0.text_left || !self.text().1.is_empty()
     }
 
     /// What was left out and costs nothing.
     pub fn notices(&self) -> Vec<String> {
-        self.0.notices.iter().cloned().chain(self.text().err()).collect()
+        self.0.notices.iter().cloned().chain(self.text().1).collect()
     }
 }
 

@@ -135,9 +135,9 @@ impl Judging for Pilot {
     }
 
     fn collected(&self, submission: &Submission) -> Result<Collected, String> {
-        let text = Handed::find(&submission.path)?.text()?;
-        let words = text.map(|text| (GRADED_FLIGHT.slug, text)).into_iter().collect();
-        Ok(Collected { words, ..Collected::default() })
+        let handed = Handed::find(&submission.path)?;
+        let words = handed.text().0.map(|text| (GRADED_FLIGHT.slug, text)).into_iter().collect();
+        Ok(Collected { words, unread: handed.unread(), ..Collected::default() })
     }
 
     fn grade(&self, submission: &Submission, student: Option<String>) -> Grade {
