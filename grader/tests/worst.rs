@@ -21,7 +21,7 @@ use grader::grade::{Batch, Outcome};
 /// Megabytes that the grader is told it may use.
 const MEMORY: &str = "1200";
 const COUNT: usize = 20;
-const MOST: Duration = Duration::from_secs(600);
+const MOST: Duration = Duration::from_secs(720);
 
 /// What an answer can do to hold a batch up.
 const KINDS: [fn(&str) -> String; 7] = [leaps, fills, asks, loops, counts, doubles, grows];
