@@ -136,16 +136,13 @@ impl RadialTangential {
         error: &Vector2<f64>,
         distorted: &Vector2<f64>,
     ) -> Option<(Vector2<f64>, Vector2<f64>)> {
-        let mut step = self.jacobian(ideal).try_inverse()? * error;
-        for _ in 0..MAX_HALVINGS {
-            let next = ideal + step;
-            let left = self.shown(&next).map(|(shown, _)| distorted - shown);
-            if let Some(next_error) = left.filter(|left| left.norm() < error.norm()) {
-                return Some((next, next_error));
-            }
-            step *= 0.5;
-        }
-        None
+        let step = self.jacobian(ideal).try_inverse()? * error;
+        (0..MAX_HALVINGS).find_map(|halvings| {
+            let next = ideal + 0.5_f64.powi(halvings) * step;
+            let (shown, _) = self.shown(&next)?;
+            let left = distorted - shown;
+            (left.norm() < error.norm()).then_some((next, left))
+        })
     }
 
     /// Where the lens shows an ideal point, with the Jacobian, if the radius is below the fold and the
@@ -171,7 +168,7 @@ impl RadialTangential {
 /// Newton needs four or five; a point near the fold up to some dozens.
 const MAX_ITERATIONS: usize = 100;
 /// After so many halvings a step is lost in rounding.
-const MAX_HALVINGS: usize = 60;
+const MAX_HALVINGS: i32 = 60;
 /// The error that evaluating the polynomial leaves, relative to the points.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
