@@ -224,8 +224,9 @@ fn by_person(sheet: &Sheet, collection: &Collection) -> String {
 /// The first of some names, and how many more there are.
 fn some(names: &[String]) -> String {
     const NAMED: usize = 20;
+    const LONGEST: usize = 40;
     let mut shown: Vec<String> =
-        names.iter().take(NAMED).map(|name| harmless_line(name, 2 * NAMED)).collect();
+        names.iter().take(NAMED).map(|name| harmless_line(name, LONGEST)).collect();
     if let Some(more) = names.len().checked_sub(NAMED).filter(|more| *more > 0) {
         shown.push(format!("and {more} more"));
     }
