@@ -104,15 +104,13 @@ impl Told {
 
     pub fn rows(&self) -> Vec<Row> {
         let first = self.centre(0.0);
-        let row = |&seconds: &f64| {
-            Row {
-                seconds,
-                moved: (self.centre(seconds) - first) / self.scale,
-                forces: self.forces(seconds),
-                // More bias in the readings is less that is taken off them.
-                by_bias: -Self::twice_summed(seconds, |t| self.rotation(t).into_inner()),
-                swung: self.rotation(seconds) * self.lever - self.rotation(0.0) * self.lever,
-            }
+        let row = |&seconds: &f64| Row {
+            seconds,
+            moved: (self.centre(seconds) - first) / self.scale,
+            forces: self.forces(seconds),
+            // More bias in the readings is less that is taken off them.
+            by_bias: -Self::twice_summed(seconds, |t| self.rotation(t).into_inner()),
+            swung: self.rotation(seconds) * self.lever - self.rotation(0.0) * self.lever,
         };
         self.times[1..].iter().map(row).collect()
     }

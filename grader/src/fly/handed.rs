@@ -19,7 +19,11 @@ const FILES: Wanted = Wanted {
 
 /// What was handed in. What was unpacked for it goes with it.
 #[derive(Debug)]
-pub struct Handed(Opened);
+pub struct Handed {
+    opened: Opened,
+    /// The text for a person, and why there may be another one.
+    text: (Option<String>, Vec<String>),
+}
 
 impl Handed {
     /// Opens a folder, a ZIP file, or one in a folder without an answer.
@@ -28,40 +32,46 @@ impl Handed {
     ///
     /// As [`Opened::of`].
     pub fn find(path: &Path) -> Result<Self, String> {
-        Opened::of(path, &FILES, has_flights).map(Self)
+        let opened = Opened::of(path, &FILES, has_flights)?;
+        let text = text_of(&opened);
+        Ok(Self { opened, text })
     }
 
     /// The folder of the answer, if there is one.
     pub fn folder(&self) -> Option<PathBuf> {
-        answer_in(self.0.root())
+        answer_in(self.opened.root())
     }
 
     /// The text for a person: that beside the answer, or around the archive that this lay in. And why there may be
     /// another one, which nobody has read.
     pub fn text(&self) -> (Option<String>, Vec<String>) {
-        let (mut text, mut unread) = (None, Vec::new());
-        for root in self.0.roots() {
-            match nested(root).find_map(|folder| written(&folder).transpose()).transpose() {
-                Ok(found) if text.is_none() => text = found,
-                Ok(found) if found.is_some() && found != text => unread.push(format!(
-                    "there is another `{TEXT}` beside the archive, which is not read: hand in one"
-                )),
-                Ok(_) => {}
-                Err(why) => unread.push(why),
-            }
-        }
-        (text, unread)
+        self.text.clone()
     }
 
     /// Whether there may be a text that nobody has read, as a notice says.
     pub fn unread(&self) -> bool {
-        self.0.text_left || !self.text().1.is_empty()
+        self.opened.text_left || !self.text.1.is_empty()
     }
 
     /// What was left out and costs nothing.
     pub fn notices(&self) -> Vec<String> {
-        self.0.notices.iter().cloned().chain(self.text().1).collect()
+        self.opened.notices.iter().chain(&self.text.1).cloned().collect()
     }
+}
+
+fn text_of(opened: &Opened) -> (Option<String>, Vec<String>) {
+    let (mut text, mut unread) = (None, Vec::new());
+    for root in opened.roots() {
+        match nested(root).find_map(|folder| written(&folder).transpose()).transpose() {
+            Ok(found) if text.is_none() => text = found,
+            Ok(found) if found.is_some() && found != text => unread.push(format!(
+                "there is another `{TEXT}` beside the archive, which is not read: hand in one"
+            )),
+            Ok(_) => {}
+            Err(why) => unread.push(why),
+        }
+    }
+    (text, unread)
 }
 
 /// Whether something of an answer to flights lies in a folder.
