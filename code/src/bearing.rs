@@ -43,7 +43,7 @@ pub fn pixel_of_direction(camera: &Pinhole, direction: &Vector3<f64>) -> Option<
 
 // ANCHOR: infinite_homography
 /// Where the infinite homography K R K⁻¹ takes a pixel: where it goes when the camera turns about
-/// its own centre [@hartley2004]. `None` when it turns out of sight.
+/// its own centre [@hartley2004]. `None` when it turns behind the camera.
 ///
 /// `second_from_first` takes directions in the camera before the turn to the camera
 /// after it. Implements {eq:rotation-blind}, which holds at every depth.

@@ -167,7 +167,7 @@ pub fn left_jacobian_inverse_derivative(phi: &Vector3<f64>, rho: &Vector3<f64>) 
 }
 
 // ANCHOR: retract
-/// The rotation moved by a rotation vector in its own, rotated frame: R exp(φ).
+/// The rotation, moved in the frame from which it takes coordinates: R exp(φ).
 /// See {eq:retract}.
 pub fn retract(rotation: &Rotation3<f64>, phi: &Vector3<f64>) -> Rotation3<f64> {
     rotation * exp(phi)
