@@ -16,7 +16,7 @@ pub const SIGMA: f64 = 1.0;
 /// Metres from the first camera to the second.
 pub const BASELINE: f64 = 0.5;
 /// The largest angle of the turn between them, in degrees.
-pub const TURN: f64 = 10.0;
+const TURN: f64 = 10.0;
 /// Depths of the points in metres.
 pub const DEPTHS: [f64; 2] = [2.0, 8.0];
 

@@ -6,7 +6,7 @@ use vislam::robust_two_view::{
 };
 use vislam::two_views::relative_pose;
 
-use super::scenes::{BASELINE, SIGMA, Scene, TURN, World};
+use super::scenes::{BASELINE, SIGMA, Scene, World};
 use crate::chapter::Chapter;
 use crate::random::Random;
 
@@ -33,7 +33,6 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("wrong_percent", 100.0 * WRONG as f64 / (RIGHT + WRONG) as f64, "%", 0);
     chapter.number("noise_px", SIGMA, "px", 0);
     chapter.number("baseline_m", BASELINE, "m", 1);
-    chapter.number("turn_degrees", TURN, "°", 0);
     let off = fitting_all(&scene).map_or(f64::NAN, |motion| scene.degrees_off(&motion));
     chapter.number("all_off", off, "°", 0);
     chapter.number("found_off", scene.degrees_off(&found.estimate), "°", 2);
