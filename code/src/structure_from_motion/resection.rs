@@ -13,6 +13,8 @@ use crate::robust_two_view::least_vector;
 
 /// The unknowns of the linear method, and what each point says of them.
 const ENTRIES: usize = 12;
+/// What less decides between two rotations is rounding.
+const UNDECIDED: f64 = 1e-9;
 
 // ANCHOR: linear_pose
 /// The pose `camera_from_world` from six points or more, by the direct linear transform
@@ -20,8 +22,8 @@ const ENTRIES: usize = 12;
 ///
 /// # Errors
 ///
-/// [`ResectionError`], among others for points in one plane, which leave the twelve entries of the
-/// linear method open.
+/// [`ResectionError`], among others for points that are all, or all but one, in a plane: they leave the
+/// twelve entries of the linear method open, or have it find a matrix that is no rotation.
 pub fn linear_pose(
     camera: &Pinhole,
     points: &[Vector3<f64>],
@@ -47,7 +49,8 @@ pub fn linear_pose(
     let matrix = Matrix3::from_rows(&[row(0), row(1), row(2)]);
     let shift = Vector3::new(entries[3], entries[7], entries[11]);
     let scale = matrix.determinant().cbrt();
-    let rotation = rotation_towards(&(matrix / scale), 0.0).ok_or(ResectionError::Degenerate)?;
+    let turn = matrix.unscale(scale.signum() * matrix.norm());
+    let rotation = rotation_towards(&turn, UNDECIDED).ok_or(ResectionError::Degenerate)?;
     let translation = shift * (size / scale) - rotation * centre;
     Ok(Isometry3::from_parts(translation.into(), rotation.into()))
 }

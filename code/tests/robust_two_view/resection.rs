@@ -68,7 +68,7 @@ fn three_points_that_leave_the_pose_open_are_refused_by_name() {
 }
 
 #[test]
-fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane() {
+fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane_with_or_without_another_point() {
     let mut random = random(52);
     for _ in 0..100 {
         let (pose, points, pixels) = seen(&mut random, 8);
@@ -79,6 +79,12 @@ fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane() {
     points.iter_mut().for_each(|point| *point = Vector3::new(point.x, point.y, 5.0));
     let pixels: Vec<_> = points.iter().map(|p| CAMERA.project_cam(p).unwrap()).collect();
     assert_eq!(linear_pose(&CAMERA, &points, &pixels), Err(ResectionError::Degenerate));
+    points[0].z = 3.0;
+    for _ in 0..100 {
+        let pixel = |p| CAMERA.project_cam(p).unwrap() + Vector2::from_fn(|_, _| normal(&mut random));
+        let noisy: Vec<_> = points.iter().map(pixel).collect();
+        assert_eq!(linear_pose(&CAMERA, &points, &noisy), Err(ResectionError::Degenerate));
+    }
     let refused = linear_pose(&CAMERA, &points[..5], &pixels[..5]);
     assert_eq!(refused, Err(ResectionError::TooFew { count: 5, needed: 6 }));
     let refused = linear_pose(&CAMERA, &points, &pixels[..5]);

@@ -127,14 +127,14 @@ fn size(chapter: &mut Chapter) {
     shares(chapter, used as f64 / seen.len() as f64);
 }
 
-/// Which part of the time of a picture with forty tracks is spent on what, so many tracks being due in it.
-fn shares(chapter: &mut Chapter, due: f64) {
+/// Which part of the time of a picture with forty tracks is spent on what, so many tracks being used in it.
+fn shares(chapter: &mut Chapter, used: f64) {
     let of = |name| accepted("msckf_cost", name);
     let share = |time: f64| 100.0 * time / of("features_40");
-    chapter.number("tracks_due", due, "", 1);
+    chapter.number("tracks_used", used, "", 1);
     chapter.number("share_carried", share(of("readings") + of("clone")), "%", 0);
     let each = of("landmark") + of("linearize") + of("project");
-    chapter.number("share_tracks", share(due * each), "%", 0);
+    chapter.number("share_tracks", share(used * each), "%", 0);
     chapter.number("share_correct", share(of("correct")), "%", 0);
     chapter.number("length_ratio", of("length_20") / of("length_11"), "", 1);
 }

@@ -45,7 +45,9 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("resection-covariance", resection_covariance, covariance, &mutants);
     let scene = Scene::new(&mut Random::new(7), 30, 1.0);
-    let covariance = covariance(&scene);
+    // Written in the camera's coordinates, the twist's translation is that of the camera's centre.
+    let adjoint = se3::adjoint(&scene.pose);
+    let covariance = adjoint * covariance(&scene) * adjoint.transpose();
     let sigma = |first: usize| (covariance.fixed_view::<3, 3>(first, first).trace() / 3.0).sqrt();
     chapter.number("resected_place", 100.0 * sigma(0), "cm", 1);
     chapter.number("resected_turn", 1e3 * sigma(3), "mrad", 1);
