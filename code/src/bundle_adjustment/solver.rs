@@ -168,7 +168,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         rows
     }
 
-    /// The memory that the solver holds, in bytes. It takes all of it when it is made.
+    /// The memory of the linear system and of the state, in bytes, beside the observations. The solver takes
+    /// all of it when it is made.
     pub fn bytes(&self) -> usize {
         let cameras = size_of::<C>() * self.assembly.cameras.len();
         let points = size_of::<Vector3<f64>>() * self.assembly.points.len();

@@ -11,7 +11,7 @@ pub type Block<const D: usize> = [[f64; D]; D];
 /// Adds to the upper left part of a block the product L Rᵀ of two matrices with N and M rows, given
 /// column by column, times a sign.
 ///
-/// Nearly all of the arithmetic of bundle adjustment happens here: three columns for a
+/// Nearly all of the arithmetic of bundle adjustment happens here: two columns for a
 /// pair of cameras that share a point, D and more in the factorization. The compiler
 /// keeps three columns of the block in vector registers while it goes through L and R.
 /// They are taken a third of the block apart, because it would tangle neighbours.

@@ -37,7 +37,7 @@ impl Kernel {
 // ANCHOR_END: kernel
 
 // ANCHOR: beyond
-/// Nearly all residuals lie within the threshold. What the others need is kept apart, or the
+/// Most residuals lie within the threshold. What the others need is kept apart, or the
 /// processor would compute root and quotient for all of them before it chooses.
 impl Kernel {
     /// The cost of a residual, from its squared norm.

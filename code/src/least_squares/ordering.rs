@@ -5,7 +5,7 @@ use std::mem::take;
 
 // ANCHOR: envelope
 /// For each row, at its new place, the first column in which something stands. Between it and the
-/// diagonal everything fills in.
+/// diagonal anything may fill in.
 pub fn envelope(neighbours: &[Vec<usize>], place: &[usize]) -> Vec<usize> {
     let mut first = vec![0; place.len()];
     for (row, neighbours) in neighbours.iter().enumerate() {

@@ -29,8 +29,8 @@ pub fn exhibits(chapter: &mut Chapter) {
     ];
     chapter.equation("elimination-products", elimination_products, products, &mutants);
     let (sights, longer) = (11.0, 110.0);
-    let schur = |sights: f64| products(3.0, 6.0 * sights);
-    // A pair is turned by four products.
+    // Both have six columns for the camera's place on the body. A pair is turned by four products.
+    let schur = |sights: f64| products(3.0, 6.0 * sights + 6.0);
     let turned = |sights: f64| 4.0 * rotations::counted(sights as usize) as f64;
     chapter.number("schur_11", schur(sights), "", 0);
     chapter.number("turned_11", turned(sights), "", 0);

@@ -20,7 +20,7 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("lean_level", 100.0 * GRAVITY.norm() * lean, "cm/s²", 1);
     chapter.number("scale_seconds", DURATION, "s", 0);
     let scaled = Matrix3::from_diagonal_element(1.0 + SCALE);
-    let leaning = Matrix3::new(1.0, -lean, lean, lean, 1.0, -lean, -lean, lean, 1.0);
+    let leaning = Matrix3::new(1.0, lean, lean, lean, 1.0, lean, lean, lean, 1.0);
     chapter.number("scale_eight_cm", 100.0 * drifted(&scaled), "cm", 0);
     chapter.number("lean_eight_cm", 100.0 * drifted(&leaning), "cm", 0);
 }
