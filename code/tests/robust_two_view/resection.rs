@@ -68,7 +68,7 @@ fn three_points_that_leave_the_pose_open_are_refused_by_name() {
 }
 
 #[test]
-fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane_with_or_without_another_point() {
+fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane_and_a_point() {
     let mut random = random(52);
     for _ in 0..100 {
         let (pose, points, pixels) = seen(&mut random, 8);
@@ -81,7 +81,8 @@ fn the_linear_pose_is_exact_without_noise_and_refuses_a_plane_with_or_without_an
     assert_eq!(linear_pose(&CAMERA, &points, &pixels), Err(ResectionError::Degenerate));
     points[0].z = 3.0;
     for _ in 0..100 {
-        let pixel = |p| CAMERA.project_cam(p).unwrap() + Vector2::from_fn(|_, _| normal(&mut random));
+        let pixel =
+            |p| CAMERA.project_cam(p).unwrap() + Vector2::from_fn(|_, _| normal(&mut random));
         let noisy: Vec<_> = points.iter().map(pixel).collect();
         assert_eq!(linear_pose(&CAMERA, &points, &noisy), Err(ResectionError::Degenerate));
     }
