@@ -19,7 +19,7 @@ impl Camera {
     }
 }
 
-/// A point in camera coordinates between two depths in metres, up to 35 degrees off the axis.
+/// A point in camera coordinates between two depths in metres, up to 45 degrees off the axis.
 pub fn point_in_view(draw: &mut Draw, nearest: f64, farthest: f64) -> Vector3<f64> {
     let depth = draw.uniform(nearest..farthest);
     depth * Vector3::new(draw.uniform(-0.7..0.7), draw.uniform(-0.7..0.7), 1.0)

@@ -122,7 +122,6 @@ impl Slide {
         Self { layout: Layout { keyframes, odometry, seen_by: seen_by.collect() }, departing: 0 }
     }
 
-    /// Whether the keyframes before and after the departing one share no landmark with it.
     /// Who is coupled with whom: one where there is a pair.
     fn table(&self, pairs: &[Pair]) -> DMatrix<f64> {
         let coupled = |a, b| pairs.contains(&(a, b)) || pairs.contains(&(b, a));
@@ -130,6 +129,7 @@ impl Slide {
         DMatrix::from_fn(keyframes, keyframes, |a, b| f64::from(coupled(a, b)))
     }
 
+    /// Whether the keyframes before and after the departing one share no landmark with it.
     fn has_met_some_by_odometry_alone(&self) -> bool {
         let near = |seen: &usize| seen.abs_diff(self.departing) == 1;
         let seen_by = &self.layout.seen_by;

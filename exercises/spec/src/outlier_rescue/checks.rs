@@ -187,7 +187,7 @@ impl Case {
         deviations / rms * direction
     }
 
-    /// Residuals at the start, predicted less measured, in pixels.
+    /// Residuals at a pose, predicted less measured, in pixels.
     fn residuals(&self, camera_from_world: &Isometry3<f64>) -> Vec<Vector2<f64>> {
         self.matches
             .iter()
