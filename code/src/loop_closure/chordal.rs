@@ -40,7 +40,7 @@ pub fn chordal_initialization(
 }
 // ANCHOR_END: chordal_initialization
 
-/// A matrix of this little is nearest to more than one rotation.
+/// Below this gap more than one rotation is nearest.
 const UNDECIDED: f64 = 1e-9;
 
 // ANCHOR: relaxed_rotations

@@ -47,8 +47,8 @@ impl Measurement {
     // ANCHOR: from_stereo
     /// The second of two poses as seen from the first one, by what a stereo camera saw of the same
     /// landmarks from both: column on the left, row, column on the right. The two poses and all
-    /// landmarks are estimated from these pixels alone, so that the measurement shares no error with any
-    /// odometry. It begins where both poses are the same, and wants them near each other.
+    /// landmarks are estimated from these pixels alone: an odometry that used them shares their
+/// errors. It begins where both poses are the same, and wants them near each other.
     ///
     /// # Errors
     ///
