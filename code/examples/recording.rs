@@ -7,8 +7,8 @@
 //!
 //! The first form takes readings as EuRoC has them and tracks with the columns of
 //! [`vislam::datasets::tracks`], the second one file as GTSAM's examples have it. Printed are
-//! readings and pictures with the span of their times, the longest pause between two and the
-//! lengths of the tracks. Of the second form it also holds the gyroscope against the tracks, for
+//! readings and pictures with the span of their times, the longest pause between two and how
+//! long tracks are on average. Of the second form it also holds the gyroscope against the tracks, for
 //! the stated pose of the camera and for its inverse: the smaller number has the right direction.
 
 use std::collections::BTreeMap;

@@ -72,7 +72,8 @@ pub fn parallax(
     let second_ray = point - second_centre;
     // Sine and cosine of the angle, both times the lengths of the two rays.
     let sine = first_ray.cross(&second_ray).norm();
-    let cosine = first_ray.dot(&second_ray);
+    // The scalar product with a ray of length zero may be −0, whose angle is π.
+    let cosine = first_ray.dot(&second_ray) + 0.0;
     sine.atan2(cosine)
 }
 // ANCHOR_END: parallax

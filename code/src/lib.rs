@@ -1,5 +1,6 @@
 //! The theory of the book *Visual-Inertial SLAM, Derived and Tested*, one module per
-//! chapter, and [`datasets`], where recorded data come from.
+//! chapter; and [`factors`], which several of them share, [`simulation`] and [`datasets`], where data
+//! come from.
 //!
 //! Lengths are in metres, angles in radians, image coordinates in pixels. A camera
 //! looks along its +z axis, x points to the right of the image and y down. A transform

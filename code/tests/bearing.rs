@@ -128,6 +128,7 @@ fn parallax_is_the_angle_at_the_point() {
     assert_abs_diff_eq!(parallax(&ahead, &origin, &right), 0.1_f64.atan(), epsilon = 1e-15);
     assert_eq!(parallax(&ahead, &origin, &origin), 0.0);
     assert_eq!(parallax(&origin, &origin, &right), 0.0);
+    assert_eq!(parallax(&origin, &origin, &Vector3::new(1.0, 1.0, 1.0)), 0.0);
 }
 
 #[test]

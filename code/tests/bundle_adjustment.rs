@@ -1233,3 +1233,33 @@ fn scenes_depend_on_their_seed_only() {
     assert_eq!(pixels(1), pixels(1));
     assert_ne!(pixels(1), pixels(2));
 }
+
+#[test]
+fn a_damping_that_is_none_is_refused() {
+    let problem = Scene::ring(8, 40, 1.0, 18).problem;
+    let solver = solver(&problem);
+    for damping in [-0.5, f64::NAN, f64::INFINITY, 1e305] {
+        let is_damping = |error: BaError| {
+            matches!(error, BaError::Solve(SolveError::Option { name: "damping", .. }))
+        };
+        assert!(solver.step(damping).is_err_and(is_damping));
+        assert!(solver.schur_complement(damping).is_err_and(is_damping));
+    }
+}
+
+#[test]
+fn a_far_point_that_is_lost_to_rounding_is_not_called_free() {
+    let intrinsics = Pinhole::new(500.0, 500.0, 320.0, 240.0).unwrap();
+    let cameras = [0.0, -1.0].map(|x| PosedPinhole {
+        intrinsics,
+        camera_from_world: Isometry3::translation(x, 0.0, 0.0),
+    });
+    let point = 1e8 * Vector3::new(0.3, 0.2, 1.0);
+    let mut problem = Ba::new(cameras.to_vec(), vec![point], vec![factor(0, 0), factor(1, 0)]);
+    problem.fixed.fill(true);
+    let solver = solver(&problem);
+    assert_eq!(solver.gauge_freedom().unwrap().count(), 0);
+    let lost = |error| matches!(error, BaError::Solve(SolveError::LostToRounding { .. }));
+    assert!(solver.step(0.0).is_err_and(lost));
+    assert_eq!(GaugeFreedom::default().to_string(), "nothing is free");
+}

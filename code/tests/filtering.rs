@@ -428,3 +428,44 @@ fn what_does_not_fit_is_refused_by_what_it_is() {
     assert_eq!(carry_root(&mut root, &number(1e200), &one), Err(CorrectionError::Covariance));
     assert_eq!(root, number(1e200));
 }
+
+#[test]
+fn what_a_problem_ties_is_not_tied_in_a_belief() {
+    let updated = |is_tied: bool| {
+        let (mut belief, mut problem) = (Belief::new(), Problem::new());
+        let [first, second] = [(); 2].map(|()| {
+            belief.add(Vector1::new(0.0), &DMatrix::identity(1, 1)).unwrap();
+            problem.add_variable(Vector1::new(0.0))
+        });
+        if is_tied {
+            problem.tie(second, first).unwrap();
+        }
+        let prior = Prior::near(first, Vector1::new(1.0), [1.0]);
+        problem.add_factor(prior, Kernel::Squared).unwrap();
+        belief.update(&problem, &UpdateOptions::default()).unwrap();
+        [first, second].map(|key| belief.values()[key].x)
+    };
+    assert_eq!(updated(true), updated(false));
+    assert_eq!(updated(true)[1], 0.0);
+}
+
+#[test]
+fn a_key_from_before_variables_were_dropped_carries_nothing_on() {
+    let mut belief = Belief::new();
+    let add = |size| DMatrix::identity(size, size);
+    belief.add(Vector3::zeros(), &add(3)).unwrap();
+    let state = belief.add(NavState::origin(), &add(9)).unwrap();
+    let bias = belief.add(ImuBias::default(), &add(6)).unwrap();
+    belief.add(Vector3::x(), &add(3)).unwrap();
+    belief.keep(&[1, 2, 3]).unwrap();
+    let before = belief.covariance().clone();
+    let transition = Transition {
+        state: NavState::origin(),
+        by_error: SMatrix::identity(),
+        noise: SMatrix::zeros(),
+    };
+    let refused = belief.carry_on((state, bias), &transition);
+    assert_eq!(refused, Err(TransitionError::NoSuchVariable));
+    assert_eq!(belief.covariance(), &before);
+    assert_eq!(belief.of(state), None);
+}

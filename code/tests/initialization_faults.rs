@@ -255,6 +255,11 @@ fn a_reading_that_is_no_number_is_refused() {
         assert_eq!(refused, refused_at);
         readings[50].sample.gyro.x = 0.0;
     }
+    // The one before is interpolated with it, and named in its place no more.
+    let mut readings = still.readings.clone();
+    readings[1].sample.gyro.x = f64::NAN;
+    let refused = at_rest(&sensors, &readings, &still.pictures, &options).unwrap_err();
+    assert_eq!(refused, NotAtRest::Reading { nanoseconds: readings[1].nanoseconds });
 }
 
 #[test]

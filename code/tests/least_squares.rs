@@ -20,8 +20,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vislam::factors::Prior;
 use vislam::least_squares::{
-    Factor, Kernel, Key, Method, Options, Problem, ProblemError, SolveError, Stop, Values,
-    WhiteningError, sqrt_information,
+    Factor, Kernel, Key, LandmarkElimination, Method, Options, Problem, ProblemError, SolveError,
+    Stop, Values, WhiteningError, sqrt_information,
 };
 use vislam::manifold::{se3, so3};
 
@@ -888,4 +888,38 @@ fn poses_and_points_are_variables_of_one_problem() {
     }
     assert_eq!(solution.values.of_kind::<Isometry3<f64>>().len(), 3);
     assert_eq!(solution.values.of_kind::<Vector3<f64>>().len(), 5);
+}
+
+#[test]
+fn a_search_that_begins_without_a_value_is_refused_by_every_linear_system() {
+    let (mut problem, _) = scalar(1.0, |x| Some((x, 1.0)));
+    let number = problem.add_variable(Vector1::new(-1.0));
+    problem.hold(number).unwrap();
+    let function = |x: f64| (x > 0.0).then(|| (x.ln(), 1.0 / x));
+    problem.add_factor(Scalar { number, function }, Kernel::Squared).unwrap();
+    let of_landmarks = |problem: &Problem| {
+        let system = LandmarkElimination::<1>::new::<Vector3<f64>>(problem)?;
+        problem.solve_with(system, &Options::default())
+    };
+    assert_eq!(of_landmarks(&problem).unwrap_err(), SolveError::Undefined { factor: 1 });
+    assert_eq!(
+        problem.solve(&Options::default()).unwrap_err(),
+        SolveError::Undefined { factor: 1 }
+    );
+
+    let (problem, _) = scalar(1.0, |_| Some((1.0, f64::NAN)));
+    assert_eq!(of_landmarks(&problem).unwrap_err(), SolveError::NotFinite { factor: 0 });
+}
+
+#[test]
+fn a_problem_that_landmarks_cannot_be_eliminated_from_is_refused_by_name() {
+    let mut problem = Problem::new();
+    let point = problem.add_variable(Vector2::<f64>::zeros());
+    let none = LandmarkElimination::<2>::new::<Vector3<f64>>(&problem);
+    assert_eq!(none.unwrap_err(), SolveError::NoFactors);
+    let prior =
+        Prior { variable: point, anchor: Vector2::x(), sqrt_information: Matrix2::identity() };
+    problem.add_factor(prior, Kernel::Squared).unwrap();
+    let flat = LandmarkElimination::<6>::new::<Vector2<f64>>(&problem);
+    assert_eq!(flat.unwrap_err(), SolveError::Block { variable: 0, found: 2, dimension: 6 });
 }

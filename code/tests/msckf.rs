@@ -486,6 +486,7 @@ fn what_comes_late_or_too_early_is_refused_and_nothing_is_lost() {
     assert!(matches!(filter.picture(&picture), Err(MsckfError::Readings(_))));
     (1..=21).for_each(|k| filter.reading(reading(5_000_000 * k)).unwrap());
     filter.picture(&picture).unwrap();
+    assert!(matches!(filter.picture(&picture), Err(MsckfError::Readings(_))));
     let earlier = Picture { nanoseconds: 50_000_000, features: Vec::new() };
     assert!(matches!(filter.picture(&earlier), Err(MsckfError::Readings(_))));
     let pixel = Vector2::new(f64::NAN, 0.0);
@@ -568,5 +569,19 @@ fn dust_in_a_column_loses_nothing() {
         let after = products(&rows);
         assert!(rows.len() <= 3, "{} rows", rows.len());
         assert!((before.0 - after.0).norm() < 1e-13 && (before.1 - after.1).norm() < 1e-13);
+    }
+}
+
+#[test]
+fn a_start_with_a_number_that_is_none_is_refused() {
+    let recording = flown(&flight(2.0), 8);
+    let options = MsckfOptions::of_flight(&recording.flight);
+    let good = start(&recording, 8);
+    let mut covariance = good.covariance;
+    covariance[(0, 12)] = f64::NAN;
+    let mut state = good.state;
+    state.velocity.x = f64::NAN;
+    for broken in [Start { covariance, ..good }, Start { state, ..good }] {
+        assert_eq!(Msckf::new(options.clone(), &broken).err(), Some(MsckfError::Start));
     }
 }

@@ -25,17 +25,22 @@ pub struct Said {
 impl Said {
     /// What the sums would say as a factor between the keyframes.
     pub fn by(sums: ImuPreintegrator) -> Self {
-        Self::of(&sums.build(X(0), V(0), B(0), X(1), V(1), B(1)))
+        Self::after(&SE3::identity(), sums)
+    }
+
+    /// The same of a body whose first pose is another one.
+    pub fn after(first: &SE3, sums: ImuPreintegrator) -> Self {
+        Self::of(first, &sums.build(X(0), V(0), B(0), X(1), V(1), B(1)))
     }
 
     // ANCHOR: said
     /// Steps to where the residual is zero. There the residual falls by one as the second state grows by one, so that
     /// the Jacobian that the solver gets is minus the matrix that whitens.
-    pub fn of(factor: &Factor) -> Self {
+    fn of(first: &SE3, factor: &Factor) -> Self {
         let mut second = (SE3::identity(), VectorVar3::identity(), ImuBias::identity());
         let mut jacobian = MatrixX::zeros(15, 15);
         for _ in 0..STEPS {
-            let linear = factor.linearize(&values(&second));
+            let linear = factor.linearize(&values(first, &second));
             for (block, column) in [(3, 0), (4, 6), (5, 9)] {
                 let block = linear.a.get_block(block);
                 jacobian.columns_mut(column, block.ncols()).copy_from(&block);
@@ -57,9 +62,9 @@ impl Said {
 
 const STEPS: usize = 8;
 
-fn values((pose, velocity, bias): &(SE3, VectorVar3, ImuBias)) -> Values {
+fn values(first: &SE3, (pose, velocity, bias): &(SE3, VectorVar3, ImuBias)) -> Values {
     let mut values = Values::new();
-    values.insert(X(0), SE3::identity());
+    values.insert(X(0), first.clone());
     values.insert(V(0), VectorVar3::identity());
     values.insert(B(0), ImuBias::identity());
     values.insert(X(1), pose.clone());

@@ -61,7 +61,7 @@ fn the_covariance_of_the_gyroscope_is_not_read_and_that_of_its_bias_stands_in_it
     let louder = ImuCovariance { cov_gyro: times(1.0), ..silent.clone() };
     assert_eq!(said(&scene, silent.clone()).covariance, said(&scene, louder).covariance);
 
-    // A variance of one reading, given as that of a step of the bias, makes the turn as uncertain as it should be.
+    // A variance of one reading, given as that of a step of the bias, makes the bias walk, and the turn with it.
     let per_reading = scene.noise.gyro.powi(2) / STEP;
     let instead = said(&scene, ImuCovariance { cov_gyro_bias: times(per_reading), ..silent });
     let of_walk = instead.covariance.fixed_view::<3, 3>(9, 9).trace() / 3.0;
@@ -161,6 +161,26 @@ fn the_covariance_of_the_turn_is_that_of_the_tangent_space() {
     assert!(least < 0.85 && most > 1.2, "from {least} to {most} times ours");
     let [least, most] = variances_in(&theirs, &in_tangent(&turn, &ours));
     assert!(least > 0.96 && most < 1.04, "from {least} to {most} times what is predicted");
+}
+
+#[test]
+fn the_covariance_of_velocity_and_position_does_not_turn_with_the_first_body() {
+    let scene = Scene::drawn(0);
+    let first = scene.known_state.world_from_body;
+    let pose = convert::pose(&Isometry3::from_parts(Vector3::zeros().into(), first.into()));
+    let sums = preintegrator(&scene.readings, &scene.known_bias, usual(&scene));
+    let theirs = Said::after(&pose, sums).covariance;
+    let [least, most] = variances_in(&theirs, &said(&scene, usual(&scene)).covariance);
+    assert!(least > 0.999 && most < 1.001, "from {least} to {most} times those of a level body");
+
+    let sums = scene.preintegrated().unwrap();
+    let ours = in_tangent(&sums.sums.deltas.rotation.scaled_axis(), &sums.covariance());
+    let mut in_world = Matrix15::identity();
+    for at in [3, 6] {
+        in_world.fixed_view_mut::<3, 3>(at, at).copy_from(first.matrix());
+    }
+    let [least, most] = variances_in(&theirs, &(in_world * ours * in_world.transpose()));
+    assert!(least < 0.6 && most > 1.7, "from {least} to {most} times ours in the world");
 }
 
 /// The least and the greatest variance that one covariance has where another has one.

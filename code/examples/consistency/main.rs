@@ -20,7 +20,8 @@
 //! and of its error, those of the standard deviation of the velocity along itself and of its error,
 //! and what the filter has claimed to learn about shifts of everything and about a turn about the
 //! vertical, as a part of what its rows would say if nothing cancelled. With `--batch`, the last line
-//! of each time is that of the minimum over all readings and pixels until then.
+//! of each time is that of the minimum over all readings and pixels until then: there the error is that of
+//! the last picture alone, and the time that of the whole batch.
 
 mod arguments;
 mod flown;

@@ -14,7 +14,7 @@ use super::read;
 /// The calibration that is taken where no other is named.
 const EUROC: &str = include_str!("euroc.toml");
 
-/// A picture this many seconds before a bound counts as on it: files have rounded times.
+/// A picture this many seconds outside the span counts as in it: files have rounded times.
 const ROUNDING: f64 = 1e-6;
 
 /// What was recorded, and by which sensors. There are readings, and pictures among them.

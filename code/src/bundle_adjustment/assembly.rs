@@ -13,9 +13,9 @@ use crate::reprojection::ReprojFactor;
 /// What does not take part in a solve. It stays as it is, and the cost does not count it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Dropped {
-    /// Observations whose point has no pixel at the start, because it lies behind the
-    /// camera or too near. Points that start in front stay there: a step that would take
-    /// one behind is rejected.
+    /// Observations whose point has no pixel at the start: it lies behind the camera, too near or
+    /// beyond what its lens shows, or the camera is not finite. A step after which a point that is used
+    /// has no pixel is rejected.
     pub without_pixel: usize,
     /// Observations of points that are seen only once: two equations for three unknowns.
     pub seen_once: usize,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 
 use super::{BaError, Camera, Solver};
-use crate::least_squares::{Covariance, LinearSystem, Singular, SolveError};
+use crate::least_squares::{Covariance, LinearSystem, SolveError};
 
 // ANCHOR: covariance
 /// Covariances of cameras and points, to first order, for noise of the standard deviations
@@ -12,7 +12,8 @@ use crate::least_squares::{Covariance, LinearSystem, Singular, SolveError};
 /// What is held has no covariance: all of it is relative to the gauge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaCovariance<const D: usize> {
-    /// The inverse of the Schur complement, all moving rigs at once: D rows for each of
+    /// The inverse of the Schur complement, or its pseudo-inverse from
+    /// [`Solver::minimal_norm_covariance`], all moving rigs at once: D rows for each of
     /// [`Solver::rows`].
     pub cameras: DMatrix<f64>,
     row_of: Vec<Option<usize>>,
@@ -46,7 +47,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     pub fn covariance(&self) -> Result<BaCovariance<D>, BaError> {
         let covariance = LinearSystem::covariance(&mut self.system(), self.problem(), self.at());
         Ok(self.sorted(&covariance.map_err(|error| match error {
-            SolveError::Singular(_) => self.explain(Singular::SchurComplement),
+            SolveError::Singular(_) => self.explain(),
             error => error.into(),
         })?))
     }
@@ -61,7 +62,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     pub fn minimal_norm_covariance(&self) -> Result<BaCovariance<D>, BaError> {
         let (inverse, _) = self.pseudo_inverse()?;
         let covariance = self.system().with_landmarks(self.problem(), inverse);
-        Ok(self.sorted(&covariance.map_err(|singular| self.explain(singular))?))
+        Ok(self.sorted(&covariance.map_err(|_| self.explain())?))
     }
 
     /// Camera by camera and point by point.

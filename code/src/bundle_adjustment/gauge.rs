@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{BaError, Camera, Solver, TrialStep};
-use crate::least_squares::{NullSpace, Singular};
+use crate::least_squares::NullSpace;
 
 // ANCHOR: gauge_freedom
 /// How many independent directions of each kind are free: moved along one of them, cameras
@@ -40,6 +40,9 @@ impl fmt::Display for GaugeFreedom {
         ];
         let names: Vec<&str> =
             kinds.iter().filter(|(count, _)| *count > 0).map(|(_, name)| *name).collect();
+        if names.is_empty() {
+            return f.write_str("nothing is free");
+        }
         let verb = if names.len() == 1 { "is" } else { "are" };
         let rigid = self.position + self.orientation > 0;
         let advice = match (rigid, self.scale > 0) {
@@ -147,7 +150,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let stiffness = along.max().max(f64::MIN_POSITIVE);
         let whole = &free * free.transpose();
         let Some(regular) = (matrix + stiffness * &whole).cholesky() else {
-            return Err(self.explain(Singular::SchurComplement));
+            return Err(self.explain());
         };
         Ok((regular.inverse() - whole / stiffness, rhs))
     }
@@ -165,17 +168,14 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let change = inverse * &rhs;
         let mut system = self.system();
         let eliminated = system.eliminate_all(0.0);
-        eliminated.map_err(|singular| self.explain(singular))?;
+        eliminated.map_err(|_| self.explain())?;
         let (step, predicted_decrease) = system.complete(self.problem(), &change, change.dot(&rhs));
         Ok(self.trial(&step, predicted_decrease))
     }
     // ANCHOR_END: minimal_norm
 
     /// The error that says what is free.
-    pub(super) fn explain(&self, singular: Singular) -> BaError {
-        if let Singular::Landmark(index) = singular {
-            return BaError::Ray { point: self.assembly.landmarks[index] };
-        }
+    pub(super) fn explain(&self) -> BaError {
         match self.free() {
             Ok(free) if free.nullity() == 0 => free.undetermined().into(),
             Ok(free) => BaError::RankDeficient { free: self.named(&free) },

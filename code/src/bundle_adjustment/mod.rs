@@ -37,8 +37,8 @@ pub struct TinyBa<C, const D: usize> {
     /// The observations, in any order.
     pub factors: Vec<ReprojFactor>,
     /// For each camera, whether it stays where it is. Pixels say nothing about where the
-    /// world lies, how it is turned and, to a single camera, how large it is: something
-    /// must be fixed. This is the gauge.
+    /// world lies, how it is turned and, to a single camera, how large it is: fix
+    /// something, or leave it to the damping. This is the gauge.
     pub fixed: Vec<bool>,
     /// For each camera, the rig it is mounted on. Cameras with the same number move by the
     /// same small vector, so what is between them never changes: a stereo camera is two
@@ -195,8 +195,8 @@ pub enum BaError {
         /// In which directions.
         free: GaugeFreedom,
     },
-    /// The solver refuses an option, a derivative is too large for a number, or it cannot be said
-    /// what is free.
+    /// The solver refuses an option, a derivative is too large for a number, a step of Gauss and Newton
+    /// is not determined, or it cannot be said what is free.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }

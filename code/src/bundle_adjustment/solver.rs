@@ -8,9 +8,15 @@ use super::assembly::Assembly;
 use super::{BaError, BaReport, Camera, TinyBa};
 use crate::factors::MovingCamera;
 use crate::least_squares::{
-    Iteration, LandmarkElimination, LinearSystem, Options, Point, Problem, Search, Singular,
-    SolveError, Stop, Values,
+    Iteration, LandmarkElimination, LinearSystem, Options, Point, Problem, Search, SolveError,
+    Stop, Values,
 };
+
+/// That a damping is one, and overflows nothing.
+fn check_damping(damping: f64) -> Result<(), BaError> {
+    let fits = (0.0..=1e12).contains(&damping);
+    fits.then_some(()).ok_or(BaError::Solve(SolveError::Option { name: "damping", value: damping }))
+}
 
 // ANCHOR: trial_step
 /// A step that was computed and not taken.
@@ -62,12 +68,11 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// With a damping of zero, [`BaError::RankDeficient`] or [`BaError::Ray`] when pixels
-    /// leave something free. [`BaError::Solve`] when the damping is negative or not finite.
+    /// With a damping of zero, or one lost in rounding, [`BaError::RankDeficient`] or [`BaError::Ray`]
+    /// when pixels leave something free. [`BaError::Solve`] when that cannot be said or is lost to
+    /// rounding, and when the damping is negative, not finite or above 1e12.
     pub fn step(&self, damping: f64) -> Result<TrialStep<D>, BaError> {
-        if !(damping >= 0.0 && damping.is_finite()) {
-            return Err(SolveError::Option { name: "damping", value: damping }.into());
-        }
+        check_damping(damping)?;
         let mut step = vec![0.0; self.values().dimension()];
         let mut system = self.system();
         let prediction = system.step(damping, &mut step);
@@ -76,11 +81,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         };
         match prediction.filter(is_clear) {
             Some(prediction) => Ok(self.trial(&step, prediction.predicted_decrease)),
-            None => {
-                // Once more, to learn what has no inverse.
-                let eliminated = system.eliminate_all(damping);
-                Err(self.explain(eliminated.err().unwrap_or(Singular::SchurComplement)))
-            }
+            None => Err(self.explain()),
         }
     }
 
@@ -103,13 +104,16 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     ///
     /// # Errors
     ///
-    /// [`BaError::Ray`] when a point is free, which needs a damping of zero.
+    /// [`BaError::Ray`] when a point is free and the damping is zero or lost in rounding.
+    /// [`BaError::Solve`] when the damping is negative, not finite or above 1e12, or when it cannot be
+    /// said what is free.
     pub fn schur_complement(&self, damping: f64) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
-        self.system().schur_complement(damping).map_err(|singular| self.explain(singular))
+        check_damping(damping)?;
+        self.system().schur_complement(damping).map_err(|_| self.explain())
     }
 
-    /// The variables and factors of which it is made: a camera that is fixed or sees nothing, and a
-    /// point that is not adjusted, are held, and cameras on one rig are tied.
+    /// The variables and factors of which it is made: a camera that is fixed, or of whose rig none
+    /// sees anything, and a point that is not adjusted, are held, and cameras on one rig are tied.
     pub fn problem(&self) -> &Problem {
         &self.assembly.problem
     }

@@ -223,7 +223,8 @@ impl Chart {
         (before, after): (&Values, &Values),
         body: Key<NavState>,
     ) -> Option<Transport> {
-        self.frames(after, body).undone_after(&self.frames(before, body)).map(Transport)
+        let tied = self.frames(after, body).undone_after(&self.frames(before, body))?;
+        tied.is_finite().then_some(Transport(tied))
     }
     // ANCHOR_END: transport
 }
@@ -249,6 +250,14 @@ struct Tied {
 }
 
 impl Tied {
+    fn is_finite(&self) -> bool {
+        fn all<const D: usize>(frames: &[(usize, Frame<D>)]) -> bool {
+            let entries = |frame: &Frame<D>| frame.own.sum() + frame.by_body.sum();
+            frames.iter().all(|(_, frame)| entries(frame).is_finite())
+        }
+        self.body.1.sum().is_finite() && all(&self.poses) && all(&self.landmarks)
+    }
+
     // ANCHOR: tied_undone
     /// This matrix, undone, after another one of the same variables.
     fn undone_after(&self, before: &Self) -> Option<Self> {

@@ -11,6 +11,9 @@ pub fn constrained(
     free: &DMatrix<f64>,
     wanted: &DMatrix<f64>,
 ) -> Option<DMatrix<f64>> {
+    if free.ncols() == 0 {
+        return Some(rows.clone());
+    }
     // With columns of length one, a small pivot is a direction that the others make up.
     let lengths: Vec<f64> = free.column_iter().map(|column| column.norm()).collect();
     let scaled = |matrix: &DMatrix<f64>| {

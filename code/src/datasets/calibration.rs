@@ -66,7 +66,7 @@ const ROUNDING: f64 = 1e-3;
 ///
 /// # Errors
 ///
-/// [`CalibrationError`] tells the first line that is not as it should be, or what is missing.
+/// [`CalibrationError`] tells a line that is not as it should be, or what is missing.
 pub fn read_calibration(text: &str) -> Result<Sensors, CalibrationError> {
     let said = Said::read(text)?;
     let [fx, fy, cx, cy] =

@@ -58,7 +58,7 @@ const GROUND_TRUTH: [Header; 2] = [
 ///
 /// # Errors
 ///
-/// [`TableError`] tells the first line that is not as it should be.
+/// [`TableError`] tells a line that is not as it should be.
 pub fn read_imu(text: &str) -> Result<Vec<StampedSample>, TableError> {
     let mut samples = Vec::new();
     for row in table::rows(text, &IMU)? {
@@ -88,7 +88,7 @@ pub(super) fn reading(
 ///
 /// # Errors
 ///
-/// [`TableError`] tells the first line that is not as it should be.
+/// [`TableError`] tells a line that is not as it should be.
 pub fn read_ground_truth(text: &str) -> Result<Vec<GroundTruth>, TableError> {
     let mut states: Vec<GroundTruth> = Vec::new();
     for row in table::rows(text, &GROUND_TRUTH)? {

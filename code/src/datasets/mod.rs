@@ -2,7 +2,7 @@
 //! graphs in text files.
 //!
 //! Text goes in and values come out. Nothing here opens a file, so whoever does adds its name to
-//! the error, which says line, column and what to do. Times are integers of nanoseconds.
+//! the error, which says the line, in tables the column, and what is wrong. Times are integers of nanoseconds.
 
 pub mod bal;
 pub mod calibration;

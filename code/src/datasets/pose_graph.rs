@@ -49,7 +49,7 @@ pub struct PoseGraphFile<P: GraphPose<D>, const D: usize> {
 ///
 /// # Errors
 ///
-/// [`PoseGraphError`] tells the first line that is not as it should be.
+/// [`PoseGraphError`] tells a line that is not as it should be.
 pub fn read_pose_graph(text: &str) -> Result<PoseGraphFile<Isometry3<f64>, 6>, PoseGraphError> {
     read(text, |fields| match fields.tag {
         "VERTEX_SE3:QUAT" => fields.vertex(Fields::quaternion_pose),
@@ -64,7 +64,7 @@ pub fn read_pose_graph(text: &str) -> Result<PoseGraphFile<Isometry3<f64>, 6>, P
 ///
 /// # Errors
 ///
-/// [`PoseGraphError`] tells the first line that is not as it should be.
+/// [`PoseGraphError`] tells a line that is not as it should be.
 pub fn read_planar_graph(text: &str) -> Result<PoseGraphFile<Isometry2<f64>, 3>, PoseGraphError> {
     read(text, |fields| match fields.tag {
         "VERTEX_SE2" | "VERTEX2" => fields.vertex(Fields::planar_pose),

@@ -82,7 +82,7 @@ mod at {
 ///
 /// # Errors
 ///
-/// [`TableError`] tells the first line that is not as it should be, or what is missing.
+/// [`TableError`] tells a line that is not as it should be, or what is missing.
 pub fn read_recording(text: &str) -> Result<Recording, TableError> {
     let (mut samples, mut pictures, mut meta) = (Vec::new(), Vec::new(), Meta::default());
     for row in table::rows(text, &[HEADER])? {

@@ -39,7 +39,7 @@ const HEADERS: [Header; 2] =
 ///
 /// # Errors
 ///
-/// [`TableError`] tells the first line that is not as it should be.
+/// [`TableError`] tells a line that is not as it should be.
 pub fn read_tracks(text: &str) -> Result<Vec<Picture>, TableError> {
     let mut pictures = Vec::new();
     for row in table::rows(text, &HEADERS)? {

@@ -1,6 +1,6 @@
 //! What each measurement says of the variables that it depends on: the residual, prediction minus
-//! measurement in standard deviations, and its derivatives. One file a measurement, and the
-//! derivatives stand here and nowhere else.
+//! measurement in standard deviations, and its derivatives. One file a measurement. Derivatives
+//! of a camera's pixel and of preintegrated readings stand with those; all others stand here.
 
 mod anchor_change;
 mod anchored;

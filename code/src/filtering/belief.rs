@@ -93,6 +93,7 @@ impl Belief {
     /// [`BeliefError::NoSuchVariable`].
     pub fn clone_variable<V: Manifold>(&mut self, variable: Key<V>) -> Result<Key<V>, BeliefError> {
         let missing = || self.no_such(variable.index());
+        let variable = self.values.key::<V>(variable.index()).ok_or_else(missing)?;
         let value = self.values.get(variable).ok_or_else(missing)?.clone();
         let coordinates = self.values.coordinates_of(variable.index()).ok_or_else(missing)?;
         let own = coordinates.len();
@@ -105,6 +106,7 @@ impl Belief {
     // ANCHOR: keep
     /// Keeps some variables, by number and in this order, and drops the others. What is believed of
     /// those that stay does not change: the marginal of a Gaussian is a block of its covariance.
+    /// Keys from before name other variables then, or none: take new ones from [`Values::key`].
     ///
     /// # Errors
     ///
@@ -151,6 +153,10 @@ impl Belief {
     /// # Errors
     ///
     /// A [`CorrectionError`]; the belief then stays as it was.
+    ///
+    /// # Panics
+    ///
+    /// When the belief has no state with the key `body`.
     // ANCHOR: correct_on_chart
     pub fn correct_on_chart(
         &mut self,
@@ -179,8 +185,8 @@ impl Belief {
         &self.values
     }
 
-    /// Gives a variable another estimate, and leaves the covariance. False, and nothing happens,
-    /// when the key is that of other values.
+    /// Gives a variable another estimate, and leaves the covariance. False, and nothing happens, when
+    /// there is none of its kind and place, or of another dimension: see [`Values::set`].
     pub fn set<V: Manifold>(&mut self, variable: Key<V>, value: V) -> bool {
         self.values.set(variable, value)
     }
@@ -190,9 +196,11 @@ impl Belief {
         &self.covariance
     }
 
-    /// The covariance of the error of one variable, or `None` when there is no such variable.
+    /// The covariance of the error of one variable, or `None` when the variable of that number is of
+    /// another kind or does not exist.
     pub fn of<V: Manifold>(&self, variable: Key<V>) -> Option<DMatrix<f64>> {
-        let own = self.values.coordinates_of(variable.index())?;
+        let known = self.values.key::<V>(variable.index())?;
+        let own = self.values.coordinates_of(known.index())?;
         Some(self.covariance.view_range(own.clone(), own).into_owned())
     }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// same as the square of what [`correct_root`] makes of its root.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// P − W ᵀW, for W = L⁻¹ H P and S = L Lᵀ: the fewest operations, and symmetric. A difference,
+    /// P − Wᵀ W, for W = L⁻¹ H P and S = L Lᵀ: the fewest operations, and symmetric. A difference,
     /// it can lose all digits, and then its sign.
     #[default]
     Difference,
@@ -192,7 +192,7 @@ pub enum CorrectionError {
     /// Jacobian, residual and covariance do not belong together.
     #[error(
         "a Jacobian of {rows} rows and {columns} columns does not fit {residual} residuals and a \
-         covariance of {dimension} rows"
+         square covariance of {dimension} rows"
     )]
     Sizes {
         /// Rows of the Jacobian.
@@ -205,15 +205,18 @@ pub enum CorrectionError {
         dimension: usize,
     },
     /// A row has a number that is not finite.
-    #[error("row {row} of the measurement has a number that is not finite; leave it out")]
+    #[error(
+        "row {row} of the measurement, of the transition or of its noise has a number that is not finite; \
+         leave the measurement out, or mend the number"
+    )]
     NotFinite {
         /// The row, counted from zero.
         row: usize,
     },
     /// The covariance is none any more.
     #[error(
-        "the covariance is not positive definite; it has lost its digits, so correct its root, or \
-         begin with smaller variances"
+        "the covariance or its root is not positive definite or not finite; if it has lost its digits, \
+         correct a root instead, or begin with smaller variances"
     )]
     Covariance,
 }

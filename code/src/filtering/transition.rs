@@ -87,9 +87,8 @@ impl Belief {
         transition: &Transition,
     ) -> Result<(), TransitionError> {
         let (missing, values) = (TransitionError::NoSuchVariable, self.values());
-        if values.get(state).is_none() || values.get(bias).is_none() {
-            return Err(missing);
-        }
+        let named = (values.key::<NavState>(state.index()), values.key::<ImuBias>(bias.index()));
+        let (Some(state), Some(bias)) = named else { return Err(missing) };
         let own = |index| values.coordinates_of(index).ok_or(missing);
         let places: [usize; 15] = {
             let (state, bias) = (own(state.index())?, own(bias.index())?);
@@ -128,7 +127,9 @@ impl Belief {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransitionError {
     /// A derivative or a variance is not finite.
-    #[error("the transition is not finite; the state or the readings are too large")]
+    #[error(
+        "the transition is not finite; the state, the bias or gravity is NaN, or a number is too large"
+    )]
     NotFinite,
     /// A key is that of other variables.
     #[error("the state or its bias is not one of the variables; add them first")]

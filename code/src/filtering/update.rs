@@ -12,7 +12,8 @@ use crate::least_squares::{Problem, SolveError, Values};
 /// How a belief is updated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UpdateOptions {
-    /// How often, at most, the measurements are linearized. Once is the extended Kalman filter.
+    /// How often, at most, the measurements are linearized. Once is the extended Kalman filter;
+    /// zero counts as once.
     pub iterations: usize,
     /// The iteration ends when no coordinate moves by more than this part of its standard
     /// deviation.
@@ -73,7 +74,8 @@ impl Belief {
             let Correction { step, innovation: squared } =
                 correct(&mut covariance, &jacobian, &residual, options.form)?;
             let innovation = *innovation.get_or_insert(squared);
-            if let Some(limit) = options.gate.filter(|limit| innovation > *limit) {
+            if let Some(limit) = options.gate.filter(|limit| limit.is_nan() || innovation > *limit)
+            {
                 return Err(UpdateError::Gated { innovation, limit });
             }
             let step = moved.back(step);
@@ -131,14 +133,7 @@ impl Moved {
         measurements: &Problem,
         values: &Values,
     ) -> Result<(DMatrix<f64>, DVector<f64>), UpdateError> {
-        let (free, residual) = measurements.jacobian(values)?;
-        let columns = measurements.columns().of;
-        let mut jacobian = DMatrix::zeros(free.nrows(), columns.len());
-        for (into, column) in columns.iter().enumerate() {
-            if let Some(column) = column {
-                jacobian.set_column(into, &free.column(*column));
-            }
-        }
+        let (mut jacobian, residual) = measurements.jacobian_by_coordinates(values)?;
         for (coordinates, inverse) in &self.inverse {
             let own = jacobian.columns_range(coordinates.clone()) * inverse;
             jacobian.columns_range_mut(coordinates.clone()).copy_from(&own);

@@ -62,7 +62,7 @@ pub(super) fn gyro_bias(
             hessian += by_bias.tr_mul(&by_bias);
             gradient += by_bias.tr_mul(&linear.residual.fixed_rows::<3>(0));
         }
-        let step = hessian.cholesky().ok_or(AlignmentRefused::Cameras { found: 1 })?;
+        let step = hessian.cholesky().ok_or(AlignmentRefused::Undetermined)?;
         bias.gyro -= step.solve(&gradient);
     }
     Ok(bias.gyro)

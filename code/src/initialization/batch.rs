@@ -66,8 +66,8 @@ impl Batch {
     ///
     /// # Errors
     ///
-    /// A [`BatchError`] when there are fewer than two states or a guess is missing, or when the
-    /// readings do not reach from one state to the next.
+    /// A [`BatchError`] when there are fewer than two states or a guess is missing, when the readings do
+    /// not reach from one state to the next or cannot be summed up, or when they have no noise.
     pub fn by_rule(
         rule: Rule,
         sensors: &Sensors,
@@ -134,7 +134,8 @@ impl Batch {
     ///
     /// # Errors
     ///
-    /// [`BatchError::Sighting`] names a state that does not exist.
+    /// [`BatchError::Sighting`] names a state that does not exist, and [`BatchError::Problem`] refuses the
+    /// kernel.
     pub fn add_landmark(
         &mut self,
         track: usize,
@@ -222,8 +223,10 @@ impl Batch {
     ///
     /// # Errors
     ///
-    /// [`BatchError::Whitening`] when the covariance is none.
+    /// [`BatchError::State`] when there is no such state, and [`BatchError::Whitening`] when the covariance
+    /// is none.
     pub fn know_start(&mut self, state: usize, start: &Start) -> Result<(), BatchError> {
+        self.check_state(state)?;
         let root = sqrt_information(&start.covariance)?;
         let mut anchors = self.problem.values().clone();
         anchors.set(self.states[state], start.state);
@@ -240,8 +243,9 @@ impl Batch {
     ///
     /// # Errors
     ///
-    /// [`BatchError::Problem`].
+    /// [`BatchError::State`] when there is no such state, and [`BatchError::Problem`].
     pub fn stand_still(&mut self, state: usize, sigma: f64) -> Result<(), BatchError> {
+        self.check_state(state)?;
         let free = f64::INFINITY;
         let sigmas = [free, free, free, sigma, sigma, sigma, free, free, free];
         let anchor =
@@ -249,6 +253,11 @@ impl Batch {
         let prior = Prior::near(self.states[state], anchor, sigmas);
         self.problem.add_factor(prior, Kernel::Squared)?;
         Ok(())
+    }
+
+    fn check_state(&self, state: usize) -> Result<(), BatchError> {
+        let states = self.states.len();
+        (state < states).then_some(()).ok_or(BatchError::State { state, states })
     }
 
     /// By how many standard deviations a pixel is off; infinite behind the camera.

@@ -26,7 +26,8 @@ pub struct BeginOptions {
     pub stand: f64,
     /// Spans of pictures to try for a start in motion, in seconds.
     pub spans: Vec<f64>,
-    /// How many pictures of a span are used in a second, at most.
+    /// About how many pictures of a span are used in a second: up to a ninth more where they come a
+    /// little early.
     pub rate: f64,
 }
 
@@ -62,7 +63,8 @@ impl BeginOptions {
 pub struct Beginning {
     /// What is known of some of its pictures.
     pub known: Known,
-    /// Seconds from the first picture until it was known.
+    /// Seconds from the first picture to the last of which something is known; for a start in motion, to
+    /// the last with which it was looked for.
     pub seconds: f64,
     /// The standard deviation of the scale, as a part of it. A body that stands has none.
     pub scale_sigma: Option<f64>,
@@ -195,7 +197,7 @@ impl StartSearch {
         let seconds = |picture: usize| seconds_to(pictures, picture);
         let BeginOptions { ref spans, ref motion, rate, in_motion, .. } = self.options;
         let in_motion = in_motion?;
-        let end = seconds(pictures.len() - 1);
+        let end = seconds(pictures.len().checked_sub(1)?);
         let step = spans.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
         if end < self.tried + step {
             return None;
@@ -214,7 +216,7 @@ impl StartSearch {
                     let origin = (self.sensors.rig.imu_nanoseconds(first), found.first());
                     return Some(moving(&found, (last, start), origin, end));
                 }
-                Err(error) => self.last_error = Some(error),
+                Err(error) => self.last_error = Some(error.of_pictures(&chosen)),
             }
         }
         None
@@ -230,7 +232,7 @@ fn seconds_to(pictures: &[Picture], picture: usize) -> f64 {
     1e-9 * pictures[picture].nanoseconds.saturating_sub(pictures[0].nanoseconds) as f64
 }
 
-/// At most so many pictures of a range in a second, its last one among them.
+/// About so many pictures of a range in a second, its last one among them.
 fn thinned(pictures: &[Picture], range: Range<usize>, rate: f64) -> Vec<usize> {
     let gap = (1e9 / rate) as i64;
     let mut chosen: Vec<usize> = Vec::new();

@@ -33,6 +33,14 @@ pub enum BatchError {
         /// How many pictures there are.
         pictures: usize,
     },
+    /// A state does not exist.
+    #[error("there is no state {state} among {states}, counted from zero")]
+    State {
+        /// The number given.
+        state: usize,
+        /// How many there are.
+        states: usize,
+    },
     /// A landmark was seen from a state that does not exist.
     #[error("track {track} names state {state} of {states}, counted from zero; leave it out")]
     Sighting {
@@ -127,6 +135,19 @@ pub enum UniformMotion {
     ConstantVelocity,
     /// Its acceleration stayed the same.
     ConstantAcceleration,
+}
+
+impl NoStart {
+    /// The same, with the numbers that chosen pictures have among all.
+    pub(super) fn of_pictures(self, chosen: &[usize]) -> Self {
+        match self {
+            Self::Pictures(ReconstructionError::Keypoint { picture, keypoint }) => {
+                let picture = chosen.get(picture).copied().unwrap_or(picture);
+                Self::Pictures(ReconstructionError::Keypoint { picture, keypoint })
+            }
+            other => other,
+        }
+    }
 }
 
 impl fmt::Display for UniformMotion {

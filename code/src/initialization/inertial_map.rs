@@ -22,7 +22,7 @@ pub struct InertialMap {
     pub gravity_covariance: DMatrix<f64>,
     /// The bias, which holds for the whole motion.
     pub bias: ImuBias,
-    /// The states, in the coordinates of the motion and in metres.
+    /// The states, along the axes of the motion, in metres from its first centre.
     pub states: Vec<NavState>,
 }
 // ANCHOR_END: inertial_map

@@ -102,7 +102,8 @@ impl Started {
 
 /// Starts while the body moves: a motion up to scale from the pictures, what readings say of it
 /// linearly, the most likely inertial unknowns, and from there the batch of all. The world's third
-/// axis points up, its origin and heading are the first state's.
+/// axis points up, its origin is the first camera's centre, and its
+/// heading is by choice.
 ///
 /// # Errors
 ///

@@ -64,20 +64,29 @@ pub fn at_rest(
 ) -> Result<Start, NotAtRest> {
     let (first, last) = pictures_at_rest(sensors, pictures, options)?;
     let [from, to] = [first, last].map(|picture| sensors.rig.imu_nanoseconds(picture.nanoseconds));
-    let readings = between(readings, from, to)?;
-    if let Some(reading) = readings.iter().find(|reading| !reading.sample.is_finite()) {
-        return Err(NotAtRest::Reading { nanoseconds: reading.nanoseconds });
+    let between = between(readings, from, to)?;
+    if between.iter().any(|reading| !reading.sample.is_finite()) {
+        return Err(NotAtRest::Reading { nanoseconds: not_finite(readings, from) });
     }
-    let means = Means::of(sensors, &readings);
+    let means = Means::of(sensors, &between);
     let force = means.accelerometer.norm();
     let sigma = means.accelerometer_variance + options.accelerometer_bias.powi(2);
     let allowed = options.force * sigma.sqrt();
-    if (force - sensors.gravity).abs() > allowed {
+    let is_gravity = (force - sensors.gravity).abs() <= allowed;
+    if !is_gravity {
         return Err(NotAtRest::Force { force, gravity: sensors.gravity, allowed });
     }
     Ok(means.start(sensors, to, options))
 }
 // ANCHOR_END: at_rest
+
+/// The time of the first reading that is not finite, from the last one at `from` or before: it makes what
+/// is interpolated beside it not finite either.
+fn not_finite(readings: &[StampedSample], from: i64) -> i64 {
+    let first = readings.partition_point(|reading| reading.nanoseconds <= from).saturating_sub(1);
+    let broken = readings[first..].iter().find(|reading| !reading.sample.is_finite());
+    broken.map_or(from, |reading| reading.nanoseconds)
+}
 
 /// The first and the last picture, if most features stand in them at one place.
 // ANCHOR: pictures_at_rest

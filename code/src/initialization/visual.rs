@@ -12,8 +12,8 @@ use crate::structure_from_motion::{
 };
 
 // ANCHOR: visual
-/// A motion up to a similarity of the whole, from pictures alone. Coordinates are those of the
-/// first camera that was found, lengths in a unit of their own.
+/// A motion up to a similarity of the whole, from pictures alone. Coordinates are near those of
+/// one of the two cameras with which the map began, lengths in a unit of their own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisualMotion {
     /// The pictures whose cameras were found, by number, ascending.

@@ -225,7 +225,7 @@ fn add_product_of<const N: usize>(into: &mut [f64], stride: usize, left: Part, r
     }
 }
 
-/// So many rows are added one after the other before the sums are stored.
+/// With more rows than this, the sums are stored when all of them have been added.
 const MANY_ROWS: usize = 6;
 
 #[inline(always)]

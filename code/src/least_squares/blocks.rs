@@ -78,7 +78,8 @@ pub fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
 // ANCHOR: schur_complement
 /// The lower triangle of the Schur complement S, or of its Cholesky factor, as blocks.
 ///
-/// A row of blocks begins at the first variable that shares a landmark with the row's variable.
+/// A row of blocks begins at the first variable that shares a landmark or a factor with the row's
+/// variable, that of the border at the first of all.
 /// Elimination writes nothing to the left of it, and neither does the factorization.
 #[derive(Debug, Clone)]
 pub struct SchurComplement<const D: usize> {

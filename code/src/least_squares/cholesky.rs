@@ -54,7 +54,7 @@ impl SparseCholesky {
     // ANCHOR: add_block
     /// Adds to the block in these rows and columns, and to its mirror image. Rows and columns that the
     /// blocks do not have are left out, and so is what stands above the diagonal of a block in its own
-    /// rows.
+    /// rows. The pair has to be one that [`SparseCholesky::new`] was told.
     pub fn add<const R: usize, const C: usize>(
         &mut self,
         rows: usize,

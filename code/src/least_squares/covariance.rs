@@ -148,8 +148,8 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// [`SolveError::Singular`] when some direction is not determined, and those of
-    /// [`Problem::linearize`].
+    /// [`SolveError::Singular`] when some direction is not determined, [`SolveError::NullSpace`] when that
+    /// cannot be said, and those of [`Problem::linearize`].
     pub fn covariance(&self, values: &Values) -> Result<Covariance, SolveError> {
         self.covariance_with(Dense::new(self)?, values)
     }
@@ -159,7 +159,8 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// As those of [`Problem::covariance`].
+    /// As those of [`Problem::covariance`], and [`SolveError::LostToRounding`] where the dense system would
+    /// still have an answer.
     pub fn covariance_with(
         &self,
         mut system: impl LinearSystem,

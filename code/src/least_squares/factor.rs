@@ -51,8 +51,8 @@ pub trait Variables {
     /// The numbers of the variables, in order.
     fn indices(keys: &Self::Keys, visit: &mut dyn FnMut(usize));
 
-    /// Whether the keys are those of variables of these values.
-    fn belong(keys: &Self::Keys, values: &Values) -> bool;
+    /// The number of the first key that is none of a variable of these values.
+    fn missing(keys: &Self::Keys, values: &Values) -> Option<usize>;
 }
 
 /// The derivatives of a residual of `R` numbers by each of its variables: a tuple of matrices of
@@ -87,10 +87,12 @@ macro_rules! tuple {
                 $(visit(keys.$slot.index());)+
             }
 
-            fn belong(keys: &Self::Keys, values: &Values) -> bool {
-                $(values.key::<$kind>(keys.$slot.index()).is_some_and(|known| {
-                    known.place == keys.$slot.place
-                }))&&+
+            fn missing(keys: &Self::Keys, values: &Values) -> Option<usize> {
+                $(let known = values.key::<$kind>(keys.$slot.index());
+                if known.is_none_or(|known| known.place != keys.$slot.place) {
+                    return Some(keys.$slot.index());
+                })+
+                None
             }
         }
 

@@ -16,7 +16,8 @@ use super::elimination_tree::{Node, Tree};
 /// # Errors
 ///
 /// The first column whose pivot is not above its entry of `smallest`. Of so many columns as `lifted`
-/// says, from the first on, such a pivot becomes as large as that.
+/// says, from the first on, such a pivot becomes as large as that, or one where that is
+/// zero; NaN is refused.
 #[inline(always)]
 pub fn factorize(
     panel: &mut [f64],

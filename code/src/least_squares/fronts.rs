@@ -44,6 +44,8 @@ pub struct Fronts {
     moved: Vec<f64>,
     /// The damping of the last elimination; infinite when a pivot was lost, and before there was one.
     damping: f64,
+    /// Pivots of columns before this may have been lifted in it.
+    lifted: usize,
     step: Vec<f64>,
     linear: Linearized,
 }
@@ -165,6 +167,7 @@ impl Fronts {
             || self.eliminate_each(damping, lifted),
         );
         self.damping = if is_done { damping } else { f64::INFINITY };
+        self.lifted = lifted;
         is_done
     }
 
@@ -235,8 +238,9 @@ impl Fronts {
 
     // ANCHOR: covariance_of
     /// The covariance of some variables of a problem, given by number, as of the last linearization:
-    /// from the last front back to the first that names one of them. `None` when no front has all of
-    /// them, or when rounding has changed what is known by more than a tenth. After a damped step the
+    /// from the last front back to the first that names one of them. `None` when one does not exist,
+    /// all are held, no front has all of them, something of them is not determined, or rounding has changed
+    /// what is known by more than a tenth. After a damped step the
     /// equations are eliminated again without its damping, which would count as knowledge. What the
     /// others do not determine, as the depth of a landmark at infinity, takes nothing away.
     pub fn covariance_of(
@@ -255,7 +259,8 @@ impl Fronts {
         let places = columns.iter().map(|column| is_here(column).then(|| node.place(*column)));
         let places: Vec<usize> = places.collect::<Option<_>>()?;
         let first = *columns.iter().min()?;
-        if self.damping > 0.0 && !self.eliminate_all(0.0, first) {
+        let is_damped = self.damping > 0.0 || first < self.lifted;
+        if is_damped && !self.eliminate_all(0.0, first) {
             return None;
         }
         let covariance = self.covariance_at(front).select_rows(&places).select_columns(&places);

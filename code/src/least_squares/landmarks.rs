@@ -104,10 +104,8 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
         variables: Option<&[Vec<usize>]>,
     ) -> Result<Self, SolveError> {
         const { assert!(C <= D, "what is seen is a part of the row") };
+        problem.columns_to_solve()?;
         let structure = Structure::new::<L>(problem, &Tiles { size: D, seen: C, variables })?;
-        if structure.landmarks.is_empty() && structure.row_count() == 0 {
-            return Err(SolveError::NothingFree);
-        }
         let on_border = if structure.on_border.is_empty() { 0 } else { structure.rows };
         let zeros = vec![[0.0; D]; structure.row_count()];
         let most_rows = structure.landmarks.iter().map(|landmark| landmark.rows.len()).max();
@@ -474,7 +472,7 @@ impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
 
     /// The step of all coordinates that goes with a step of the variables that have rows, when the
     /// last elimination was [`LandmarkElimination::schur_complement`]. Gives the predicted decrease
-    /// too; `forward` is twice the part of it that is not the landmarks'.
+    /// too; `forward` is twice the first term of {eq:predicted-decrease-in-parts}.
     pub fn complete(
         &mut self,
         problem: &Problem,

@@ -89,8 +89,7 @@ impl LinearPrior {
     }
     // ANCHOR_END: marginalize
 
-    /// The prior of rows, each of them a column here, that name these columns of a problem, and behind them
-    /// the residual.
+    /// The prior of rows that name these columns of a problem, and behind them the residual.
     fn of_rows(
         problem: &Problem,
         at: Point,
@@ -339,7 +338,7 @@ impl FactorGroup for LinearPrior {
 
 impl Problem {
     // ANCHOR: marginalize_here
-    /// Takes variables out of this problem: holds them where they are at `values`, and puts a
+    /// Takes variables out of this problem: lets it begin at `values`, holds them there, and puts a
     /// [`LinearPrior`] in the place of all factors that name one of them. Returns the variables that
     /// it names. Other factors keep their numbers.
     ///

@@ -126,7 +126,8 @@ impl Linearized {
         &entries[..self.len * self.rows * columns]
     }
 
-    /// The same as rows of a length that is known when compiling; no rows when it is another one.
+    /// The same, cut into rows of a length that is known when compiling. Where the variables have another
+    /// number of columns, these are not its rows, and as a rule not as many.
     #[inline(always)]
     pub fn rows_of<const C: usize>(&self, slot: usize) -> &[[f64; C]] {
         self.jacobian(slot).as_chunks().0

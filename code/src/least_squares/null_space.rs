@@ -111,7 +111,7 @@ impl NullSpace {
 
     // ANCHOR: combinations
     /// The sums of these directions that are free, by the factor of each direction, one sum a
-    /// column.
+    /// column. The directions have to be independent.
     pub fn combinations(&self, directions: &[DVector<f64>]) -> DMatrix<f64> {
         if directions.is_empty() {
             return DMatrix::zeros(0, 0);
@@ -141,7 +141,8 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// [`NullSpaceError::NoGap`] when that cannot be said, and those of [`Problem::linearize`].
+    /// [`NullSpaceError::NoGap`] when that cannot be said, those of [`Problem::jacobian`], and
+    /// [`SolveError::OutOfRange`]. Of a problem without factors everything is free.
     pub fn null_space(&self, values: &Values) -> Result<NullSpace, SolveError> {
         self.check_values(values)?;
         self.at(values, |at| self.null_space_at(at))
@@ -162,15 +163,24 @@ impl Problem {
     }
 
     // ANCHOR: jacobian
-    /// The whitened Jacobian and the residual at `values`, all in one: a row for each number of
-    /// each factor, in the order of the factors' types, a column for each of [`Problem::columns`].
+    /// The whitened Jacobian and the residual at `values`, all in one, times the root of each factor's
+    /// kernel weight: a row for each number of each factor, in the order of the factors' types, a column for each of [`Problem::columns`].
     ///
     /// # Errors
     ///
-    /// As those of [`Problem::linearize`].
+    /// [`SolveError::WrongValues`], [`SolveError::Undefined`] and [`SolveError::NotFinite`].
     pub fn jacobian(&self, values: &Values) -> Result<(DMatrix<f64>, DVector<f64>), SolveError> {
         self.check_values(values)?;
         self.at(values, |at| self.jacobian_at(at, &self.columns()))
+    }
+
+    /// The same with a column for each coordinate, zero for what is held, whatever is tied.
+    pub(crate) fn jacobian_by_coordinates(
+        &self,
+        values: &Values,
+    ) -> Result<(DMatrix<f64>, DVector<f64>), SolveError> {
+        self.check_values(values)?;
+        self.at(values, |at| self.jacobian_at(at, &self.coordinate_columns()))
     }
 
     pub(super) fn jacobian_at(

@@ -172,8 +172,9 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// A [`ProblemError`] when it names a variable that does not exist, or one twice, when its
-    /// derivatives do not fit the variables, or when the kernel's parameter is not positive.
+    /// A [`ProblemError`] when its residual has no numbers, when it names a variable that does not exist,
+    /// or one twice, when its derivatives do not fit the variables, or when the kernel's parameter is not
+    /// positive and finite.
     pub fn add_factor<F: Factor<R>, const R: usize>(
         &mut self,
         factor: F,
@@ -352,8 +353,15 @@ impl Problem {
         Ok(columns)
     }
 
+    /// A column for each coordinate that is not itself held, as if nothing were tied.
+    pub(super) fn coordinate_columns(&self) -> Columns {
+        let of = self.held.iter().enumerate().map(|(at, held)| (!held).then_some(at)).collect();
+        Columns { of, count: self.held.len(), blocks: Vec::new(), shared: false }
+    }
+
     // ANCHOR: cost
-    /// The cost at `values`, infinite where a residual has no value. Implements {eq:robust-cost}.
+    /// The cost at `values`, infinite where a residual has no value. The values have to be those of this
+    /// problem's variables ([`Values::fits`]). Implements {eq:robust-cost}.
     pub fn cost(&self, values: &Values) -> f64 {
         self.groups.iter().map(|group| group.factors.cost(&group.all, values)).sum()
     }
@@ -375,8 +383,8 @@ impl Problem {
     }
 
     // ANCHOR: residual
-    /// The whitened residuals of all factors at `values`, in the order of the factors' types: the
-    /// second part of [`Problem::jacobian`], without derivatives.
+    /// The whitened residuals of all factors at `values`, each times the root of its kernel's weight, in
+    /// the order of the factors' types: the second part of [`Problem::jacobian`], without derivatives.
     ///
     /// # Errors
     ///
@@ -563,16 +571,17 @@ impl Problem {
         }
         let mut named = Vec::new();
         F::Variables::indices(keys, &mut |index| named.push(index));
-        if !F::Variables::belong(keys, &self.values) {
-            let missing = named.iter().copied().max().unwrap_or(0);
+        if let Some(missing) = F::Variables::missing(keys, &self.values) {
             return Err(self.no_such(missing));
         }
         let columns = F::Jacobians::COLUMNS;
         check_repeated(&named, factor)?;
-        for (slot, &variable) in named.iter().enumerate() {
-            let dimension = self.values.coordinates_of(variable).unwrap_or_default().len();
-            if columns.get(slot) != Some(&dimension) || columns.len() != named.len() {
-                let columns = columns.get(slot).copied().unwrap_or(0);
+        let own =
+            |variable: &usize| self.values.coordinates_of(*variable).unwrap_or_default().len();
+        for slot in 0..named.len().max(columns.len()) {
+            let dimension = named.get(slot).map_or(0, own);
+            let columns = columns.get(slot).copied().unwrap_or(0);
+            if columns != dimension {
                 return Err(ProblemError::Columns { factor, slot, columns, dimension });
             }
         }
@@ -688,8 +697,11 @@ impl Columns {
 /// Why a variable or factor cannot be part of a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ProblemError {
-    /// A key is that of another problem.
-    #[error("variable {variable} is not one of the problem's {variables}; add it first")]
+    /// A key is that of another problem, a number is too large, or a value has another dimension.
+    #[error(
+        "variable {variable} is not one of the problem's {variables}, or not of this kind and dimension; \
+         name one of those that were added"
+    )]
     NoSuchVariable {
         /// The number given.
         variable: usize,

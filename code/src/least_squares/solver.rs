@@ -80,10 +80,12 @@ impl Pivots {
         Self::ROUNDING * (curvature + Self::added(damping, curvature))
     }
 
-    /// The square of a gradient, measured by its curvature: zero where nothing is seen.
+    /// The square of a gradient, measured by its curvature: zero where nothing is seen, and not finite
+    /// where a derivative is not or where its square is lost.
     #[inline(always)]
     pub(super) fn scaled_square(gradient: f64, curvature: f64) -> f64 {
-        if curvature > 0.0 { gradient * gradient / curvature } else { 0.0 }
+        let is_unseen = gradient == 0.0 && curvature == 0.0;
+        if is_unseen { 0.0 } else { gradient * gradient / curvature }
     }
 
     /// Whether a pivot is so near to what it must be above that the Jacobian has to decide.
@@ -99,7 +101,8 @@ pub enum Method {
     GaussNewton,
     /// Steps are damped, and refused when the cost does not fall ([@nielsen1999; @nocedal2006]).
     LevenbergMarquardt {
-        /// The first damping, relative to the Hessian's diagonal, at most 1e12. At zero, steps are
+        /// The first damping, relative to the Hessian's diagonal, of which a sparse system counts no
+        /// entry as less than 1e-6; at most 1e12. At zero, steps are
         /// damped once one has been tried.
         initial_damping: f64,
     },
@@ -116,8 +119,8 @@ pub struct Options {
     pub gradient_tolerance: f64,
     /// Stop when the next step would be shorter, measured as [`Prediction::step_norm`].
     pub step_tolerance: f64,
-    /// Stop when the predicted decrease of the next step, or the decrease by the last one, is less
-    /// than this part of the cost.
+    /// Stop when the predicted decrease of the next step or, with Levenberg-Marquardt, the decrease by
+    /// the last one, is less than this part of the cost.
     pub decrease_tolerance: f64,
 }
 
@@ -237,7 +240,8 @@ pub struct Report {
     pub iterations: Vec<Iteration>,
     /// The cost at the end.
     pub cost: f64,
-    /// The norm of the scaled gradient at the end.
+    /// The norm of the scaled gradient at the last linearization: at the end, unless
+    /// [`Search::without_end`] was asked for.
     pub gradient_norm: f64,
     /// Why it stopped.
     pub stop: Stop,
@@ -412,7 +416,7 @@ impl<S: LinearSystem> Search<S> {
     fn begin(&mut self, problem: &Problem) -> Result<(), SolveError> {
         let cost = self.linearize(problem)?;
         self.cost = cost.unwrap_or_else(|| problem.cost(&self.values));
-        Ok(())
+        if self.cost.is_finite() { Ok(()) } else { Err(problem.not_finite(self.point())) }
     }
 
     /// The same search, but nothing is linearized where it ends: the system stays that of the last step,
@@ -426,7 +430,8 @@ impl<S: LinearSystem> Search<S> {
     /// # Errors
     ///
     /// [`SolveError::Singular`] or [`SolveError::LostToRounding`] when a Gauss-Newton step is not
-    /// determined.
+    /// determined, [`SolveError::NullSpace`] when that cannot be said, and those of
+    /// [`Problem::linearize`] where a step leads.
     pub fn iterate(&mut self, problem: &Problem) -> Result<Option<Stop>, SolveError> {
         if self.iterations.len() >= self.options.max_iterations {
             return Ok(Some(Stop::IterationLimit));
@@ -698,7 +703,8 @@ pub enum SolveError {
     #[error(
         "nothing is free, but the weakest singular value of the scaled Jacobian is \
          {least_seen:.1e} of the largest and its square is lost to rounding in the normal \
-         equations; use Levenberg-Marquardt, or measure the weakest direction better"
+         equations; for a step use Levenberg-Marquardt, for a covariance the dense system, or measure the \
+         weakest direction better"
     )]
     LostToRounding {
         /// The smallest singular value, as a fraction of the largest.
@@ -714,9 +720,9 @@ pub enum SolveError {
     },
     /// A variable does not fit into the blocks of the linear system.
     #[error(
-        "variable {variable} moves in {found} coordinates, those before it in its row counted, or is \
-         a landmark of which some are held; the landmark elimination wants blocks of {dimension}: \
-         choose them larger, or solve with fronts"
+        "variable {variable} has {found} coordinates, those before it in its row counted, or is a landmark \
+         of which not three, or not all, move; the landmark elimination wants blocks of {dimension}, and \
+         landmarks of three: choose sizes that fit, or solve with fronts"
     )]
     Block {
         /// The variable's number.

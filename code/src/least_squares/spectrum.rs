@@ -34,7 +34,11 @@ impl Spectrum {
         if let Some(row) = jacobian.row_iter().position(|row| !row.iter().all(|x| x.is_finite())) {
             return Err(NullSpaceError::NotFinite { row });
         }
-        let lengths = jacobian.column_iter().map(|column| scale_of(column.norm()));
+        // In units of the largest entry no square is too large.
+        let length = |most: f64, column: DVector<f64>| {
+            if most > 0.0 { most * (column / most).norm() } else { 0.0 }
+        };
+        let lengths = jacobian.column_iter().map(|c| scale_of(length(c.amax(), c.into_owned())));
         let scale = DVector::from_iterator(jacobian.ncols(), lengths);
         let (values, vectors) = right_singular(jacobian * DMatrix::from_diagonal(&scale));
         let largest = values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);

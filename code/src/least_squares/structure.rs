@@ -207,7 +207,9 @@ impl Structure {
                 .map_err(wrong)?;
             let slot = other.map(|(slot, _)| slot);
             if slot.and(places.other).is_some() && places.other != slot {
-                return Err(wrong("has a landmark and more than one variable that moves besides"));
+                return Err(wrong(
+                    "has the variable that moves beside its landmark in another place than others of its type",
+                ));
             }
             places.other = places.other.or(slot);
             let (row, len) = (other.map(|(_, row)| row), factors.rows());

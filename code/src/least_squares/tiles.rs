@@ -111,7 +111,8 @@ impl Roles {
                 Some(Role::Landmark(_)) => return Err(SolveError::TiedLandmark { variable }),
                 Some(tied) => tied,
                 None if is_landmark(variable) => {
-                    tiles.check(variable, moves.iter().all(|moves| *moves), moves.len())?;
+                    let moves_in_space = moves.len() == 3 && moves.iter().all(|moves| *moves);
+                    tiles.check(variable, moves_in_space, moves.len())?;
                     roles.landmarks.push(coordinates.start);
                     Role::Landmark(roles.landmarks.len() - 1)
                 }

@@ -88,7 +88,7 @@ pub enum Inapplicable {
 /// {eq:certificate-matrix} and {eq:dual-bound}; {thm:certificate} is the proof.
 ///
 /// A computer cannot tell zero, which is an eigenvalue of S, from a little less. `tolerance` times the
-/// mean diagonal of M, the shift ε, is added to the diagonal of all rotations, and what is then positive
+/// mean of the rotations' entries on the diagonal of M, the shift ε, is added to the diagonal of all rotations, and what is then positive
 /// definite, by a Cholesky factorization, proves the bound ½ tr Λ − 3/2 n ε for n poses. It is sound
 /// for any tolerance above 1e-12, where rounding begins; what it is worth is the distance between bound
 /// and cost. Usual is 1e-10.

@@ -19,8 +19,8 @@ type Measurement = RelativeMeasurement<Isometry3<f64>, 6>;
 ///
 /// # Errors
 ///
-/// As those of [`PoseGraph::problem`](super::PoseGraph::problem), and
-/// [`LoopClosureError::Undecided`].
+/// As those of [`PoseGraph::problem`](super::PoseGraph::problem), [`LoopClosureError::Undecided`], and
+/// [`LoopClosureError::Solve`] when weights are too different for rounding.
 pub fn chordal_initialization(
     graph: &SpatialGraph,
 ) -> Result<Vec<Isometry3<f64>>, LoopClosureError> {

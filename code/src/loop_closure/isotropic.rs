@@ -29,17 +29,19 @@ impl Isotropy {
     pub fn of(information: &Matrix6<f64>, measurement: usize) -> Result<Self, Inapplicable> {
         let (along, about) = (block(information, 0), block(information, 3));
         let [translation, rotation] = [along, about].map(|block| block.trace() / 3.0);
-        let spread = |block: Matrix3<f64>, mean| {
-            (block - Matrix3::from_diagonal_element(mean)).amax() / mean
+        let is_alike = |block: Matrix3<f64>, mean: f64| {
+            let spread = (block - Matrix3::from_diagonal_element(mean)).amax();
+            mean > 0.0 && block.sum().is_finite() && spread <= ROUNDING * mean
         };
-        if spread(about, rotation) > ROUNDING {
+        if !is_alike(about, rotation) {
             return Err(Inapplicable::Rotation { measurement });
         }
-        if spread(along, translation) > ROUNDING {
+        if !is_alike(along, translation) {
             return Err(Inapplicable::Translation { measurement });
         }
-        let coupling = information.fixed_view::<3, 3>(0, 3).amax();
-        if coupling > ROUNDING * (rotation * translation).sqrt() {
+        let coupling = information.fixed_view::<3, 3>(0, 3);
+        let is_small = coupling.amax() <= ROUNDING * (rotation * translation).sqrt();
+        if !(is_small && coupling.sum().is_finite()) {
             return Err(Inapplicable::Coupled { measurement });
         }
         Ok(Self { rotation, translation })

@@ -48,11 +48,13 @@ impl Measurement {
     /// The second of two poses as seen from the first one, by what a stereo camera saw of the same
     /// landmarks from both: column on the left, row, column on the right. The two poses and all
     /// landmarks are estimated from these pixels alone: an odometry that used them shares their
-/// errors. It begins where both poses are the same, and wants them near each other.
+    /// errors. It begins where both poses are the same, and wants them near each other.
     ///
     /// # Errors
     ///
-    /// [`LoopClosureError::Unsure`] when the pixels leave a direction open, and those of the solver.
+    /// [`LoopClosureError::Unsure`] when the pixels leave a direction open, [`LoopClosureError::Stereo`]
+    /// when a sight is not finite or `sigma` is none, and those of the solver, also when no sight is near
+    /// enough.
     pub fn from_stereo(
         pixels: StereoPixels,
         body_from_camera: &Isometry3<f64>,
@@ -108,9 +110,11 @@ fn stereo_problem(
     let mut problem = Problem::new();
     let [first, second] = [(); 2].map(|()| problem.add_variable(Isometry3::identity()));
     problem.hold(first)?;
-    let is_near =
-        |sight: &&[Vector3<f64>; 2]| sight.iter().all(|seen| seen.x - seen.z >= least_disparity);
-    for (point, sight) in sights.iter().filter(is_near).enumerate() {
+    let is_near = |(_, sight): &(usize, &[Vector3<f64>; 2])| {
+        let is_far = |seen: &Vector3<f64>| seen.x - seen.z < least_disparity;
+        !sight.iter().any(is_far)
+    };
+    for (point, sight) in sights.iter().enumerate().filter(is_near) {
         let Some(place) = camera.point(&sight[0]) else { continue };
         let landmark = problem.add_variable(place);
         for (keyframe, (pose, seen)) in [first, second].into_iter().zip(sight).enumerate() {

@@ -1,6 +1,7 @@
 //! Which blocks are coupled, and what elimination couples: the pattern without the numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Bound::{Excluded, Unbounded};
 
 use nalgebra::RealField;
 
@@ -71,7 +72,9 @@ impl Couplings {
     /// Couples every pair of some blocks, as a factor that names all of them does. How many pairs were
     /// not coupled before.
     pub fn couple_all(&mut self, names: &BTreeSet<usize>) -> usize {
-        let pairs = names.iter().flat_map(|one| names.range(one + 1..).map(move |two| (one, two)));
+        let pairs = names
+            .iter()
+            .flat_map(|one| names.range((Excluded(one), Unbounded)).map(move |two| (one, two)));
         pairs.filter(|(one, two)| self.couple(**one, **two)).count()
     }
 
@@ -84,7 +87,7 @@ impl Couplings {
     pub fn pairs(&self) -> BTreeSet<(usize, usize)> {
         let mut pairs = BTreeSet::new();
         for (name, others) in &self.neighbours {
-            pairs.extend(others.range(name + 1..).map(|other| (*name, *other)));
+            pairs.extend(others.range((Excluded(name), Unbounded)).map(|other| (*name, *other)));
         }
         pairs
     }

@@ -7,7 +7,7 @@ use crate::least_squares::{ProblemError, SolveError};
 /// Why blocks cannot be marginalized, compared or forgotten.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MarginalizationError {
-    /// There are no blocks, or one without coordinates.
+    /// A block has no coordinates.
     #[error("block {name} has no coordinates; leave it out, or give its variable a dimension")]
     EmptyBlock {
         /// The block's name.

@@ -72,7 +72,8 @@ impl Layout {
     /// near the end are seen from the beginning too.
     pub fn ring(keyframes: usize, landmarks: usize, in_a_row: usize) -> Self {
         let link = |first| (first, (first + 1) % keyframes);
-        let odometry = (0..keyframes).filter(|_| keyframes > 2).map(link).collect();
+        let links = if keyframes > 2 { keyframes } else { keyframes.saturating_sub(1) };
+        let odometry = (0..links).map(link).collect();
         let views = in_a_row.min(keyframes);
         let first = |landmark: usize| landmark * keyframes / landmarks.max(1);
         let seen_by = |l| (0..views).map(|view| (first(l) + view) % keyframes).collect();
@@ -138,8 +139,8 @@ impl Layout {
     ///
     /// # Errors
     ///
-    /// A [`LayoutError`] when a keyframe does not exist, stands twice or sees nothing, or when a
-    /// standard deviation is none.
+    /// A [`LayoutError`] when there is no keyframe, one that is named does not exist or stands twice, a
+    /// landmark is seen by none or lies behind one, or a standard deviation is none.
     pub fn problem(&self, sigmas: &WindowSigmas, seed: u64) -> Result<Problem, LayoutError> {
         self.check()?;
         let mut window = Simulated::new(self, sigmas, seed)?;

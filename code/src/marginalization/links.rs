@@ -16,7 +16,7 @@ use super::{Blocks, Information, MarginalizationError, marginalize};
 /// # Errors
 ///
 /// [`MarginalizationError::Unknown`], [`MarginalizationError::NoLink`], [`MarginalizationError::Singular`]
-/// when nothing was determined before, and [`MarginalizationError::Indefinite`] or
+/// when a direction was free before, and [`MarginalizationError::Indefinite`] or
 /// [`MarginalizationError::Singular`] when the result is no Gaussian.
 // ANCHOR: zero_link
 pub fn zero_link<T: RealField + Copy>(

@@ -49,6 +49,14 @@ pub enum MsckfError {
     /// The covariance cannot be corrected.
     #[error(transparent)]
     Correction(#[from] CorrectionError),
+    /// The start has a number that is none.
+    #[error("the state, the bias or the covariance of the start is not finite; give another start")]
+    Start,
+    /// Derivatives are to be taken at the truth, which begins later.
+    #[error(
+        "derivatives are taken at the truth, which begins with the first picture; begin at its time"
+    )]
+    StartBeforeTruth,
     /// Derivatives are to be taken at the truth, and it is not known.
     #[error(
         "derivatives at the truth need that of picture {picture}; follow a simulated recording, or \

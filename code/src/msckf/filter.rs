@@ -26,7 +26,7 @@ pub struct Start {
     pub bias: ImuBias,
     /// The 15×15 covariance of the errors of state and biases.
     pub covariance: Matrix15,
-    /// How the camera sits on the body and how its clock goes.
+    /// How the camera sits on the body and how its clock goes. A smoother takes that of its sensors instead.
     pub rig: CameraImu,
 }
 // ANCHOR_END: start
@@ -49,7 +49,7 @@ pub struct Msckf {
     /// Readings that are still needed.
     pub(super) readings: Vec<StampedSample>,
     pub(super) window: Window,
-    /// The features of the last picture, to notice rest.
+    /// The features of the last picture that was kept, to notice rest.
     pub(super) last: Vec<Feature>,
     /// By degrees of freedom, the largest innovation that passes.
     pub(super) gates: Vec<f64>,
@@ -75,11 +75,18 @@ impl Msckf {
     ///
     /// # Errors
     ///
-    /// An [`MsckfError`] names the number that cannot be.
+    /// An [`MsckfError`] names the number that cannot be: a window that is too short, a gate that is no
+    /// probability, a covariance, a state or a bias that is not finite.
     pub fn new(options: MsckfOptions, start: &Start) -> Result<Self, MsckfError> {
         let MsckfOptions { clones, least_sights, .. } = options;
         if clones < least_sights.max(2) {
             return Err(MsckfError::Window { clones, least_sights });
+        }
+        let NavState { world_from_body, velocity, position } = &start.state;
+        let bias = start.bias.vector();
+        let state = world_from_body.matrix().iter().chain(velocity).chain(position);
+        if !state.chain(&bias).chain(&start.covariance).all(|number| number.is_finite()) {
+            return Err(MsckfError::Start);
         }
         let mut belief = Belief::new();
         let part = |from: usize, size: usize| {
@@ -249,7 +256,7 @@ impl Msckf {
             let last = readings.iter().rfind(|reading| reading.nanoseconds <= nanoseconds);
             last.map_or(Vector3::zeros(), |last| last.sample.corrected(&bias).gyro)
         };
-        if nanoseconds == self.nanoseconds {
+        if nanoseconds == self.nanoseconds && self.taken == 0 {
             return Ok(Turning { velocity: at_end(&self.readings), seconds: 0.0 });
         }
         let readings = between(&self.readings, self.nanoseconds, nanoseconds)?;
@@ -276,7 +283,8 @@ impl Msckf {
             Point::Latest => Transition::between((state, &second), &sums, bias, gravity)?,
             Point::First => Transition::between((&self.first, &second), &sums, bias, gravity)?,
             Point::Truth => {
-                let (first, bias) = self.true_state(self.taken.wrapping_sub(1))?;
+                let before = self.taken.checked_sub(1).ok_or(MsckfError::StartBeforeTruth)?;
+                let (first, bias) = self.true_state(before)?;
                 let (last, _) = self.true_state(self.taken)?;
                 let sums = preintegrate_combined(readings, &bias, noise)?;
                 Transition::between((&first, &last), &sums, &bias, gravity)?
@@ -326,7 +334,8 @@ impl Msckf {
     // ANCHOR: filter_certificate
     /// The 4×4 matrix of what is believed to be known along the free directions: shifts along the
     /// axes, in 1/m², and a turn about the vertical, in 1/rad². The newest pose is left out: it is a
-    /// part of the state and says nothing of its own. `None` where something is known exactly.
+    /// part of the state and says nothing of its own. `None` where something is known exactly, and
+    /// before the first pose.
     pub fn certificate(&self) -> Option<SMatrix<f64, 4, 4>> {
         let newest = self.window.clones.last()?.variable;
         let newest = self.belief.values().coordinates_of(newest)?;

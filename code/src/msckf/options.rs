@@ -23,7 +23,7 @@ pub enum WindowPolicy {
 /// How a body at rest is noticed, and what it is then told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
-    /// The body is at rest when half of the tracks move by less than this from picture to picture,
+    /// The body is at rest when half of the tracks have moved by less than this since the last picture that was kept,
     /// in pixels.
     pub motion: f64,
     /// The standard deviation of the velocity of a body at rest, in m/s on each axis.

@@ -52,14 +52,15 @@ impl Rows {
 
     /// All rows from one on.
     pub fn from(&self, row: usize) -> impl Iterator<Item = &[f64]> {
-        self.numbers[row * self.width..].chunks_exact(self.width)
+        self.numbers[row * self.width..].chunks_exact(self.width.max(1))
     }
 
     // ANCHOR: rotate
     /// Turns a row and the one above it by an angle (Givens) so that the lower one loses its number
-    /// in a column. Left of `start` both have zeros but in the first `column + 1` columns.
+    /// in one of the first three columns. Left of `start`, three or more, both have zeros but from this
+    /// column to the third.
     #[inline(always)]
-    pub fn rotate(&mut self, row: usize, column: usize, start: usize) {
+    pub(super) fn rotate(&mut self, row: usize, column: usize, start: usize) {
         let (above, below) = self.numbers.split_at_mut(row * self.width);
         let upper = &mut above[(row - 1) * self.width..];
         let lower = &mut below[..self.width];

@@ -130,7 +130,8 @@ pub struct PictureReport {
 pub struct Refusals {
     /// Seen in too few pictures.
     pub short: usize,
-    /// Without a landmark, and with so little parallax that noise can be the reason.
+    /// Without a landmark, and with so little parallax that noise can be the reason; or behind where a pose
+    /// is linearized, or of unknown truth.
     pub landmark: usize,
     /// The pixels leave the landmark too uncertain.
     pub rank: usize,

@@ -46,7 +46,7 @@ impl Window {
     /// The vertical, upward, and two horizontal axes. Without gravity they are z, x and y.
     pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
         let up = vertical(&self.gravity);
-        // The axis of the world that is least vertical, beginning with x, made horizontal.
+        // The x axis of the world, or y where x is nearly vertical, made horizontal.
         let forward = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
         let forward = (forward - forward.dot(&up) * up).normalize();
         [up, forward, up.cross(&forward)]

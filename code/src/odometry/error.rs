@@ -60,10 +60,12 @@ pub enum OdometryError {
         /// Its time, on the sensor's clock.
         nanoseconds: i64,
     },
-    /// The filter cannot be made of this start.
+    /// The filter cannot be made of a start, or, inside [`Lost::Estimator`](super::Lost::Estimator), could
+    /// not go on.
     #[error(transparent)]
     Msckf(#[from] MsckfError),
-    /// The smoother cannot be made of this start.
+    /// The smoother cannot be made of a start, or, inside [`Lost::Estimator`](super::Lost::Estimator),
+    /// could not go on.
     #[error(transparent)]
     Smoother(#[from] SmootherError),
 }

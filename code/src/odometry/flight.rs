@@ -70,10 +70,12 @@ impl Estimate {
     fn is_usable(&self) -> bool {
         let NavState { velocity, position, .. } = &self.state;
         let vectors = velocity + position + self.bias.gyro + self.bias.accelerometer;
+        let turn = self.state.world_from_body.matrix().sum();
         // A sum is no number if any of its terms is none.
         let is_sure = self.covariance.sum().is_finite()
             && self.covariance.diagonal().iter().all(|variance| *variance > 0.0);
-        vectors.sum().is_finite() && (is_sure || self.covariance.iter().all(|c| c.is_nan()))
+        (turn + vectors.sum()).is_finite()
+            && (is_sure || self.covariance.iter().all(|c| c.is_nan()))
     }
 }
 
@@ -146,7 +148,8 @@ impl Odometry {
     ///
     /// # Errors
     ///
-    /// [`OdometryError::Smoother`] and [`OdometryError::Msckf`] when the covariance of the start is none.
+    /// [`OdometryError::Smoother`] when the covariance of the start is none; [`OdometryError::Msckf`] when the
+    /// start is not finite, the window is too short, or the gate is no probability.
     pub fn begun(options: OdometryOptions, start: &Start) -> Result<Self, OdometryError> {
         let phase = Phase::Following(Engine::new(&options, start)?);
         Ok(Self { phase, worlds: 1, ..Self::new(options) })
@@ -345,7 +348,7 @@ impl Odometry {
             return self.lose(Lost::Undetermined);
         }
         if refused <= used {
-            // A picture without tracks says neither.
+            // A picture of which nothing was used or refused says neither.
             self.contradicted = self.contradicted.filter(|_| used == 0);
             return Progress::Following { used, refused };
         }
@@ -424,13 +427,14 @@ impl Odometry {
         }
     }
 
-    /// How the flight that is followed began; `None` before it did.
+    /// How the flight that is followed began; `None` before it did, and when it was told by
+    /// [`Odometry::begun`].
     pub fn beginning(&self) -> Option<&Beginning> {
         self.beginning.as_ref()
     }
 
-    /// How many beginnings there were. Each has a world of its own, in which the first position is the
-    /// origin: nothing ties it to the one before.
+    /// How many beginnings there were. Each has a world of its own, whose origin and heading belong to
+    /// one of its states: nothing ties it to the one before.
     pub fn worlds(&self) -> usize {
         self.worlds
     }

@@ -43,8 +43,8 @@ impl Waiting {
         self.readings.push(reading);
         let (now, kept) = (reading.nanoseconds, Self::kept(options));
         if now.saturating_sub(self.readings[0].nanoseconds) >= kept.saturating_mul(4) {
-            let late = options.sensors.rig.imu_nanoseconds(kept);
-            self.keep_from(now.saturating_sub(late), options);
+            let from = options.sensors.rig.camera_nanoseconds(now).saturating_sub(kept);
+            self.keep_from(from, options);
         }
     }
 

@@ -287,7 +287,7 @@ impl Preintegrator {
     /// # Errors
     ///
     /// [`PreintegrationError::Empty`] before the first step, [`PreintegrationError::Overflow`]
-    /// when the readings were too large to be summed.
+    /// when something was too large to be summed.
     // ANCHOR: finish
     pub fn finish(&self) -> Result<Preintegrated, PreintegrationError> {
         let Self { duration, steps, bias, velocity, position, .. } = *self;

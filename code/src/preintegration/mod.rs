@@ -84,7 +84,9 @@ pub struct Preintegrated {
 ///
 /// # Errors
 ///
-/// A [`PreintegrationError`] when there is no reading, or a number that cannot be one.
+/// A [`PreintegrationError`] when there is no reading, when `dt` is not positive or longer than
+/// [`LONGEST_STEP`] (set [`Preintegrator::longest_step`] for slower sensors), or with a number that cannot
+/// be one.
 pub fn preintegrate(
     samples: &[ImuSample],
     dt: f64,
@@ -368,7 +370,9 @@ pub enum PreintegrationError {
     #[error(transparent)]
     Noise(#[from] NoiseError),
     /// Readings are finite and their sums are not.
-    #[error("the sums are not finite after {steps} steps; the readings are too large")]
+    #[error(
+        "the sums are not finite after {steps} steps; readings, steps or noise densities are too large"
+    )]
     Overflow {
         /// How many steps were summed up.
         steps: usize,

@@ -62,8 +62,8 @@ impl Pinhole {
     /// Pixel of a point in world coordinates (metres), or `None` as in
     /// [`Pinhole::project_cam`].
     ///
-    /// `camera_from_world` is the inverse of the camera's pose; its translation is not
-    /// the camera's position.
+    /// `camera_from_world` takes coordinates in the world to the camera; its translation is
+    /// not the camera's position.
     pub fn project(
         &self,
         camera_from_world: &Isometry3<f64>,

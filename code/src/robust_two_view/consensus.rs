@@ -27,7 +27,8 @@ pub trait Correspondences {
     /// How many data there are.
     fn count(&self) -> usize;
 
-    /// Gives all estimates that fit the data of a sample: none, when it is degenerate.
+    /// Gives all estimates that fit the data of a sample: none, when it is degenerate
+    /// or nothing fits it.
     fn through(&self, sample: &[usize], give: &mut dyn FnMut(Self::Estimate));
 
     /// A function of the squared error, in variances, of saying that the here of one datum is the
@@ -85,7 +86,7 @@ pub struct ConsensusOptions {
     /// The probability with which a right datum shall be taken for one: it gives the gate, a quantile
     /// of the chi-square distribution.
     pub inlier_probability: f64,
-    /// How often, in as many tries with data that are all wrong, an estimate may be found among them.
+    /// How many estimates, on average, may be found in data that are all wrong.
     pub false_alarms: f64,
     /// The least number of draws, where few data are wrong.
     pub least_draws: usize,
@@ -94,7 +95,9 @@ pub struct ConsensusOptions {
     pub patience: f64,
     /// When to give up.
     pub most_draws: usize,
-    /// Whether the best estimates are refined from their inliers, and scored again.
+    /// Whether estimates are refined during the search, and at its end also from the inliers of other
+    /// gates and without those of much leverage. Without it only the last one is refined, from its own
+    /// inliers.
     pub local_optimization: bool,
     /// The same seed gives the same result.
     pub seed: u64,
@@ -126,7 +129,7 @@ pub struct Consensus<E> {
     pub inliers: Vec<usize>,
     /// The sum of squared errors, each of them counted as at most the gate.
     pub score: f64,
-    /// The largest squared error of an inlier.
+    /// The squared error, in variances, up to which a datum is an inlier.
     pub gate: f64,
     /// How many samples were drawn.
     pub draws: usize,
@@ -134,7 +137,7 @@ pub struct Consensus<E> {
     /// at random tell.
     pub by_chance: f64,
     /// The covariance of the estimate, when the inliers that made it are right: those with little
-    /// leverage {eq:leverage}. Wrong ones among them, which the estimate has made to fit, are not in it.
+    /// leverage {eq:leverage}, where local optimization has left the others out. Wrong ones among them, which the estimate has made to fit, are not in it.
     pub covariance: Option<DMatrix<f64>>,
 }
 // ANCHOR_END: consensus_result
@@ -158,8 +161,8 @@ const MOST_ROUNDS: usize = 20;
 ///
 /// # Errors
 ///
-/// [`ConsensusError`] when there are too few data, no sample gives an estimate, or none has more
-/// behind it than chance.
+/// [`ConsensusError`] when there are too few data, no sample gives an estimate, none has more
+/// behind it than chance, or an option is out of its range.
 pub fn consensus<C: Correspondences>(
     data: &C,
     options: &ConsensusOptions,
@@ -353,7 +356,7 @@ fn concluded<C: Correspondences>(
 /// right data alone, when `right` of `count` are: the number of @fischler1981, for samples without
 /// repetition {eq:draws}. It takes every such sample to give the right estimate, which noise does not grant.
 pub fn draws_needed(right: usize, count: usize, sample: usize, confidence: f64) -> usize {
-    if right < sample || count < right || confidence.is_nan() {
+    if right < sample || count < right || confidence.is_nan() || confidence > 1.0 {
         return usize::MAX;
     }
     let is_right = |drawn: usize| (right - drawn) as f64 / (count - drawn) as f64;
@@ -415,7 +418,7 @@ pub enum ConsensusError {
         /// The least number that says something.
         needed: usize,
     },
-    /// An option is no probability.
+    /// An option is out of its range.
     #[error("{name} is {value}; give a number above 0, and below 1 if it is a probability")]
     Probability {
         /// Which option.
@@ -423,9 +426,9 @@ pub enum ConsensusError {
         /// What was given.
         value: f64,
     },
-    /// Every sample was degenerate.
+    /// No sample gave an estimate: all were degenerate, or contradict themselves.
     #[error(
-        "none of {draws} samples gives an estimate: the data are collinear, repeated or otherwise \
+        "none of {draws} samples gives an estimate: the data are wrong, collinear, repeated or otherwise \
          degenerate; give others"
     )]
     NoEstimate {

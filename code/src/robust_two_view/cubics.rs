@@ -96,11 +96,11 @@ fn half_trace_removed(e: &[[Linear; 3]; 3]) -> [[Quadratic; 3]; 3] {
     gram
 }
 
-/// A pivot that is smaller beside the largest is rounding.
+/// A pivot that is smaller beside the first is rounding.
 const LEAST_PIVOT: f64 = 1e-13;
 
 // ANCHOR: eliminate_cubics
-/// The coefficients of the last ten monomials in the equations xxz, xx, yyz, yy, xyz and xy = …, after
+/// The coefficients of the last ten monomials in the equations xxz + … = 0, and so on for xx, yyz, yy, xyz and xy, after
 /// the first ten have been eliminated by rows; `None` when those depend on each other.
 pub(super) fn eliminated(mut rows: [Cubic; 10]) -> Option<[[f64; 10]; 6]> {
     for column in 0..10 {

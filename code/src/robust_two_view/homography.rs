@@ -19,8 +19,13 @@ const FLAT: f64 = 1e-10;
 ///
 /// # Errors
 ///
-/// [`HomographyError`] when three points lie on a line.
+/// [`HomographyError`] when three points lie on a line, or a ray is zero or not finite.
 pub fn homography_of_four(pairs: &[RayPair; 4]) -> Result<Matrix3<f64>, HomographyError> {
+    let is_ray = |ray: &Vector3<f64>| ray.norm() > 0.0 && ray.norm().is_finite();
+    if let Some(pair) = pairs.iter().position(|(first, second)| !(is_ray(first) && is_ray(second)))
+    {
+        return Err(HomographyError::Ray { pair });
+    }
     let first = scaled_basis(&pairs.map(|pair| pair.0))?;
     let second = scaled_basis(&pairs.map(|pair| pair.1))?;
     let inverse = first.try_inverse().ok_or(HomographyError::Collinear)?;
@@ -114,7 +119,8 @@ const ACCIDENTS: usize = 20;
 ///
 /// # Errors
 ///
-/// [`HomographyError::Turned`] when the matrix is a rotation, which every plane explains.
+/// [`HomographyError::Turned`] when the matrix is a rotation, which every plane explains, and
+/// [`HomographyError::Collinear`] when it has rank one or is not finite.
 pub fn plane_motions(
     homography: &Matrix3<f64>,
     rays: &[Vector3<f64>],
@@ -181,7 +187,7 @@ pub enum HomographyError {
         count: usize,
     },
     /// A ray is not finite or does not point forward.
-    #[error("pair {pair}: a ray is not finite or does not point forward; leave the pair out")]
+    #[error("pair {pair}: a ray is zero, not finite or does not point forward; leave the pair out")]
     Ray {
         /// Which pair.
         pair: usize,

@@ -15,8 +15,9 @@ use super::Candidates;
 /// A root at which the sign does not change is one of the last of the chain, the common divisor of all,
 /// and is found there.
 ///
-/// A coefficient below 1e-14 of the largest counts as rounding, so roots beyond 1e14 are not found. So
-/// does a remainder below 1e-12: roots nearer to each other than about 1e-6 by t can be found as one.
+/// A leading coefficient below 1e-14 of the largest counts as rounding: roots that are huge beside one are
+/// not found, and move others. Choose a unit in which roots are near one. A remainder below 1e-12 is
+/// rounding too: roots nearer to each other than about 1e-6 by t can be found as one.
 /// Above degree four more than that can be rounding, and then a root at which the sign does not change is
 /// found twice or not at all. Where three roots are one it is found to about 1e-5. There are no roots of a
 /// polynomial that has an infinite coefficient or NaN, or is zero.
@@ -198,8 +199,7 @@ impl<const N: usize> Chain<N> {
 /// `None` when it is zero or has a coefficient that is not finite.
 fn scaled<const N: usize>(mut polynomial: [f64; N]) -> Option<([f64; N], usize)> {
     let largest = polynomial.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
-    // A sum is finite only when all that is added is.
-    let is_finite = polynomial.iter().sum::<f64>().is_finite();
+    let is_finite = polynomial.iter().all(|coefficient| coefficient.is_finite());
     if largest == 0.0 || !is_finite {
         return None;
     }

@@ -124,6 +124,13 @@ impl Flight {
     /// Whether the numbers can be those of a flight.
     pub(crate) fn check(&self) -> Result<(), FlightError> {
         self.noise.check()?;
+        let stands = self.motion.stands;
+        let are_apart = stands.windows(2).all(|pair| pair[0][1] + 2.0 <= pair[1][0]);
+        let first = stands.iter().find(|[from, to]| from > to || !are_apart);
+        if let Some(&[value, _]) = first {
+            let wanted = "spans in order, two seconds apart";
+            return Err(FlightError::Number { name: "stands", value, wanted });
+        }
         for (name, value) in [
             ("seconds", self.seconds),
             ("imu_rate", self.imu_rate),

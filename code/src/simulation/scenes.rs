@@ -51,7 +51,7 @@ impl Scene {
 
     // ANCHOR: street
     /// A camera every metre along a street, all looking at the facades on its left, 5 to
-    /// 8 m away, with ten points for every metre. A camera sees the points that lie less
+    /// 8 m away, with ten points for every camera. A camera sees the points that lie less
     /// than `reach` metres ahead of it or behind.
     pub fn street(cameras: usize, reach: f64, pixel_sigma: f64, seed: u64) -> Self {
         let mut random = Random::new(seed);

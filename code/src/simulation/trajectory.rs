@@ -170,7 +170,7 @@ impl Trajectory {
         Self::default()
     }
 
-    /// Within a metre of one spot, nodding and swinging by three degrees.
+    /// Within 1.1 m of one spot, nodding and swinging by three degrees.
     pub fn about_one_spot() -> Self {
         let wave = ScalarTrajectory::wave;
         let angles = EulerAngles {

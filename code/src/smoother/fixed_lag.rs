@@ -43,9 +43,9 @@ pub struct Smoothed {
     pub iterations: usize,
     /// Landmarks in the window.
     pub landmarks: usize,
-    /// Pixels of landmarks in this picture.
+    /// Pixels of this picture that were used, of landmarks known before it.
     pub pixels: usize,
-    /// Pixels that are too far off.
+    /// Pixels that are too far off, or not finite.
     pub gated: usize,
     /// How many columns the widest front has.
     pub widest: usize,
@@ -58,7 +58,8 @@ pub struct Smoothed {
 }
 
 impl Smoother {
-    /// A smoother that begins with this.
+    /// A smoother that begins with this. Of the rig that of the options' sensors counts, not that of the
+    /// start.
     ///
     /// # Errors
     ///

@@ -65,7 +65,7 @@ pub struct SmootherOptions {
     pub right: Option<RigCamera>,
     /// How a landmark is parametrized.
     pub landmarks: Parametrization,
-    /// How long a state stays in the window, in seconds.
+    /// How old the second state of the window becomes before the oldest one leaves, in seconds.
     pub lag: f64,
     /// Which states stay so long.
     pub keyframes: Keyframes,

@@ -127,12 +127,12 @@ pub struct Verified {
 /// that leaves pictures out is tried again from another pair, and the one with the most pictures
 /// counts.
 ///
-/// The result does not depend on the order of pictures, keypoints and matches, except for the frame
-/// of the pictures' numbers.
+/// The result does not depend on the order of pictures, keypoints and matches, but for the
+/// numbers by which they are told, which are those given.
 ///
 /// # Errors
 ///
-/// [`ReconstructionError`] when the input is none, or no two pictures give a beginning. A picture
+/// [`ReconstructionError`] when the input is none, an option is out of its range, or no two pictures give a beginning. A picture
 /// that cannot be joined is no error: its entry says why.
 pub fn reconstruct(
     pictures: &[Picture],
@@ -179,13 +179,14 @@ pub fn reconstruct(
             break;
         }
     }
-    let [rotations, planes, _] = reasons;
+    let [rotations, planes, few] = reasons;
     let none = ReconstructionError::NoFirstPair {
         pairs: verified.pairs,
         verified: verified.verified_pairs,
         narrow,
         rotations,
         planes,
+        few,
     };
     Ok(best.ok_or(none)?.told(verified))
 }
@@ -358,8 +359,9 @@ pub enum ReconstructionError {
     /// No two pictures give a beginning.
     #[error(
         "no two pictures give a beginning: {verified} of {pairs} pairs have a motion behind their \
-         matches, {narrow} of them have too little parallax, {rotations} are turns and {planes} show a \
-         plane; give pictures of a scene with depth, from places farther apart"
+         matches; {narrow} of them have too few matches with parallax, {rotations} are turns, {planes} show \
+         a plane, and from {few} too few points follow; give more right matches, or pictures of a scene \
+         with depth from places farther apart"
     )]
     NoFirstPair {
         /// Pairs that have matches.
@@ -372,5 +374,7 @@ pub enum ReconstructionError {
         rotations: usize,
         /// How many a plane explains.
         planes: usize,
+        /// From how many too few points follow.
+        few: usize,
     },
 }

@@ -193,7 +193,9 @@ fn laid_upon(from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> Isometry3<f64>
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum ThreePointError {
     /// A point or direction is not finite, or a direction is zero.
-    #[error("point {point}: its place or direction is not finite, or zero; leave it out")]
+    #[error(
+        "point {point}: its place or direction is not finite, or its direction is zero; leave it out"
+    )]
     NotFinite {
         /// Which of the three.
         point: usize,

@@ -66,7 +66,7 @@ fn slopes(camera: &Pinhole) -> Matrix3<f64> {
 /// miss being pictures of one point, to first order, or `None` where no pair of lines says so.
 ///
 /// Its square is the least sum of squared moves of both pixels that satisfies
-/// {eq:coplanarity}. Implements {eq:sampson}.
+/// {eq:coplanarity}. It has the sign of the residual: compare its size. Implements {eq:sampson}.
 pub fn sampson_distance(
     fundamental: &Matrix3<f64>,
     first_pixel: &Vector2<f64>,

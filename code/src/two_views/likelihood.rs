@@ -35,7 +35,8 @@ const LARGEST_CONDITION: f64 = 1e12;
 ///
 /// # Errors
 ///
-/// [`TriangulationError`] when there is no such point, or no steps lead to it.
+/// [`TriangulationError`] when `start` is not in front of all views, there is no such point, or no steps
+/// lead to it.
 // ANCHOR: triangulate_nonlinear
 pub fn triangulate_nonlinear(
     views: &[View],
@@ -44,7 +45,7 @@ pub fn triangulate_nonlinear(
     check(views)?;
     refuse_behind(views, start)?;
     let (problem, landmark) = of_pixels(views, start);
-    let too_large = |_| TriangulationError::Undetermined { condition: f64::NAN };
+    let too_large = |_| TriangulationError::TooLarge;
     let Solution { values, report } = problem.solve(&precise()).map_err(too_large)?;
     let information = problem.linearize(&values).map_err(too_large)?.hessian;
     let covariance = covariance(&information.fixed_view::<3, 3>(0, 0).into_owned())?;

@@ -289,9 +289,13 @@ pub enum TriangulationError {
         /// The widest angle, in radians.
         angle: f64,
     },
-    /// The rays meet behind a camera, or nearer than it can see.
+    /// Residuals have no square that is a number.
+    #[error("the squares of the residuals are too large; give a larger sigma")]
+    TooLarge,
+    /// The rays meet behind a camera, or nearer than it can see; or a start lies there.
     #[error(
-        "the point lies at a depth of {depth} m in view {view}; the pixels do not show one point"
+        "the point lies at a depth of {depth} m in view {view}; the pixels do not show one point, or the \
+         start is behind a view"
     )]
     Behind {
         /// Index of the view.

@@ -247,3 +247,16 @@ fn minimum_degree_is_no_worse_than_a_shuffled_order() {
         assert!(by_degree < products(&shuffled(problem.values().len(), seed)));
     }
 }
+
+#[test]
+fn what_nothing_measures_has_no_covariance_whatever_was_asked_before() {
+    let mut problem = Problem::new();
+    let unseen = problem.add_variable(Vector3::<f64>::zeros());
+    let seen = problem.add_variable(Vector3::<f64>::zeros());
+    hold_near::<_, 3>(&mut problem, seen, 1.0);
+    let mut fronts = Fronts::in_order(&problem, &[unseen.index(), seen.index()]).unwrap();
+    fronts.linearize(&problem, Point { values: problem.values(), frozen: None }).unwrap();
+    assert_eq!(fronts.covariance_of(&problem, &[unseen.index()]), None);
+    assert!(fronts.covariance_of(&problem, &[seen.index()]).is_some());
+    assert_eq!(fronts.covariance_of(&problem, &[unseen.index()]), None);
+}

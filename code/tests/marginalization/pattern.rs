@@ -121,6 +121,9 @@ fn couplings_are_symmetric_and_nothing_is_coupled_with_itself() {
     assert!(!couplings.couple(2, 1));
     assert!(!couplings.couple(2, 2));
     assert!(couplings.couple(2, 5));
+    let mut last = Couplings::new([1]);
+    assert!(last.couple(1, usize::MAX));
+    assert_eq!(last.pairs(), BTreeSet::from([(1, usize::MAX)]));
     assert_eq!(couplings.neighbours(2), Some(&BTreeSet::from([1, 5])));
     assert_eq!(couplings.neighbours(9), None);
     assert_eq!(couplings.couple_all(&BTreeSet::from([1, 2, 5])), 1);

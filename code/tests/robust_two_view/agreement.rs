@@ -89,6 +89,7 @@ fn the_number_of_draws_is_that_of_the_books() {
     // ln 0.01 / ln(1 - 0.5⁵) = 145.05, when samples are drawn from very many.
     assert_eq!(draws_needed(500_000_000, 1_000_000_000, 5, 0.99), 146);
     assert_eq!(draws_needed(100, 100, 5, 0.99), 1);
+    assert_eq!(draws_needed(10, 100, 5, 1.5), usize::MAX);
     assert_eq!(draws_needed(4, 100, 5, 0.99), usize::MAX);
     // By counting: of ten pairs of five data, three are of the three right ones.
     assert_eq!(draws_needed(3, 5, 2, 1.0 - 0.7_f64.powi(4) + 1e-9), 5);

@@ -78,6 +78,8 @@ fn points_of_a_line_have_no_homography() {
     let mut four = [0, 1, 2, 3].map(|k| on_plane(&pose, 5, 4)[k]);
     four[2] = rays(&pose, &(0.5 * (four[0].0 + four[1].0)));
     assert_eq!(homography_of_four(&four), Err(HomographyError::Collinear));
+    four[1].0.x = f64::NAN;
+    assert_eq!(homography_of_four(&four), Err(HomographyError::Ray { pair: 1 }));
     let line: Vec<_> =
         (0..10).map(|k| rays(&pose, &Vector3::new(0.3 * k as f64 - 1.0, 0.2, 4.0))).collect();
     assert_eq!(homography_of_many(&line), Err(HomographyError::Collinear));

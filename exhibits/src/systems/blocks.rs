@@ -54,7 +54,7 @@ const VINS_MONO: &[Row] = &[
         name: "back end",
         blocks: &[
             built(
-                &["Cauchy kernel on", "pixels, dogleg steps,", "landmarks first"],
+                &["Cauchy kernel on", "pixels, landmarks", "eliminated first"],
                 "sec:bundle_adjustment",
             ),
             built(&["One picture leaves:", "oldest or newest", "but one"], "sec:marginalization"),

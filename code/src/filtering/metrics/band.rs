@@ -81,9 +81,11 @@ pub enum BandError {
         dimension: usize,
     },
     /// The band would be empty or endless.
-    #[error("a band cannot leave out {outside}; give a probability between 0 and 1, as 0.05")]
+    #[error(
+        "a band cannot leave out {outside}; give each test a probability above 1e-15 and below 1"
+    )]
     Outside {
-        /// What was given.
+        /// What was given, or each test's share of it.
         outside: f64,
     },
     /// No probability.

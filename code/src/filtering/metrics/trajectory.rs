@@ -117,7 +117,7 @@ fn pairs(gained: &[f64], interval: f64) -> Result<Vec<(usize, usize)>, Trajector
 /// Why there is no relative error.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TrajectoryError {
-    /// The two trajectories do not belong together.
+    /// The trajectories do not belong together, are too short, or have a number that is not finite.
     #[error(transparent)]
     Alignment(#[from] AlignmentError),
     /// The interval is not one.
