@@ -63,7 +63,8 @@ impl Measurement {
     ) -> Result<Self, LoopClosureError> {
         let (problem, second) = stereo_problem(pixels, sights)?;
         let fronts = Fronts::new(&problem)?;
-        let solution = problem.solve_with(fronts.clone(), &Options::default())?.settled()?;
+        let options = Options { max_iterations: MOST_STEPS, ..Options::default() };
+        let solution = problem.solve_with(fronts.clone(), &options)?.settled()?;
         let covariance = problem.covariance_with(fronts, &solution.values);
         let covariance = covariance.map_err(|_| unsure(numbers))?.of(second);
         let covariance = covariance.ok_or_else(|| unsure(numbers))?;
@@ -88,6 +89,10 @@ impl Measurement {
         Ok(Self { first, second, measured, information })
     }
 }
+
+/// Where some landmarks have a disparity of a few standard deviations alone, a step is nine tenths of the
+/// last, and hundreds can be needed.
+const MOST_STEPS: usize = 1000;
 
 /// What is known of the pixels of a stereo camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
