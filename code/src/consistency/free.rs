@@ -11,9 +11,6 @@ pub fn constrained(
     free: &DMatrix<f64>,
     wanted: &DMatrix<f64>,
 ) -> Option<DMatrix<f64>> {
-    if free.ncols() == 0 {
-        return Some(rows.clone());
-    }
     // With columns of length one, a small pivot is a direction that the others make up.
     let lengths: Vec<f64> = free.column_iter().map(|column| column.norm()).collect();
     let scaled = |matrix: &DMatrix<f64>| {
@@ -23,7 +20,7 @@ pub fn constrained(
     };
     let unit = scaled(free);
     let gram = unit.tr_mul(&unit).cholesky()?;
-    if gram.l_dirty().diagonal().min() < INDEPENDENT {
+    if gram.l_dirty().diagonal().iter().any(|pivot| *pivot < INDEPENDENT) {
         return None;
     }
     let excess = rows * &unit - scaled(wanted);

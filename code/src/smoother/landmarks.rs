@@ -29,7 +29,12 @@ impl Smoother {
         smoothed: &mut Smoothed,
     ) -> Result<(), SmootherError> {
         for feature in &picture.features {
-            self.see_feature(frame, feature, smoothed)?;
+            let mut numbers = feature.pixel.iter().chain(feature.right.iter().flatten());
+            if numbers.all(|number| number.is_finite()) {
+                self.see_feature(frame, feature, smoothed)?;
+            } else {
+                smoothed.gated += 1;
+            }
         }
         Ok(())
     }
@@ -41,11 +46,6 @@ impl Smoother {
         feature: &Feature,
         smoothed: &mut Smoothed,
     ) -> Result<(), SmootherError> {
-        let mut numbers = feature.pixel.iter().chain(feature.right.iter().flatten());
-        if !numbers.all(|number| number.is_finite()) {
-            smoothed.gated += 1;
-            return Ok(());
-        }
         let Some(mut seen) = self.window.landmarks.get(&feature.track).copied() else {
             let waiting = self.window.waiting.entry(feature.track).or_default();
             waiting.push((frame.serial, *feature));
