@@ -62,7 +62,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     pub fn minimal_norm_covariance(&self) -> Result<BaCovariance<D>, BaError> {
         let (inverse, _) = self.pseudo_inverse()?;
         let covariance = self.system().with_landmarks(self.problem(), inverse);
-        Ok(self.sorted(&covariance.map_err(|_| self.explain())?))
+        Ok(self.sorted(&covariance.map_err(|_| self.explain_points())?))
     }
 
     /// Camera by camera and point by point.

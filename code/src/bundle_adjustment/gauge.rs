@@ -168,11 +168,16 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let change = inverse * &rhs;
         let mut system = self.system();
         let eliminated = system.eliminate_all(0.0);
-        eliminated.map_err(|_| self.explain())?;
+        eliminated.map_err(|_| self.explain_points())?;
         let (step, predicted_decrease) = system.complete(self.problem(), &change, change.dot(&rhs));
         Ok(self.trial(&step, predicted_decrease))
     }
     // ANCHOR_END: minimal_norm
+
+    /// The error that says why points cannot be eliminated, whatever is free beside them.
+    pub(super) fn explain_points(&self) -> BaError {
+        self.free().map_or_else(|error| error, |free| free.lost_to_rounding().into())
+    }
 
     /// The error that says what is free.
     pub(super) fn explain(&self) -> BaError {

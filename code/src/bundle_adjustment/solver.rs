@@ -109,7 +109,7 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     /// said what is free.
     pub fn schur_complement(&self, damping: f64) -> Result<(DMatrix<f64>, DVector<f64>), BaError> {
         check_damping(damping)?;
-        self.system().schur_complement(damping).map_err(|_| self.explain())
+        self.system().schur_complement(damping).map_err(|_| self.explain_points())
     }
 
     /// The variables and factors of which it is made: a camera that is fixed, or of whose rig none

@@ -77,7 +77,8 @@ impl<const D: usize> LandmarkElimination<D> {
     /// # Errors
     ///
     /// [`SolveError::Block`], [`SolveError::TiedLandmark`] and [`SolveError::Structure`] when the
-    /// problem is not of this form, [`SolveError::NothingFree`] when nothing moves.
+    /// problem is not of this form, [`SolveError::NoFactors`], and [`SolveError::NothingFree`] when nothing
+    /// moves.
     pub fn new<L: Manifold>(problem: &Problem) -> Result<Self, SolveError> {
         Self::of_tiles::<L>(problem, None)
     }

@@ -88,8 +88,12 @@ impl NullSpace {
 
     /// Why a step is not determined by the normal equations.
     pub(crate) fn undetermined(&self) -> SolveError {
-        let least_seen = self.least_seen.unwrap_or(0.0);
-        self.singular().map_or(SolveError::LostToRounding { least_seen }, SolveError::Singular)
+        self.singular().map_or_else(|| self.lost_to_rounding(), SolveError::Singular)
+    }
+
+    /// The error of what is seen, and not kept by the normal equations.
+    pub(crate) fn lost_to_rounding(&self) -> SolveError {
+        SolveError::LostToRounding { least_seen: self.least_seen.unwrap_or(0.0) }
     }
 
     // ANCHOR: leaves

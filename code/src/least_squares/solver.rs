@@ -701,7 +701,7 @@ pub enum SolveError {
     NullSpace(#[from] NullSpaceError),
     /// The Jacobian has full rank, but the normal equations, which hold its square, do not keep it.
     #[error(
-        "nothing is free, but the weakest singular value of the scaled Jacobian is \
+        "the weakest singular value of the scaled Jacobian is \
          {least_seen:.1e} of the largest and its square is lost to rounding in the normal \
          equations; for a step use Levenberg-Marquardt, for a covariance the dense system, or measure the \
          weakest direction better"

@@ -53,7 +53,7 @@ impl Measurement {
     /// # Errors
     ///
     /// [`LoopClosureError::Unsure`] when the pixels leave a direction open, [`LoopClosureError::Stereo`]
-    /// when a sight is not finite or `sigma` is none, and those of the solver, also when no sight is near
+    /// when a sight has a NaN or `sigma` is none, and those of the solver, also when no sight is near
     /// enough.
     pub fn from_stereo(
         pixels: StereoPixels,
@@ -120,10 +120,11 @@ fn stereo_problem(
         !sight.iter().any(is_far)
     };
     for (point, sight) in sights.iter().enumerate().filter(is_near) {
+        let seen_by = |keyframe: usize| StereoFactor::new(keyframe, point, sight[keyframe], sigma);
+        let observed = [seen_by(0)?, seen_by(1)?];
         let Some(place) = camera.point(&sight[0]) else { continue };
         let landmark = problem.add_variable(place);
-        for (keyframe, (pose, seen)) in [first, second].into_iter().zip(sight).enumerate() {
-            let observed = StereoFactor::new(keyframe, point, *seen, sigma)?;
+        for (pose, observed) in [first, second].into_iter().zip(observed) {
             let factor = StereoByPose { pose, landmark, camera, observed };
             problem.add_factor(factor, Kernel::Squared)?;
         }

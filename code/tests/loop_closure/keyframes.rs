@@ -106,7 +106,9 @@ fn an_error_that_two_poses_share_is_none_between_them() {
 fn a_sight_that_is_not_finite_is_named_by_its_place_among_all() {
     let (_, mut sights) = scene(20, 0.0, &mut Draws::new(1));
     sights[0][0].z = sights[0][0].x;
-    sights[1] = [Vector3::new(330.0, f64::NAN, 320.0); 2];
-    let refused = measured(&sights).unwrap_err().to_string();
-    assert!(refused.contains("point 1:"), "{refused}");
+    for broken in [Vector3::new(330.0, f64::NAN, 320.0), Vector3::new(f64::NAN, 240.0, 320.0)] {
+        sights[1] = [broken; 2];
+        let refused = measured(&sights).unwrap_err().to_string();
+        assert!(refused.contains("point 1:"), "{refused}");
+    }
 }
