@@ -582,6 +582,6 @@ fn a_start_with_a_number_that_is_none_is_refused() {
     let mut state = good.state;
     state.velocity.x = f64::NAN;
     for broken in [Start { covariance, ..good }, Start { state, ..good }] {
-        assert_eq!(Msckf::new(options.clone(), &broken).err(), Some(MsckfError::Start));
+        assert_eq!(Msckf::new(options, &broken).err(), Some(MsckfError::Start));
     }
 }
