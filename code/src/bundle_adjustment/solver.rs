@@ -8,13 +8,13 @@ use super::assembly::Assembly;
 use super::{BaError, BaReport, Camera, TinyBa};
 use crate::factors::MovingCamera;
 use crate::least_squares::{
-    Iteration, LandmarkElimination, LinearSystem, Options, Point, Problem, Search, SolveError,
-    Stop, Values,
+    Iteration, LARGEST_DAMPING, LandmarkElimination, LinearSystem, Options, Point, Problem, Search,
+    SolveError, Stop, Values,
 };
 
 /// That a damping is one, and overflows nothing.
 fn check_damping(damping: f64) -> Result<(), BaError> {
-    let fits = (0.0..=1e12).contains(&damping);
+    let fits = (0.0..=LARGEST_DAMPING).contains(&damping);
     fits.then_some(()).ok_or(BaError::Solve(SolveError::Option { name: "damping", value: damping }))
 }
 

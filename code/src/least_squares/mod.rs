@@ -60,6 +60,7 @@ pub use normal_equations::{Dense, NormalEquations, Step};
 pub use null_space::{NullSpace, NullSpaceError, RANK_TOLERANCE, SingularSystem};
 pub use problem::{Columns, Problem, ProblemError};
 pub(crate) use singular::right_singular;
+pub(crate) use solver::LARGEST_DAMPING;
 pub use solver::{
     Iteration, LinearSystem, Method, Options, Prediction, Report, Search, Solution, SolveError,
     Stop,

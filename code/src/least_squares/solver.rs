@@ -269,7 +269,7 @@ impl Solution {
 }
 
 /// Above this damping, relative to the Hessian's diagonal, the search for a step is given up.
-const LARGEST_DAMPING: f64 = 1e12;
+pub(crate) const LARGEST_DAMPING: f64 = 1e12;
 /// Below it, damping is lost in rounding.
 const SMALLEST_DAMPING: f64 = 1e-12;
 /// A refused step is followed by one with at least this damping.
