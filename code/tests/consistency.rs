@@ -111,6 +111,17 @@ fn derivatives_at_a_truth_that_nobody_knows_are_refused() {
 }
 
 #[test]
+fn a_start_before_the_truth_has_no_derivatives_there() {
+    let mut recording = flown(0);
+    let start = Start::at_the_origin(&recording, SIGMAS, 7).unwrap();
+    recording.pictures.remove(0);
+    recording.truth.states.remove(0);
+    recording.truth.biases.remove(0);
+    let mut filter = Msckf::new(options(Policy::Ideal, 0), &start).unwrap();
+    assert_eq!(filter.follow(&recording, 0), Err(MsckfError::StartBeforeTruth));
+}
+
+#[test]
 fn a_policy_is_read_by_its_name() {
     for policy in Policy::ALL {
         assert_eq!(policy.to_string().parse::<Policy>(), Ok(policy));

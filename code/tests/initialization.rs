@@ -291,6 +291,10 @@ fn what_cannot_be_a_batch_is_refused() {
     let beyond = [(0, Vector2::zeros()), (99, Vector2::zeros())];
     let error = batch.add_landmark(3, Vector3::zeros(), &beyond, Kernel::Squared).unwrap_err();
     assert_eq!(error, BatchError::Sighting { track: 3, state: 99, states: times.len() });
+    let beyond = BatchError::State { state: times.len(), states: times.len() };
+    assert_eq!(batch.stand_still(times.len(), 0.1).unwrap_err(), beyond);
+    let start = vislam::msckf::Start::drawn(&recording, &[0.05; 15], 5).unwrap();
+    assert_eq!(batch.know_start(times.len(), &start).unwrap_err(), beyond);
     let nothing_known = batch.covariance(&batch.problem.values().clone());
     assert!(nothing_known.is_err());
 }
@@ -384,6 +388,18 @@ fn what_does_not_align_is_refused() {
     broken[100].sample.accelerometer.x = f64::NAN;
     let refused = align(&motion, &broken).unwrap_err();
     assert!(matches!(refused, AlignmentRefused::Preintegration(_)), "{refused}");
+
+    let (pictures, mut unlike) = (motion.pictures.len(), motion.clone());
+    unlike.rotations.pop();
+    let refused = align(&unlike, &recording.readings).unwrap_err();
+    let [times, rotations, centres] = [pictures, pictures - 1, pictures];
+    assert_eq!(refused, AlignmentRefused::Lists { pictures, times, rotations, centres });
+    assert_eq!(unlike.uniform(&sensors), None);
+    let mut beyond = motion.clone();
+    let (track, landmark) = beyond.landmarks.iter_mut().next_back().unwrap();
+    landmark.sightings[1].0 = pictures;
+    let sighting = AlignmentRefused::Sighting { track: *track, place: pictures, pictures };
+    assert_eq!(align(&beyond, &recording.readings).unwrap_err(), sighting);
 }
 
 /// Begins a flight and makes the batch of all of it.
@@ -458,8 +474,8 @@ fn a_flight_without_a_beginning_says_why() {
     let error = beginning(&recording.pictures).unwrap_err();
     assert!(matches!(error, NoStart::Uniform { .. } | NoStart::Pictures(_)), "{error}");
     let error = beginning(&recording.pictures[..1]).unwrap_err();
-    assert_eq!(error, NoStart::TooShort { pictures: 1 });
-    assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0 });
+    assert_eq!(error, NoStart::TooShort { pictures: 1, span: 1.5 });
+    assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0, span: 1.5 });
 }
 
 #[test]

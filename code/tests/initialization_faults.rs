@@ -14,6 +14,7 @@ use vislam::initialization::{
 };
 use vislam::preintegration::PreintegrationError;
 use vislam::simulation::{Flight, FlightRecording, Trajectory};
+use vislam::structure_from_motion::ReconstructionError;
 use vislam::two_views::TriangulationError;
 
 const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.02);
@@ -281,11 +282,31 @@ fn a_pixel_that_is_no_number_is_refused_with_its_track() {
     assert!(matches!(failed, Failed::Begin(NoStart::Pictures(_))), "{failed:?}");
 }
 
+/// A start looks at some of the pictures alone, and tells the number that one has among all.
+#[test]
+fn a_pixel_that_is_no_number_is_told_with_the_number_of_its_picture() {
+    let recording = flown(&flight());
+    let sensors = Sensors::of_flight(&recording.flight);
+    let options = BeginOptions { rate: 4.0, ..BeginOptions::default() };
+    let told = (4..16).filter(|&broken| {
+        let mut pictures = recording.pictures[..16].to_vec();
+        pictures[broken].features.iter_mut().for_each(|feature| feature.pixel.x = f64::NAN);
+        match begin(&sensors, &recording.readings, &pictures, &options) {
+            Err(NoStart::Pictures(ReconstructionError::Keypoint { picture, .. })) => {
+                assert_eq!(picture, broken);
+                true
+            }
+            _ => false,
+        }
+    });
+    assert!(told.count() > 2);
+}
+
 #[test]
 fn nothing_is_not_estimated() {
     let recording = flown(&flight());
     let failed = estimated(&recording, &recording.readings, &[]).err().unwrap();
-    assert!(matches!(failed, Failed::Begin(NoStart::TooShort { pictures: 0 })), "{failed:?}");
+    assert!(matches!(failed, Failed::Begin(NoStart::TooShort { pictures: 0, .. })), "{failed:?}");
     let mut blind = recording.pictures.clone();
     blind.iter_mut().for_each(|picture| picture.features.clear());
     let failed = estimated(&recording, &recording.readings, &blind).err().unwrap();

@@ -522,6 +522,10 @@ fn numbers_that_are_none_and_windows_that_are_too_short_are_refused() {
         let short = Msckf::new(MsckfOptions { clones, ..options }, &start);
         assert!(matches!(short, Err(MsckfError::Window { .. })), "{clones}");
     }
+    for pixel_sigma in [0.0, -1.0, f64::INFINITY] {
+        let refused = Msckf::new(MsckfOptions { pixel_sigma, ..options }, &start).err();
+        assert_eq!(refused, Some(MsckfError::PixelSigma { sigma: pixel_sigma }));
+    }
     let mut filter = Msckf::new(options, &start).unwrap();
     let mut broken = recording.readings[0];
     broken.sample.gyro.x = f64::NAN;

@@ -414,6 +414,22 @@ fn a_picture_that_the_readings_do_not_reach_is_refused() {
 }
 
 #[test]
+fn a_track_goes_on_after_a_pixel_that_is_no_number() {
+    let mut recording = flown(3.0, 1);
+    let tracks: Vec<usize> = recording.pictures[3].features.iter().map(|f| f.track).collect();
+    recording.pictures[3].features.iter_mut().for_each(|feature| feature.pixel.y = f64::NAN);
+    let mut smoother = Smoother::new(options(&recording), &start(&recording, 1)).unwrap();
+    let gated: Vec<usize> = (1..recording.pictures.len())
+        .map(|number| follow(&mut smoother, &recording, number).unwrap().gated)
+        .collect();
+    assert_eq!(gated[2], tracks.len());
+    assert_eq!(gated.iter().sum::<usize>(), tracks.len());
+    assert!(smoother.landmarks().filter(|track| tracks.contains(track)).count() > 10);
+    let truth = recording.truth.states.last().unwrap();
+    assert!((smoother.state().1.position - truth.position).norm() < 0.1);
+}
+
+#[test]
 fn half_of_the_pixels_wrong_for_a_second_are_gated() {
     let mut recording = flown(8.0, 2);
     for picture in &mut recording.pictures[20..25] {

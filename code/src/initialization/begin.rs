@@ -44,6 +44,11 @@ impl BeginOptions {
         self.spans.iter().copied().fold(1.5 * self.stand, f64::max)
     }
 
+    /// The shortest span to be tried, in seconds; infinite when there is none.
+    fn shortest(&self) -> f64 {
+        self.spans.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// A beginning at rest alone, for as long as it takes until the body stands. A program that uses no other
     /// is smaller by all that finds a motion in pictures.
     pub fn at_rest() -> Self {
@@ -148,7 +153,9 @@ impl StartSearch {
     /// The [`NoStart`] of the last span, when the body did not stand.
     pub fn at_the_end(&self, pictures: &[Picture]) -> Result<Beginning, NoStart> {
         let too_short = || match self.options.in_motion {
-            Some(_) => NoStart::TooShort { pictures: pictures.len() },
+            Some(_) => {
+                NoStart::TooShort { pictures: pictures.len(), span: self.options.shortest() }
+            }
             None => NoStart::NoStand { seconds: self.options.stand },
         };
         match self.stand.as_ref().or(self.last.as_ref()) {
@@ -198,7 +205,7 @@ impl StartSearch {
         let BeginOptions { ref spans, ref motion, rate, in_motion, .. } = self.options;
         let in_motion = in_motion?;
         let end = seconds(pictures.len().checked_sub(1)?);
-        let step = spans.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
+        let step = self.options.shortest() / 3.0;
         if end < self.tried + step {
             return None;
         }

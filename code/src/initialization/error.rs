@@ -71,6 +71,31 @@ pub enum BatchError {
 /// Why readings do not align with a motion that is known up to scale.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AlignmentRefused {
+    /// The lists of a motion do not belong together.
+    #[error(
+        "a motion of {pictures} pictures has {times} times, {rotations} rotations and {centres} \
+         centres; give one of each for every picture"
+    )]
+    Lists {
+        /// How many pictures it names.
+        pictures: usize,
+        /// How many times it has.
+        times: usize,
+        /// How many rotations.
+        rotations: usize,
+        /// How many centres.
+        centres: usize,
+    },
+    /// A landmark was seen by a camera that does not exist.
+    #[error("track {track} names place {place} of {pictures}, counted from zero; leave it out")]
+    Sighting {
+        /// The track.
+        track: usize,
+        /// The place in the lists that it names.
+        place: usize,
+        /// How many there are.
+        pictures: usize,
+    },
     /// Too few cameras were found.
     #[error("{found} cameras were found, and five are needed; give more pictures")]
     Cameras {
@@ -163,10 +188,14 @@ impl fmt::Display for UniformMotion {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NoStart {
     /// There are too few pictures for any span of them.
-    #[error("{pictures} pictures are too few to begin; give two seconds of them or more")]
+    #[error(
+        "{pictures} pictures are too few to begin: the shortest span to be tried has {span} s; give more of them"
+    )]
     TooShort {
         /// How many there are.
         pictures: usize,
+        /// The shortest span, in seconds; infinite when there is none to be tried.
+        span: f64,
     },
     /// The body did not stand, and no other beginning was to be looked for.
     #[error(

@@ -36,14 +36,15 @@ impl LinearAlignment {
     ///
     /// # Errors
     ///
-    /// [`AlignmentRefused::Readings`] and [`AlignmentRefused::Preintegration`].
+    /// [`AlignmentRefused::Lists`], [`AlignmentRefused::Sighting`], [`AlignmentRefused::Readings`] and
+    /// [`AlignmentRefused::Preintegration`].
     pub fn new(
         sensors: &Sensors,
         readings: &[StampedSample],
         motion: &VisualMotion,
         bias: &ImuBias,
     ) -> Result<Self, AlignmentRefused> {
-        let sums = intervals(sensors, readings, &motion.nanoseconds, bias)?;
+        let sums = intervals(sensors, readings, motion, bias)?;
         let mut matrix = DMatrix::zeros(3 * sums.len(), UNKNOWNS);
         let mut right = DVector::zeros(3 * sums.len());
         let lever = sensors.rig.body_from_camera.translation.vector;

@@ -195,7 +195,7 @@ pub enum NotAtRest {
     /// Too few features stand in the first and in the last picture.
     #[error(
         "{found} features stand in the first and in the last picture, and {needed} are needed to \
-         see that nothing moves; take a shorter stand"
+         see that nothing moves; give pictures with more of them, or a shorter stand"
     )]
     Features {
         /// How many do.

@@ -11,8 +11,9 @@ const PROBABILITY: f64 = 0.999;
 impl VisualMotion {
     // ANCHOR: uniform
     /// The motion's name, if its centres lie on a line or a parabola over time as well as they are
-    /// known.
+    /// known. Lists that do not belong together have none.
     pub fn uniform(&self, sensors: &Sensors) -> Option<UniformMotion> {
+        self.check().ok()?;
         let fits = |degree: usize| {
             let degrees = 3 * self.centres.len().saturating_sub(degree + 1);
             let limit = chi_square_quantile(PROBABILITY, degrees).ok()?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Rotation3, Vector2, Vector3};
 
-use super::Sensors;
+use super::{AlignmentRefused, Sensors};
 use crate::datasets::tracks;
 use crate::structure_from_motion::{
     MapPoint, Picture, PictureMatch, Reconstruction, ReconstructionError, ReconstructionOptions,
@@ -90,6 +90,24 @@ impl VisualMotion {
             landmarks: found.points.iter().filter_map(landmark).collect(),
             pictures: numbers,
         }
+    }
+
+    /// That all lists have an entry for each picture, and that landmarks name entries of them.
+    pub(super) fn check(&self) -> Result<(), AlignmentRefused> {
+        let pictures = self.pictures.len();
+        let lists = [self.nanoseconds.len(), self.rotations.len(), self.centres.len()];
+        if lists != [pictures; 3] {
+            let [times, rotations, centres] = lists;
+            return Err(AlignmentRefused::Lists { pictures, times, rotations, centres });
+        }
+        for (track, landmark) in &self.landmarks {
+            if let Some((place, _)) =
+                landmark.sightings.iter().find(|(place, _)| *place >= pictures)
+            {
+                return Err(AlignmentRefused::Sighting { track: *track, place: *place, pictures });
+            }
+        }
+        Ok(())
     }
 
     /// Seconds from the first camera to another.

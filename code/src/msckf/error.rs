@@ -34,6 +34,14 @@ pub enum MsckfError {
         /// How many pictures a track needs.
         least_sights: usize,
     },
+    /// The standard deviation of a pixel is none.
+    #[error(
+        "a pixel with a standard deviation of {sigma}: give a positive, finite number of pixels"
+    )]
+    PixelSigma {
+        /// What was given.
+        sigma: f64,
+    },
     /// The readings do not reach from the estimate to the picture.
     #[error(transparent)]
     Readings(#[from] WindowError),

@@ -75,12 +75,16 @@ impl Msckf {
     ///
     /// # Errors
     ///
-    /// An [`MsckfError`] names the number that cannot be: a window that is too short, a gate that is no
-    /// probability, a covariance, a state or a bias that is not finite.
+    /// An [`MsckfError`] names the number that cannot be: a window that is too short, a pixel's standard
+    /// deviation that is none, a gate that is no probability, a covariance, a state or a bias that is not
+    /// finite.
     pub fn new(options: MsckfOptions, start: &Start) -> Result<Self, MsckfError> {
-        let MsckfOptions { clones, least_sights, .. } = options;
+        let MsckfOptions { clones, least_sights, pixel_sigma: sigma, .. } = options;
         if clones < least_sights.max(2) {
             return Err(MsckfError::Window { clones, least_sights });
+        }
+        if !(sigma > 0.0 && sigma.is_finite()) {
+            return Err(MsckfError::PixelSigma { sigma });
         }
         let NavState { world_from_body, velocity, position } = &start.state;
         let bias = start.bias.vector();

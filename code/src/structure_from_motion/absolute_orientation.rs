@@ -60,9 +60,6 @@ pub fn absolute_orientation(
         ScaleFreedom::One => 1.0,
     };
     // ANCHOR_END: closed_form
-    if scale <= 0.0 {
-        return Err(OrientationError::Scale { scale });
-    }
     Ok(Similarity { scale, rotation, translation: b - scale * (rotation * a) })
 }
 // ANCHOR_END: absolute_orientation
@@ -103,10 +100,4 @@ pub enum OrientationError {
          other's mirror image; give points beside the line"
     )]
     Rotation,
-    /// The best scale is none.
-    #[error("the best scale is {scale}; the two worlds do not resemble each other")]
-    Scale {
-        /// What it is.
-        scale: f64,
-    },
 }

@@ -205,7 +205,7 @@ struct Grown<'a> {
 impl<'a> Grown<'a> {
     // ANCHOR: grown
     /// Grows a map that has begun: as far as it goes, and again after what the adjustment of all of it
-    /// has brought.
+    /// has brought, until that brings no picture anything new.
     fn from(mut map: Map<'a>, pair: &VerifiedPair) -> Self {
         let first = |picture| Joined { picture, seen: 0, inliers: 0, points: map.points() };
         let mut joined = pair.pictures.map(first).to_vec();
@@ -217,7 +217,8 @@ impl<'a> Grown<'a> {
                 break;
             }
             map.complete();
-            if map.registered() == before || map.registered() == map.poses.len() {
+            let has_ended = map.registered() == before || map.registered() == map.poses.len();
+            if has_ended && map.next_picture(&attempts).is_none() {
                 break;
             }
         }

@@ -148,6 +148,29 @@ fn of_two_scenes_without_a_match_between_them_the_larger_is_kept() {
     }
 }
 
+/// Far points show hardly any parallax, so only the completion of a map places them.
+#[test]
+fn a_picture_that_sees_far_points_alone_joins_when_these_are_placed() {
+    const NEAR: usize = 40;
+    let mut random = random(40);
+    let mut points = ball(NEAR, &mut random);
+    let far = |k: usize| {
+        let (column, row) = (k as f64 % 5.0 - 2.0, (k / 5) as f64 - 1.5);
+        Vector3::new(60.0 * column, 60.0 * row, 450.0 + 20.0 * (k % 3) as f64)
+    };
+    points.extend((0..20).map(far));
+    let poses = [-0.6, 0.6, 0.0].map(|x| looking(Vector3::new(x, 0.3 * x, -8.0), Vector3::zeros()));
+    let scene = scene(poses.to_vec(), &points, 0.3, &mut random);
+    let shown = scene.shown.clone();
+    let scene = scene.only(|one| {
+        let sees_far = |side: usize| shown[one.pictures[side]][one.keypoints[side]] >= NEAR;
+        !one.pictures.contains(&2) || sees_far(0)
+    });
+    let found = reconstruct(&scene.pictures, &scene.matches, &Default::default()).unwrap();
+    assert_eq!(registered(&found.cameras), [0, 1, 2], "{:?}", found.cameras[2]);
+    assert!(found.joined[2].seen > 6);
+}
+
 #[test]
 fn a_picture_without_keypoints_is_refused() {
     let mut scene = small(39);
