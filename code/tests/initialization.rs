@@ -373,7 +373,11 @@ fn what_does_not_align_is_refused() {
     assert!((gravity - sensors.gravity).abs() < 1e-9, "gravity of {gravity}");
 
     let mut few = motion.clone();
+    few.pictures.truncate(3);
+    few.nanoseconds.truncate(3);
+    few.rotations.truncate(3);
     few.centres.truncate(3);
+    few.landmarks.clear();
     let refused = align(&few, &recording.readings).unwrap_err();
     assert_eq!(refused, AlignmentRefused::Cameras { found: 3 });
     let refused = align(&motion, &recording.readings[100..]).unwrap_err();
@@ -394,6 +398,7 @@ fn what_does_not_align_is_refused() {
     let refused = align(&unlike, &recording.readings).unwrap_err();
     let [times, rotations, centres] = [pictures, pictures - 1, pictures];
     assert_eq!(refused, AlignmentRefused::Lists { pictures, times, rotations, centres });
+    unlike.nanoseconds.pop();
     assert_eq!(unlike.uniform(&sensors), None);
     let mut beyond = motion.clone();
     let (track, landmark) = beyond.landmarks.iter_mut().next_back().unwrap();
@@ -474,8 +479,8 @@ fn a_flight_without_a_beginning_says_why() {
     let error = beginning(&recording.pictures).unwrap_err();
     assert!(matches!(error, NoStart::Uniform { .. } | NoStart::Pictures(_)), "{error}");
     let error = beginning(&recording.pictures[..1]).unwrap_err();
-    assert_eq!(error, NoStart::TooShort { pictures: 1, span: 1.5 });
-    assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0, span: 1.5 });
+    assert_eq!(error, NoStart::TooShort { pictures: 1, seconds: 2.0 });
+    assert_eq!(beginning(&[]).unwrap_err(), NoStart::TooShort { pictures: 0, seconds: 2.0 });
 }
 
 #[test]

@@ -88,7 +88,8 @@ pub fn align_motion(
     motion: &VisualMotion,
     accelerometer_bias: f64,
 ) -> Result<Alignment, AlignmentRefused> {
-    let found = motion.centres.len();
+    motion.check()?;
+    let found = motion.pictures.len();
     if found < LEAST_CAMERAS {
         return Err(AlignmentRefused::Cameras { found });
     }

@@ -49,6 +49,11 @@ impl BeginOptions {
         self.spans.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
+    /// After so many seconds spans are tried again.
+    fn step(&self) -> f64 {
+        self.shortest() / 3.0
+    }
+
     /// A beginning at rest alone, for as long as it takes until the body stands. A program that uses no other
     /// is smaller by all that finds a motion in pictures.
     pub fn at_rest() -> Self {
@@ -153,10 +158,11 @@ impl StartSearch {
     /// The [`NoStart`] of the last span, when the body did not stand.
     pub fn at_the_end(&self, pictures: &[Picture]) -> Result<Beginning, NoStart> {
         let too_short = || match self.options.in_motion {
-            Some(_) => {
-                NoStart::TooShort { pictures: pictures.len(), span: self.options.shortest() }
+            Some(_) if !self.options.spans.is_empty() => {
+                let seconds = self.options.stand.max(self.options.shortest() + self.options.step());
+                NoStart::TooShort { pictures: pictures.len(), seconds }
             }
-            None => NoStart::NoStand { seconds: self.options.stand },
+            _ => NoStart::NoStand { seconds: self.options.stand },
         };
         match self.stand.as_ref().or(self.last.as_ref()) {
             Some((stand, start)) => Ok(standing(stand, start, pictures)),
@@ -205,8 +211,7 @@ impl StartSearch {
         let BeginOptions { ref spans, ref motion, rate, in_motion, .. } = self.options;
         let in_motion = in_motion?;
         let end = seconds(pictures.len().checked_sub(1)?);
-        let step = self.options.shortest() / 3.0;
-        if end < self.tried + step {
+        if end < self.tried + self.options.step() {
             return None;
         }
         self.tried = end;

@@ -188,14 +188,12 @@ impl fmt::Display for UniformMotion {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NoStart {
     /// There are too few pictures for any span of them.
-    #[error(
-        "{pictures} pictures are too few to begin: the shortest span to be tried has {span} s; give more of them"
-    )]
+    #[error("{pictures} pictures are too few to begin; give {seconds} s of them or more")]
     TooShort {
         /// How many there are.
         pictures: usize,
-        /// The shortest span, in seconds; infinite when there is none to be tried.
-        span: f64,
+        /// How many seconds are enough to look at one.
+        seconds: f64,
     },
     /// The body did not stand, and no other beginning was to be looked for.
     #[error(

@@ -116,7 +116,8 @@ fn stereo_problem(
     let [first, second] = [(); 2].map(|()| problem.add_variable(Isometry3::identity()));
     problem.hold(first)?;
     let is_near = |(_, sight): &(usize, &[Vector3<f64>; 2])| {
-        let is_far = |seen: &Vector3<f64>| seen.x - seen.z < least_disparity;
+        let is_far =
+            |seen: &Vector3<f64>| least_disparity.is_nan() || seen.x - seen.z < least_disparity;
         !sight.iter().any(is_far)
     };
     for (point, sight) in sights.iter().enumerate().filter(is_near) {

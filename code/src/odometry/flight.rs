@@ -149,7 +149,8 @@ impl Odometry {
     /// # Errors
     ///
     /// [`OdometryError::Smoother`] when the covariance of the start is none; [`OdometryError::Msckf`] when the
-    /// start is not finite, the window is too short, or the gate is no probability.
+    /// start is not finite, the window is too short, a pixel's standard deviation is none, or the gate is no
+    /// probability.
     pub fn begun(options: OdometryOptions, start: &Start) -> Result<Self, OdometryError> {
         let phase = Phase::Following(Engine::new(&options, start)?);
         Ok(Self { phase, worlds: 1, ..Self::new(options) })

@@ -65,7 +65,7 @@ impl Map<'_> {
     // ANCHOR: next_picture
     /// The picture whose known points are spread widest, counted in the cells of several grids that
     /// they fall into [@schonberger2016], and how many points it sees.
-    pub(super) fn next_picture(&self, attempts: &[Option<Attempt>]) -> Option<(usize, usize)> {
+    fn next_picture(&self, attempts: &[Option<Attempt>]) -> Option<(usize, usize)> {
         let mut best: Option<(usize, usize, usize)> = None;
         for picture in (0..self.poses.len()).filter(|picture| self.poses[*picture].is_none()) {
             let pixels: Vec<Vector2<f64>> =

@@ -217,8 +217,12 @@ impl<'a> Grown<'a> {
                 break;
             }
             map.complete();
-            let has_ended = map.registered() == before || map.registered() == map.poses.len();
-            if has_ended && map.next_picture(&attempts).is_none() {
+            let known = map.registered();
+            if known > before && known < map.poses.len() {
+                continue;
+            }
+            map.grow(&mut joined, &mut attempts);
+            if map.registered() == known {
                 break;
             }
         }
