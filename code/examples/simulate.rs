@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p vislam --example simulate -- \
-//!     --seed N --out DIR [--seconds S] [--motion NAME]
+//!     --seed N --out DIR [--flight NAME] [--seconds S] [--motion NAME]
 //! ```
 //!
 //! | file | what |
@@ -12,7 +12,8 @@
 //! | `ground_truth.csv` | states and biases at the pictures on the sensor's clock, in the form of EuRoC's `state_groundtruth_estimate0/data.csv` |
 //! | `calibration.toml` | camera, rig, densities of the noise and rates |
 //!
-//! A motion is one of those of `MOTIONS`; without one it is the figure-eight.
+//! A flight is one of those of `FLIGHTS`: with two cameras and biases, or, with `--flight book --seed 0 --seconds 60`,
+//! the one that runs through the book. A motion is one of those of `MOTIONS`; without one it is the figure-eight.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -23,7 +24,25 @@ use nalgebra::Vector3;
 use vislam::inertial::ImuBias;
 use vislam::simulation::{EulerAngles, Flight, FlightRecording, Trajectory};
 
-const USAGE: &str = "usage: simulate --seed N --out DIR [--seconds S] [--motion NAME]";
+const USAGE: &str =
+    "usage: simulate --seed N --out DIR [--flight NAME] [--seconds S] [--motion NAME]";
+
+type Kind = fn(Trajectory) -> Flight;
+
+const FLIGHTS: [(&str, Kind); 2] = [("stereo", stereo), ("book", book)];
+
+/// Twenty pictures a second from two cameras, and biases of the size of those of the EuRoC flights.
+fn stereo(motion: Trajectory) -> Flight {
+    let flight = Flight::new(motion).with_lever(LEVER);
+    Flight { initial_bias: BIAS, baseline: Some(0.11), ..flight }
+}
+
+/// The flight of the book.
+pub fn book(motion: Trajectory) -> Flight {
+    Flight { picture_rate: 10.0, tracks: 40, ..Flight::new(motion).with_lever(LEVER) }
+}
+
+const LEVER: Vector3<f64> = Vector3::new(0.1, 0.05, -0.02);
 
 type Motion = fn() -> Trajectory;
 
@@ -35,7 +54,6 @@ const MOTIONS: [(&str, Motion); 5] = [
     ("turn-on-the-spot", || Trajectory::turn_on_the_spot(0.5)),
 ];
 
-/// Biases at the beginning, of the size of those of the EuRoC flights.
 const BIAS: ImuBias = ImuBias {
     gyro: Vector3::new(-0.002, 0.021, 0.077),
     accelerometer: Vector3::new(-0.02, 0.13, 0.06),
@@ -49,13 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Writes what is asked for.
 pub fn simulate(arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>> {
-    let Arguments { seed, out, seconds, motion } = Arguments::read(arguments)?;
-    let flight = Flight {
-        seconds,
-        initial_bias: BIAS,
-        baseline: Some(0.11),
-        ..Flight::new(motion).with_lever(Vector3::new(0.1, 0.05, -0.02))
-    };
+    let Arguments { seed, out, flight } = Arguments::read(arguments)?;
     let landmarks = flight.room(3.0, LANDMARKS, seed);
     let recording = landmarks.and_then(|landmarks| flight.record(&landmarks, seed));
     let recording = recording.map_err(|error| error.to_string())?;
@@ -81,13 +93,13 @@ fn write(file: &Path, text: &str) -> Result<(), String> {
 struct Arguments {
     seed: u64,
     out: PathBuf,
-    seconds: f64,
-    motion: Trajectory,
+    flight: Flight,
 }
 
 impl Arguments {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
-        let (mut seed, mut out, mut seconds, mut motion) = (None, None, 30.0, MOTIONS[0].1);
+        let (mut seed, mut out, mut seconds) = (None, None, 30.0);
+        let (mut kind, mut motion) = (FLIGHTS[0].1, MOTIONS[0].1);
         while let Some(option) = arguments.next() {
             let value =
                 arguments.next().ok_or_else(|| format!("{option} has no value; {USAGE}"))?;
@@ -96,20 +108,22 @@ impl Arguments {
                 "--seed" => seed = Some(value.parse().map_err(|_| bad(()))?),
                 "--out" => out = Some(PathBuf::from(value)),
                 "--seconds" => seconds = value.parse().map_err(|_| bad(()))?,
-                "--motion" => motion = motion_called(&value)?,
+                "--flight" => kind = called(&FLIGHTS, &option, &value)?,
+                "--motion" => motion = called(&MOTIONS, &option, &value)?,
                 _ => return Err(format!("{option} is not an option; {USAGE}")),
             }
         }
         let (Some(seed), Some(out)) = (seed, out) else { return Err(USAGE.into()) };
-        Ok(Self { seed, out, seconds, motion: motion() })
+        Ok(Self { seed, out, flight: Flight { seconds, ..kind(motion()) } })
     }
 }
 
-fn motion_called(name: &str) -> Result<Motion, String> {
-    let found = MOTIONS.iter().find(|(known, _)| *known == name);
-    let names = || MOTIONS.map(|(known, _)| known).join(", ");
-    let unknown = || format!("--motion: there is no `{name}`, only {}", names());
-    found.map(|(_, motion)| *motion).ok_or_else(unknown)
+/// What an option names.
+fn called<T: Copy>(all: &[(&str, T)], option: &str, name: &str) -> Result<T, String> {
+    let found = all.iter().find(|(known, _)| *known == name);
+    let names = || all.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", ");
+    let unknown = || format!("{option}: there is no `{name}`, only {}", names());
+    found.map(|(_, named)| *named).ok_or_else(unknown)
 }
 
 /// The numbers as fields, each behind a comma, in as many digits as it takes to read them back.
@@ -257,6 +271,8 @@ mod tests {
         assert!(read("--seed x --out a").starts_with("--seed: `x` is not such a number"));
         assert!(read("--out").starts_with("--out has no value"));
         assert!(read("--seed 1 --motion fall").starts_with("--motion: there is no `fall`, only"));
+        let flights = "--flight: there is no `film`, only stereo, book";
+        assert_eq!(read("--seed 1 --flight film"), flights);
         assert!(write(Path::new("no/such/file"), "").unwrap_err().starts_with("no/such/file: "));
     }
 }

@@ -7,16 +7,16 @@ use nalgebra::{DMatrix, DVector};
 
 /// The scene with all distances `factor` times as long, and camera 0 exactly where it was.
 /// No pixel changes. The factor is positive.
-pub fn grown(scene: Scene, factor: f64) -> Scene {
+pub fn rescaled(scene: Scene, factor: f64) -> Scene {
     let _ = (scene, factor);
     todo!("everything moves away from one place, which is not the origin")
 }
 
-/// The velocity of all unknowns while the scene grows so, at a factor of one: the derivative
-/// by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
+/// The velocity of all unknowns while the scale of the scene grows so, at a factor of one: the
+/// derivative by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
 /// with the twist ξ = (ρ, φ) of T exp(ξ), where T is its camera_from_world; then the
 /// points, each with its three coordinates. The six numbers of camera 0 are zero.
-pub fn growth_direction(scene: Scene) -> DVector<f64> {
+pub fn scale_direction(scene: Scene) -> DVector<f64> {
     let _ = scene;
     todo!("a twist for every camera, then a velocity for every point")
 }

@@ -9,8 +9,8 @@ use exercise_spec::scale_null_space::{EXERCISE, Functions};
 
 fn main() -> ExitCode {
     let functions = Functions {
-        grown: answer::grown,
-        growth_direction: answer::growth_direction,
+        rescaled: answer::rescaled,
+        scale_direction: answer::scale_direction,
         annihilation: answer::annihilation,
         with_distance_held: answer::with_distance_held,
     };

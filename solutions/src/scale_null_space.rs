@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
 /// The scene with all distances `factor` times as long, and camera 0 exactly where it was.
 /// No pixel changes. The factor is positive.
-pub fn grown(scene: Scene, factor: f64) -> Scene {
+pub fn rescaled(scene: Scene, factor: f64) -> Scene {
     let pinned = centre(&scene.cameras[0]);
     let place = |before: Vector3<f64>| pinned + factor * (before - pinned);
     let pose = |before: &Isometry3<f64>| {
@@ -18,11 +18,11 @@ pub fn grown(scene: Scene, factor: f64) -> Scene {
     }
 }
 
-/// The velocity of all unknowns while the scene grows so, at a factor of one: the derivative
-/// by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
+/// The velocity of all unknowns while the scale of the scene grows so, at a factor of one: the
+/// derivative by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
 /// with the twist ξ = (ρ, φ) of T exp(ξ), where T is its camera_from_world; then the
 /// points, each with its three coordinates. The six numbers of camera 0 are zero.
-pub fn growth_direction(scene: Scene) -> DVector<f64> {
+pub fn scale_direction(scene: Scene) -> DVector<f64> {
     let pinned = centre(&scene.cameras[0]);
     let twists = scene.cameras.iter().flat_map(|pose| {
         let rho = pinned - centre(pose);
@@ -47,9 +47,9 @@ pub fn with_distance_held(scene: Scene, step: DVector<f64>) -> DVector<f64> {
     let (rho, phi) = (step.fixed_rows::<3>(6), step.fixed_rows::<3>(9));
     let velocity = -rho - phi.cross(&moving);
     let baseline = moving - pinned;
-    // Growth lengthens the baseline by its own length, the step by its part along it.
+    // The direction of scale lengthens the baseline by its own length, the step by its part along it.
     let share = baseline.dot(&velocity) / baseline.norm_squared();
-    step - share * growth_direction(scene)
+    step - share * scale_direction(scene)
 }
 
 /// The centre of a camera, in the world.

@@ -4,8 +4,13 @@ use std::path::PathBuf;
 
 use nalgebra::{Matrix6, Vector3};
 
+use vislam::simulation::{Flight, Trajectory};
+
 use super::*;
 
+#[path = "../filter.rs"]
+#[allow(dead_code)]
+mod filter;
 #[path = "../simulate.rs"]
 #[allow(dead_code)]
 mod simulate;
@@ -34,6 +39,12 @@ fn asked(line: &str) -> Result<Arguments, String> {
 fn said(line: &str, name: &str) -> f64 {
     let mut words = line.split_whitespace().skip_while(|word| *word != name);
     words.nth(1).unwrap().parse().unwrap()
+}
+
+#[test]
+fn the_flight_of_the_book_is_the_one_that_the_filter_flies() {
+    let written = Flight { seconds: 60.0, ..simulate::book(Trajectory::figure_eight()) };
+    assert_eq!(format!("{written:?}"), format!("{:?}", filter::flight(60.0)));
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub enum MsckfError {
         /// That of the last reading.
         last: i64,
     },
-    /// A reading has a number that is none.
+    /// A reading has a number that is not finite.
     #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
     Reading {
         /// Its time.
@@ -34,10 +34,8 @@ pub enum MsckfError {
         /// How many pictures a track needs.
         least_sights: usize,
     },
-    /// The standard deviation of a pixel is none.
-    #[error(
-        "a pixel with a standard deviation of {sigma}: give a positive, finite number of pixels"
-    )]
+    /// The standard deviation of a pixel is not positive, or not finite.
+    #[error("a pixel's standard deviation is {sigma}; give a positive, finite number of pixels")]
     PixelSigma {
         /// What was given.
         sigma: f64,
@@ -57,7 +55,7 @@ pub enum MsckfError {
     /// The covariance cannot be corrected.
     #[error(transparent)]
     Correction(#[from] CorrectionError),
-    /// The start has a number that is none.
+    /// The start has a number that is not finite.
     #[error("the state, the bias or the covariance of the start is not finite; give another start")]
     Start,
     /// Derivatives are to be taken at the truth, which begins later.

@@ -76,8 +76,8 @@ impl Msckf {
     /// # Errors
     ///
     /// An [`MsckfError`] names the number that cannot be: a window that is too short, a pixel's standard
-    /// deviation that is none, a gate that is no probability, a covariance, a state or a bias that is not
-    /// finite.
+    /// deviation that is not positive, a gate that is no probability, a covariance, a state or a bias that is
+    /// not finite.
     pub fn new(options: MsckfOptions, start: &Start) -> Result<Self, MsckfError> {
         let MsckfOptions { clones, least_sights, pixel_sigma: sigma, .. } = options;
         if clones < least_sights.max(2) {

@@ -16,7 +16,7 @@ pub enum OdometryError {
         /// That of the last reading.
         last: i64,
     },
-    /// A reading has a number that is none.
+    /// A reading has a number that is not finite.
     #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
     Reading {
         /// Its time.
@@ -40,7 +40,7 @@ pub enum OdometryError {
         /// That of the start.
         start: i64,
     },
-    /// A feature has a number that is none, or its track does not come after that before it.
+    /// A feature has a number that is not finite, or its track does not come after that before it.
     #[error(
         "track {track} of the picture at {nanoseconds} ns is not finite, not in order or there twice; \
          leave it out"

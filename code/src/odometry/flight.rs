@@ -118,7 +118,7 @@ pub enum Lost {
         /// Until the next one.
         seconds: f64,
     },
-    /// The estimate has a number that is none, or a variance that is not positive, where the covariance is
+    /// The estimate has a number that is not finite, or a variance that is not positive, where the covariance is
     /// not unknown as a whole.
     #[error("the estimate is not a number any more, or its covariance none")]
     Undetermined,
@@ -148,9 +148,9 @@ impl Odometry {
     ///
     /// # Errors
     ///
-    /// [`OdometryError::Smoother`] when the covariance of the start is none; [`OdometryError::Msckf`] when the
-    /// start is not finite, the window is too short, a pixel's standard deviation is none, or the gate is no
-    /// probability.
+    /// [`OdometryError::Smoother`] when the covariance of the start is not positive definite;
+    /// [`OdometryError::Msckf`] when the start is not finite, the window is too short, a pixel's standard
+    /// deviation is not positive, or the gate is no probability.
     pub fn begun(options: OdometryOptions, start: &Start) -> Result<Self, OdometryError> {
         let phase = Phase::Following(Engine::new(&options, start)?);
         Ok(Self { phase, worlds: 1, ..Self::new(options) })

@@ -18,7 +18,7 @@ pub enum SmootherError {
         /// That of the last reading.
         last: i64,
     },
-    /// A reading has a number that is none.
+    /// A reading has a number that is not finite.
     #[error("the reading at {nanoseconds} ns is not finite; leave it out")]
     Reading {
         /// Its time.

@@ -3,4 +3,4 @@
 #[path = "../../src/scale_null_space.rs"]
 mod answer;
 
-exercise_pictures::picture!(Beside of scale_null_space: grown, growth_direction, annihilation, with_distance_held);
+exercise_pictures::picture!(Beside of scale_null_space: rescaled, scale_direction, annihilation, with_distance_held);

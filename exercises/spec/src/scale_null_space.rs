@@ -22,17 +22,17 @@ pub struct Scene {
 // ANCHOR_END: scene
 
 crate::signatures! {
-    // ANCHOR: growth
+    // ANCHOR: rescaled
     /// The scene with all distances `factor` times as long, and camera 0 exactly where it was.
     /// No pixel changes. The factor is positive.
-    fn grown(scene: Scene, factor: f64) -> Scene;
+    fn rescaled(scene: Scene, factor: f64) -> Scene;
 
-    /// The velocity of all unknowns while the scene grows so, at a factor of one: the derivative
-    /// by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
+    /// The velocity of all unknowns while the scale of the scene grows so, at a factor of one: the
+    /// derivative by the factor. For K cameras and L points 6 K + 3 L numbers. First the cameras, each
     /// with the twist ξ = (ρ, φ) of T exp(ξ), where T is its camera_from_world; then the
     /// points, each with its three coordinates. The six numbers of camera 0 are zero.
-    fn growth_direction(scene: Scene) -> DVector<f64>;
-    // ANCHOR_END: growth
+    fn scale_direction(scene: Scene) -> DVector<f64>;
+    // ANCHOR_END: rescaled
 
     // ANCHOR: gauge
     /// How far a direction is from being a null vector: the length of `hessian * direction` over

@@ -78,7 +78,7 @@ pub struct Series {
 
 impl Series {
     /// Lays an answer onto the truth by yaw and position of its first line; `None` when it has no two
-    /// lines or numbers that are none.
+    /// lines or numbers that are not finite.
     pub fn of(flight: &Graded, lines: &[Line]) -> Option<Self> {
         let lines = thinned(flight, lines);
         let states: Vec<NavState> = lines.iter().map(|line| line.state).collect();

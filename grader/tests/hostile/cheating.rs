@@ -343,7 +343,7 @@ fn agreeing() -> Vec<Hostile> {
     );
     let direction = with_body(
         &skeleton("scale_null_space"),
-        "growth_direction",
+        "scale_direction",
         "    DVector::repeat(6 * scene.cameras.len() + 3 * scene.points.len(), 7.0)",
     );
     let direction = with_body(

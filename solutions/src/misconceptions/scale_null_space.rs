@@ -9,17 +9,18 @@ use crate::scale_null_space as right;
 
 /// The reference answer.
 pub const REFERENCE: Functions = Functions {
-    grown: right::grown,
-    growth_direction: right::growth_direction,
+    rescaled: right::rescaled,
+    scale_direction: right::scale_direction,
     annihilation: right::annihilation,
     with_distance_held: right::with_distance_held,
 };
 
 /// All of them.
 pub fn wrong() -> Vec<Wrong> {
-    let grown = |misconception, grown| Wrong::new(misconception, Functions { grown, ..REFERENCE });
-    let direction = |misconception, growth_direction| {
-        Wrong::new(misconception, Functions { growth_direction, ..REFERENCE })
+    let rescaled =
+        |misconception, rescaled| Wrong::new(misconception, Functions { rescaled, ..REFERENCE });
+    let direction = |misconception, scale_direction| {
+        Wrong::new(misconception, Functions { scale_direction, ..REFERENCE })
     };
     let measure = |misconception, annihilation| {
         Wrong::new(misconception, Functions { annihilation, ..REFERENCE })
@@ -31,11 +32,11 @@ pub fn wrong() -> Vec<Wrong> {
         Wrong::new(
             &ABOUT_THE_ORIGIN,
             Functions {
-                grown: |scene, factor| Scene {
+                rescaled: |scene, factor| Scene {
                     cameras: with_translations(&scene, |pose| factor * pose.translation.vector),
                     points: scene.points.iter().map(|point| factor * point).collect(),
                 },
-                growth_direction: |scene| from_place(&scene, Vector3::zeros(), Vector3::zeros()),
+                scale_direction: |scene| from_place(&scene, Vector3::zeros(), Vector3::zeros()),
                 ..REFERENCE
             },
         ),
@@ -50,13 +51,13 @@ pub fn wrong() -> Vec<Wrong> {
         Wrong::new(
             &POINTS_OMITTED,
             Functions {
-                grown: |scene, factor| {
+                rescaled: |scene, factor| {
                     let points = scene.points.clone();
-                    Scene { points, ..right::grown(scene, factor) }
+                    Scene { points, ..right::rescaled(scene, factor) }
                 },
-                growth_direction: |scene| {
+                scale_direction: |scene| {
                     let first_point = 6 * scene.cameras.len();
-                    let direction = right::growth_direction(scene);
+                    let direction = right::scale_direction(scene);
                     DVector::from_fn(direction.len(), |row, _| {
                         if row < first_point { direction[row] } else { 0.0 }
                     })
@@ -67,48 +68,48 @@ pub fn wrong() -> Vec<Wrong> {
         Wrong::new(
             &CAMERAS_OMITTED,
             Functions {
-                grown: |scene, factor| {
+                rescaled: |scene, factor| {
                     let cameras = scene.cameras.clone();
-                    Scene { cameras, ..right::grown(scene, factor) }
+                    Scene { cameras, ..right::rescaled(scene, factor) }
                 },
-                growth_direction: |scene| {
+                scale_direction: |scene| {
                     let first_point = 6 * scene.cameras.len();
-                    let mut direction = right::growth_direction(scene);
+                    let mut direction = right::scale_direction(scene);
                     direction.rows_mut(0, first_point).fill(0.0);
                     direction
                 },
                 ..REFERENCE
             },
         ),
-        grown(&TRANSLATION_FOR_CENTRE, |scene, factor| {
+        rescaled(&TRANSLATION_FOR_CENTRE, |scene, factor| {
             let first = scene.cameras[0].translation.vector;
             let cameras = with_translations(&scene, |pose| {
                 first + factor * (pose.translation.vector - first)
             });
-            Scene { cameras, ..right::grown(scene, factor) }
+            Scene { cameras, ..right::rescaled(scene, factor) }
         }),
-        grown(&CENTRE_AS_TRANSLATION, |scene, factor| {
+        rescaled(&CENTRE_AS_TRANSLATION, |scene, factor| {
             let pinned = centre(&scene.cameras[0]);
             let cameras =
                 with_translations(&scene, |pose| pinned + factor * (centre(pose) - pinned));
-            Scene { cameras, ..right::grown(scene, factor) }
+            Scene { cameras, ..right::rescaled(scene, factor) }
         }),
-        grown(&ROTATIONS_SCALED, |scene, factor| {
-            let mut grown = right::grown(scene, factor);
-            for pose in &mut grown.cameras {
+        rescaled(&ROTATIONS_SCALED, |scene, factor| {
+            let mut rescaled = right::rescaled(scene, factor);
+            for pose in &mut rescaled.cameras {
                 let turn = factor * so3::log_quaternion(&pose.rotation);
                 pose.rotation = so3::exp_quaternion(&turn);
             }
-            grown
+            rescaled
         }),
         direction(&OTHER_SIGN, |scene| {
             let first_point = 6 * scene.cameras.len();
-            let mut direction = right::growth_direction(scene);
+            let mut direction = right::scale_direction(scene);
             direction.rows_mut(0, first_point).neg_mut();
             direction
         }),
         direction(&CAMERA_AXES, |scene| {
-            let mut direction = right::growth_direction(scene.clone());
+            let mut direction = right::scale_direction(scene.clone());
             for (index, pose) in scene.cameras.iter().enumerate() {
                 let turned = pose.rotation * direction.fixed_rows::<3>(6 * index);
                 direction.fixed_rows_mut::<3>(6 * index).copy_from(&turned);
@@ -117,12 +118,12 @@ pub fn wrong() -> Vec<Wrong> {
         }),
         direction(&POINTS_FIRST, |scene| {
             let first_point = 6 * scene.cameras.len();
-            let direction = right::growth_direction(scene);
+            let direction = right::scale_direction(scene);
             let (cameras, points) = direction.as_slice().split_at(first_point);
             DVector::from_vec([points, cameras].concat())
         }),
         direction(&ROTATION_FIRST, |scene| {
-            let mut direction = right::growth_direction(scene.clone());
+            let mut direction = right::scale_direction(scene.clone());
             for index in 0..scene.cameras.len() {
                 for axis in 0..3 {
                     direction.swap_rows(6 * index + axis, 6 * index + axis + 3);
@@ -130,30 +131,30 @@ pub fn wrong() -> Vec<Wrong> {
             }
             direction
         }),
-        direction(&UNIT_LENGTH, |scene| right::growth_direction(scene).normalize()),
+        direction(&UNIT_LENGTH, |scene| right::scale_direction(scene).normalize()),
         measure(&NOT_RELATIVE, |hessian, direction| (hessian * direction).norm()),
         measure(&QUADRATIC_FORM, |hessian, direction| {
             direction.dot(&(&hessian * &direction)) / (hessian.norm() * direction.norm_squared())
         }),
         held(&ORTHOGONAL_SHARE, |scene, step| {
-            let growth = right::growth_direction(scene).normalize();
-            &step - growth.dot(&step) * growth
+            let direction = right::scale_direction(scene).normalize();
+            &step - direction.dot(&step) * direction
         }),
         held(&ONE_CAMERA_ONLY, |scene, step| {
             let first_point = 6 * scene.cameras.len();
             let held = right::with_distance_held(scene.clone(), step.clone());
-            let growth = right::growth_direction(scene);
-            let share = (step[first_point] - held[first_point]) / growth[first_point];
+            let direction = right::scale_direction(scene);
+            let share = (step[first_point] - held[first_point]) / direction[first_point];
             let mut step = step;
             for row in 6..9 {
-                step[row] -= share * growth[row];
+                step[row] -= share * direction[row];
             }
             step
         }),
         held(&TURN_FORGOTTEN, |scene, step| {
             let baseline = centre(&scene.cameras[1]) - centre(&scene.cameras[0]);
             let share = -baseline.dot(&step.fixed_rows::<3>(6)) / baseline.norm_squared();
-            step - share * right::growth_direction(scene)
+            step - share * right::scale_direction(scene)
         }),
         held(&SHARE_ADDED, |scene, step| {
             let held = right::with_distance_held(scene, step.clone());

@@ -36,15 +36,15 @@ pub const EXERCISE: Exercise = Exercise {
 
 crate::misconceptions! {
     ABOUT_THE_ORIGIN, "about_the_origin":
-        "The scene grows about the origin of the world. No pixel changes, but camera 0 moves, and it \
+        "The scale grows about the origin of the world. No pixel changes, but camera 0 moves, and it \
          is pinned. Which point of the world stays in its place when camera 0 does?";
     PIN_ERASED, "pin_erased":
-        "This is growth about the origin of the world with the six numbers of camera 0 struck out. \
-         The others still run away from the origin: what does camera 0 see of points that do, while \
-         it stays?";
+        "This is the change of scale about the origin of the world with the six numbers of camera 0 \
+         struck out. The others still run away from the origin: what does camera 0 see of points \
+         that do, while it stays?";
     TWO_CENTRES, "two_centres":
         "The cameras run away from camera 0 and the points from the origin of the world. About how \
-         many places can one scene grow at a time?";
+         many places can the scale of one scene grow at a time?";
     POINTS_OMITTED, "points_omitted":
         "The cameras are right, and the points do not move. What happens to the angle under which \
          two cameras see a point when the cameras alone move apart?";
@@ -56,7 +56,7 @@ crate::misconceptions! {
     CENTRE_AS_TRANSLATION, "centre_as_translation":
         "The new centres stand in the translations. Is the translation of camera_from_world a place?";
     ROTATIONS_SCALED, "rotations_scaled":
-        "The rotations have grown too. Is an angle a length?";
+        "The rotations were multiplied too. Is an angle a length?";
     OTHER_SIGN, "other_sign":
         "The points are right, and the cameras move in the opposite direction. A right twist moves \
          the world in front of a camera: which way does the camera's centre go for a positive ρ?";
@@ -76,7 +76,7 @@ crate::misconceptions! {
     QUADRATIC_FORM, "quadratic_form":
         "This is the part of the product that is parallel to the direction. Is it all of the product?";
     ORTHOGONAL_SHARE, "orthogonal_share":
-        "This step is orthogonal to the direction of growth. The pixels agree. Does the distance \
+        "This step is orthogonal to the direction of scale. The pixels agree. Does the distance \
          between cameras 0 and 1 stay?";
     ONE_CAMERA_ONLY, "one_camera_only":
         "The distance stays because camera 1 was moved alone. Do its pixels agree with those of the \
@@ -85,8 +85,8 @@ crate::misconceptions! {
         "φ has no share in this change of the distance. exp(ξ) turns about the origin of the \
          world, and camera 1 does not stand there: what does φ do to its centre?";
     SHARE_ADDED, "share_added":
-        "The distance changes by twice as much as it did before. With which sign does growth have to \
-         be mixed in?";
+        "The distance changes by twice as much as it did before. With which sign does the direction \
+         of scale have to be mixed in?";
 }
 
 impl Spoiled for Scene {
@@ -335,15 +335,15 @@ fn cases() -> Vec<Case> {
 fn checks() -> Vec<Check> {
     vec![
         Check::new("a_scene_that_has_grown_shows_the_same_pixels", |answer| {
-            cases().iter().try_for_each(|case| growth(answer, case))
+            cases().iter().try_for_each(|case| rescaling(answer, case))
         }),
-        Check::new("the_direction_of_growth_is_the_one_that_no_pixel_resists", |answer| {
+        Check::new("the_direction_of_scale_is_the_one_that_no_pixel_resists", |answer| {
             cases().iter().try_for_each(|case| direction(answer, case))
         }),
         Check::new("annihilation_is_a_pure_number", |answer| {
             cases().iter().try_for_each(|case| measured(answer, case))
         }),
-        Check::new("the_hessian_annihilates_growth_and_nothing_else_that_was_tried", |answer| {
+        Check::new("the_hessian_annihilates_scale_and_nothing_else_that_was_tried", |answer| {
             cases().iter().try_for_each(|case| annihilated(answer, case))
         }),
         Check::new("the_same_step_with_the_distance_held_moves_every_pixel_alike", |answer| {
@@ -352,14 +352,14 @@ fn checks() -> Vec<Check> {
     ]
 }
 
-/// Growth by a factor, by what it must leave alone and what it must multiply.
+/// A larger scene, by what it must leave alone and what it must multiply.
 ///
 /// # Errors
 ///
 /// A failure, which names what was done instead where that is known.
-pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
+pub fn rescaling(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let Case { scene, factor, .. } = case;
-    let obtained = Answer(answer).grown(scene, factor)?;
+    let obtained = Answer(answer).rescaled(scene, factor)?;
     if obtained.cameras.len() != scene.cameras.len() || obtained.points.len() != scene.points.len()
     {
         return Err(Failure::new(format!(
@@ -371,7 +371,7 @@ pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         )));
     }
     if obtained.numbers().iter().any(|number| !number.is_finite()) {
-        return Err(Failure::new("The scene that has grown: all its numbers must be finite."));
+        return Err(Failure::new("The larger scene: all its numbers must be finite."));
     }
     let moved = (obtained.cameras[0].to_homogeneous() - scene.cameras[0].to_homogeneous()).amax();
     let (before, after) = (case.pixels(scene), case.pixels(&obtained));
@@ -382,8 +382,8 @@ pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let times = length(&obtained) / length(scene);
     let table =
         |pixels: &[Vector2<f64>]| DMatrix::from_fn(pixels.len(), 2, |row, axis| pixels[row][axis]);
-    show("the table of pixels after the growth", &table(&after), &table(&before));
-    show_list("the growth of the distance from camera 0 to point 0", &[times], &[*factor]);
+    show("the table of pixels after the change", &table(&after), &table(&before));
+    show_list("the factor of the distance from camera 0 to point 0", &[times], &[*factor]);
     if moved <= 1e-9 && off <= 1e-6 && (times / factor - 1.0).abs() <= 1e-9 {
         return Ok(());
     }
@@ -418,14 +418,14 @@ pub fn growth(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     }))
 }
 
-/// The direction of growth, against the weakest direction of a Hessian made by differences.
+/// The direction of scale, against the weakest direction of a Hessian made by differences.
 ///
 /// # Errors
 ///
 /// A failure, which names the direction that came back where that is known.
 pub fn direction(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let Case { scene, .. } = case;
-    let obtained = Answer(answer).growth_direction(scene)?;
+    let obtained = Answer(answer).scale_direction(scene)?;
     let expected = case.null_vector();
     let first_point = 6 * scene.cameras.len();
     let part = |of: &dyn Fn(usize) -> f64| DVector::from_fn(expected.len(), |row, _| of(row));
@@ -446,7 +446,7 @@ pub fn direction(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     });
     let length = expected.len();
     case.judge(
-        "the direction of growth",
+        "the direction of scale",
         &obtained,
         &expected,
         &[
@@ -511,20 +511,20 @@ pub fn measured(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 ///
 /// # Errors
 ///
-/// A failure when growth is not a null vector, or when everything is.
+/// A failure when the direction of scale is not a null vector, or when everything is.
 pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let hessian = case.hessian();
-    let growth = Answer(answer).growth_direction(&case.scene)?;
-    if growth.len() != case.step.len() {
+    let scale = Answer(answer).scale_direction(&case.scene)?;
+    if scale.len() != case.step.len() {
         return Err(Failure::new(format!(
-            "The direction of growth has {} numbers, and there are {} unknowns.",
-            growth.len(),
+            "The direction of scale has {} numbers, and there are {} unknowns.",
+            scale.len(),
             case.step.len()
         )));
     }
     let ask = |direction: &DVector<f64>| Answer(answer).annihilation(&hessian, direction);
-    let (along, other) = (ask(&growth)?, ask(&case.step)?);
-    let what = "the pair of measures, of your direction of growth and of a step drawn at random,";
+    let (along, other) = (ask(&scale)?, ask(&case.step)?);
+    let what = "the pair of measures, of your direction of scale and of a step drawn at random,";
     show_list(what, &[along, other], &[0.0, other]);
     // The Hessian comes from differences, and so is off by about 1e-11.
     let agree = along.abs() <= 1e-8 && (1e-4..=1.0).contains(&other);
@@ -532,15 +532,15 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         return Ok(());
     }
     let failure = Failure::new(
-        "Your measure was asked about your direction of growth, where it should be zero, and about \
+        "Your measure was asked about your direction of scale, where it should be zero, and about \
          a step drawn at random, where it should not.",
     )
     .with_numbers(format!(
-        "growth:        {} (expected at most 1e-8)\na random step: {} (expected between 1e-4 and 1)",
+        "scale:         {} (expected at most 1e-8)\na random step: {} (expected between 1e-4 and 1)",
         readable(along),
         readable(other)
     ));
-    let failure = failure.unless("growth_direction", || direction(answer, case));
+    let failure = failure.unless("scale_direction", || direction(answer, case));
     Err(failure.unless("annihilation", || measured(answer, case)))
 }
 
@@ -552,10 +552,10 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let Case { scene, step, .. } = case;
     let obtained = Answer(answer).with_distance_held(scene, step)?;
-    let growth = case.null_vector();
+    let scale = case.null_vector();
     let rate = |direction: &DVector<f64>| scene.rate(direction, &Scene::baseline);
-    let without = |share: f64| step - share * &growth;
-    let share = rate(step) / rate(&growth);
+    let without = |share: f64| step - share * &scale;
+    let share = rate(step) / rate(&scale);
     let mut unturned = step.clone();
     unturned.rows_mut(9, 3).fill(0.0);
     let mut alone = step.clone();
@@ -569,15 +569,15 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         &obtained,
         &without(share),
         &[
-            (&ORTHOGONAL_SHARE, without(growth.dot(step) / growth.norm_squared())),
+            (&ORTHOGONAL_SHARE, without(scale.dot(step) / scale.norm_squared())),
             (&ONE_CAMERA_ONLY, alone),
-            (&TURN_FORGOTTEN, without(rate(&unturned) / rate(&growth))),
+            (&TURN_FORGOTTEN, without(rate(&unturned) / rate(&scale))),
             (&SHARE_ADDED, without(-share)),
         ],
     )
     .map_err(|failure| {
         if obtained.len() != step.len() || obtained.iter().any(|part| !part.is_finite()) {
-            return failure.unless("growth_direction", || direction(answer, case));
+            return failure.unless("scale_direction", || direction(answer, case));
         }
         let numbers = format!(
             "{}\nthe distance changes by {} m for the step given, by {} m for the one returned; \
@@ -587,6 +587,6 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
             readable(rate(&obtained)),
             readable((case.jacobian() * (&obtained - step)).amax())
         );
-        failure.with_numbers(numbers).unless("growth_direction", || direction(answer, case))
+        failure.with_numbers(numbers).unless("scale_direction", || direction(answer, case))
     })
 }
