@@ -8,9 +8,8 @@ const picture = path.join(path.dirname(fileURLToPath(import.meta.url)), "../../.
 const server = await serve("/");
 const browser = await launch();
 const page = await browser.page({ width: 1240, height: 900, dark: false });
-await open(page, `${server.url}bearing.html#eq:inverse-depth-sigma`);
-const check = page.locator("[id='eq:inverse-depth-sigma'] ~ * summary, [id='eq:inverse-depth-sigma'] summary").first();
-await check.click();
+await open(page, `${server.url}observability.html#eq:false-scale`);
+await page.locator("[id='eq:false-scale'] summary").first().click();
 await page.screenshot({ path: picture });
 await browser.close();
 server.close();
