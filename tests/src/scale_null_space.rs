@@ -1,9 +1,9 @@
-//! From two cameras to six, scenes near the origin of the world and far from it, growth from a tenth
+//! From two cameras to six, scenes near the origin of the world and far from it, factors from a tenth
 //! to a hundredfold.
 
 use exercise_spec::check::Check;
 use exercise_spec::draw::Draw;
-use exercise_spec::scale_null_space::{Case, annihilated, direction, growth, held, measured};
+use exercise_spec::scale_null_space::{Case, annihilated, direction, held, measured, rescaling};
 
 /// The checks on instances of a seed.
 pub fn checks(seed: [u8; 32]) -> Vec<Check> {
@@ -19,8 +19,8 @@ pub fn checks(seed: [u8; 32]) -> Vec<Check> {
     let (grows, near, far) = (some(20, 8.0), some(5, 1.0), some(5, 12.0));
     let (any, null, steps) = (some(5, 5.0), some(5, 5.0), some(8, 8.0));
     vec![
-        Check::new("grown_by_any_factor", move |answer| {
-            grows.iter().try_for_each(|case| growth(answer, case))
+        Check::new("rescaled_by_any_factor", move |answer| {
+            grows.iter().try_for_each(|case| rescaling(answer, case))
         }),
         Check::new("direction_near_the_origin", move |answer| {
             near.iter().try_for_each(|case| direction(answer, case))
@@ -31,7 +31,7 @@ pub fn checks(seed: [u8; 32]) -> Vec<Check> {
         Check::new("annihilation_of_any_direction", move |answer| {
             any.iter().try_for_each(|case| measured(answer, case))
         }),
-        Check::new("growth_is_annihilated_anywhere", move |answer| {
+        Check::new("scale_is_annihilated_anywhere", move |answer| {
             null.iter().try_for_each(|case| annihilated(answer, case))
         }),
         Check::new("distance_held_anywhere", move |answer| {
