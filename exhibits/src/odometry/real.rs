@@ -359,7 +359,9 @@ fn path(
     let mut push = |name: &str, at: usize, state: &NavState| {
         for (axis, value) in [("x", state.position.x), ("y", state.position.y)] {
             let name = format!("path_{name}_{at}_{axis}");
-            values.push(RecordValue::new(name, value, "m", 3, 0.02));
+            // Rounding moves a path by a part of its length, and so a coordinate near zero by a part of more than that.
+            let within = if value.abs() < 0.05 { 1.0 } else { 0.02 };
+            values.push(RecordValue::new(name, value, "m", 3, within));
         }
     };
     for at in 0..PATH {
