@@ -168,10 +168,10 @@ impl Work {
             [first, ..] => format!("{first} et al."),
         };
         let year = first(entry, &["year", "date"]).chars().take(4).collect::<String>();
-        let authors = people
-            .iter()
-            .zip(&family)
-            .map(|(person, family)| format!("{family}, {}", initials(&person.given_name)));
+        let authors = people.iter().zip(&family).map(|(person, family)| {
+            let given = initials(&person.given_name);
+            if given.is_empty() { family.clone() } else { format!("{family}, {given}") }
+        });
         Work {
             short: format!("{names} {year}"),
             narrative: format!("{names} ({year})"),
@@ -246,6 +246,13 @@ mod tests {
         assert_eq!(work.short, "Lupton and Sukkarieh 2012");
         assert_eq!(work.authors, "Lupton, T.; Sukkarieh, S.");
         assert_eq!(work.place, "T-RO 28 (1), 61–76");
+    }
+
+    #[test]
+    fn a_firm_has_no_given_name() {
+        let source = "@misc{adis, author = {{Analog Devices}}, title = {Data Sheet}, year = {2012}, annotation = {A.}, verified = {it}}";
+        let works = Bibliography::parse(source, &mut Faults::default());
+        assert_eq!(works.get("adis").map(|work| work.authors.as_str()), Some("Analog Devices"));
     }
 
     #[test]
