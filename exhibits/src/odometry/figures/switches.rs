@@ -54,7 +54,7 @@ pub fn switches() -> Figure {
         let all = || curves.iter().flatten().map(|at| at.0);
         let least = all().fold(f64::INFINITY, f64::min);
         let most = all().fold(0.0, f64::max);
-        let x_axis = ("RMSE of the position (cm)", (2e-4 * least..3.0 * most).log_scale(), 6);
+        let x_axis = ("RMSE of the position (cm)", (2e-4 * least..6.0 * most).log_scale(), 6);
         let count = Switch::ALL.len() as f64;
         let mut chart = figure::axes(drawing, x_axis, ("", -1.6..count - 0.4, 0))?;
         for (at, said) in SAID.iter().enumerate() {
