@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use nalgebra::{Matrix6, Vector3};
-
 use vislam::simulation::{Flight, Trajectory};
 
 use super::*;

@@ -29,19 +29,18 @@ pub struct Alignment {
 }
 // ANCHOR_END: alignment
 
-/// Sums of readings between each two neighbouring cameras of a motion whose lists belong together.
+/// Sums of readings between each two neighbouring cameras.
 pub(super) fn intervals(
     sensors: &Sensors,
     readings: &[StampedSample],
-    motion: &VisualMotion,
+    nanoseconds: &[i64],
     bias: &ImuBias,
 ) -> Result<Vec<Preintegrated>, AlignmentRefused> {
-    motion.check()?;
     let sums = |pair: &[i64]| {
         let readings = between(readings, pair[0], pair[1])?;
         Ok(preintegrate_stamped(&readings, Rule::Midpoint, LONGEST_STEP, bias, &sensors.noise)?)
     };
-    motion.nanoseconds.windows(2).map(sums).collect()
+    nanoseconds.windows(2).map(sums).collect()
 }
 
 // ANCHOR: gyro_bias
@@ -54,7 +53,7 @@ pub(super) fn gyro_bias(
     let mut bias = ImuBias::default();
     for _ in 0..GYRO_ROUNDS {
         let (mut hessian, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
-        let sums = intervals(sensors, readings, motion, &bias)?;
+        let sums = intervals(sensors, readings, &motion.nanoseconds, &bias)?;
         for (sums, pair) in sums.iter().zip(motion.rotations.windows(2)) {
             let [first, second] = [pair[0], pair[1]]
                 .map(|world_from_body| NavState { world_from_body, ..NavState::origin() });

@@ -45,7 +45,8 @@ pub fn inertial_map(
     aligned: &Alignment,
     accelerometer_bias: f64,
 ) -> Result<InertialMap, AlignmentRefused> {
-    let sums = intervals(sensors, readings, motion, &aligned.bias)?;
+    motion.check()?;
+    let sums = intervals(sensors, readings, &motion.nanoseconds, &aligned.bias)?;
     let mut problem = Problem::new();
     let log_scale = problem.add_variable(Vector1::new(aligned.scale.ln()));
     let gravity = problem.add_variable(Gravity(aligned.gravity));

@@ -44,7 +44,8 @@ impl LinearAlignment {
         motion: &VisualMotion,
         bias: &ImuBias,
     ) -> Result<Self, AlignmentRefused> {
-        let sums = intervals(sensors, readings, motion, bias)?;
+        motion.check()?;
+        let sums = intervals(sensors, readings, &motion.nanoseconds, bias)?;
         let mut matrix = DMatrix::zeros(3 * sums.len(), UNKNOWNS);
         let mut right = DVector::zeros(3 * sums.len());
         let lever = sensors.rig.body_from_camera.translation.vector;

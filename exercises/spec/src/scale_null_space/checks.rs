@@ -334,7 +334,7 @@ fn cases() -> Vec<Case> {
 
 fn checks() -> Vec<Check> {
     vec![
-        Check::new("a_scene_that_has_grown_shows_the_same_pixels", |answer| {
+        Check::new("a_rescaled_scene_shows_the_same_pixels", |answer| {
             cases().iter().try_for_each(|case| rescaling(answer, case))
         }),
         Check::new("the_direction_of_scale_is_the_one_that_no_pixel_resists", |answer| {
@@ -352,7 +352,7 @@ fn checks() -> Vec<Check> {
     ]
 }
 
-/// A larger scene, by what it must leave alone and what it must multiply.
+/// A rescaled scene, by what it must leave alone and what it must multiply.
 ///
 /// # Errors
 ///
@@ -371,7 +371,7 @@ pub fn rescaling(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         )));
     }
     if obtained.numbers().iter().any(|number| !number.is_finite()) {
-        return Err(Failure::new("The larger scene: all its numbers must be finite."));
+        return Err(Failure::new("The rescaled scene: all its numbers must be finite."));
     }
     let moved = (obtained.cameras[0].to_homogeneous() - scene.cameras[0].to_homogeneous()).amax();
     let (before, after) = (case.pixels(scene), case.pixels(&obtained));
@@ -514,16 +514,16 @@ pub fn measured(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 /// A failure when the direction of scale is not a null vector, or when everything is.
 pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let hessian = case.hessian();
-    let scale = Answer(answer).scale_direction(&case.scene)?;
-    if scale.len() != case.step.len() {
+    let of_scale = Answer(answer).scale_direction(&case.scene)?;
+    if of_scale.len() != case.step.len() {
         return Err(Failure::new(format!(
             "The direction of scale has {} numbers, and there are {} unknowns.",
-            scale.len(),
+            of_scale.len(),
             case.step.len()
         )));
     }
     let ask = |direction: &DVector<f64>| Answer(answer).annihilation(&hessian, direction);
-    let (along, other) = (ask(&scale)?, ask(&case.step)?);
+    let (along, other) = (ask(&of_scale)?, ask(&case.step)?);
     let what = "the pair of measures, of your direction of scale and of a step drawn at random,";
     show_list(what, &[along, other], &[0.0, other]);
     // The Hessian comes from differences, and so is off by about 1e-11.
@@ -552,10 +552,10 @@ pub fn annihilated(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
 pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
     let Case { scene, step, .. } = case;
     let obtained = Answer(answer).with_distance_held(scene, step)?;
-    let scale = case.null_vector();
+    let of_scale = case.null_vector();
     let rate = |direction: &DVector<f64>| scene.rate(direction, &Scene::baseline);
-    let without = |share: f64| step - share * &scale;
-    let share = rate(step) / rate(&scale);
+    let without = |share: f64| step - share * &of_scale;
+    let share = rate(step) / rate(&of_scale);
     let mut unturned = step.clone();
     unturned.rows_mut(9, 3).fill(0.0);
     let mut alone = step.clone();
@@ -569,9 +569,9 @@ pub fn held(answer: &dyn Transport, case: &Case) -> Result<(), Failure> {
         &obtained,
         &without(share),
         &[
-            (&ORTHOGONAL_SHARE, without(scale.dot(step) / scale.norm_squared())),
+            (&ORTHOGONAL_SHARE, without(of_scale.dot(step) / of_scale.norm_squared())),
             (&ONE_CAMERA_ONLY, alone),
-            (&TURN_FORGOTTEN, without(rate(&unturned) / rate(&scale))),
+            (&TURN_FORGOTTEN, without(rate(&unturned) / rate(&of_scale))),
             (&SHARE_ADDED, without(-share)),
         ],
     )
