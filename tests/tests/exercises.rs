@@ -213,7 +213,7 @@ fn the_pages_name_the_questions_of_chapters() {
     let list = page("exercises.md");
     for slug in CHAPTERS.iter().map(|question| question.slug) {
         let named = page(&format!("{slug}.md"))
-            .contains(&format!("**In words,** as `{slug}` in `exercises/answers.md`"));
+            .contains(&format!("**In words,** under `{slug}` in `exercises/answers.md`"));
         assert!(named, "{slug} does not name its question");
         assert!(list.contains(&format!("| `{slug}` | @sec:{slug} |")), "{slug} is in no list");
     }

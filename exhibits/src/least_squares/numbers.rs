@@ -73,6 +73,7 @@ fn by_hand(chapter: &mut Chapter) {
     chapter.number("step_y", first.y - GUESS.y, "m", 3);
     chapter.number("first_x", first.x, "m", 4);
     chapter.number("first_y", first.y, "m", 4);
+    chapter.number("guess_off_cm", 100.0 * (GUESS - estimate(&garden())).norm(), "cm", 0);
     chapter.number("first_off_mm", 1000.0 * (first - estimate(&garden())).norm(), "mm", 1);
 }
 

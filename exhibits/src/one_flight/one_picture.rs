@@ -38,6 +38,8 @@ pub fn bearings(chapter: &mut Chapter) {
     let across = pixels.iter().zip(&in_camera);
     let across = across.map(|(pixel, place)| direction_sigma(pixel) * place.norm());
     chapter.number("flight_seen", places.len() as f64, "", 0);
+    chapter.number("flight_focal", camera.fx, "px", 0);
+    chapter.number("flight_noise", recording().flight.pixel_sigma, "px", 1);
     chapter.number("flight_angle", 1e3 * root_mean_square(off), "mrad", 1);
     chapter.number("flight_sigma", 1e3 * root_mean_square(sigma), "mrad", 1);
     chapter.number("flight_across", 100.0 * root_mean_square(across), "cm", 1);

@@ -170,8 +170,8 @@ impl Pieces {
 }
 
 /// What errors of velocity and of position are made of for each length, as differences of mean
-/// squares: the shares of a gravity that does not point along the world's z axis, of an attitude at
-/// the beginning and a gyroscope that disagree, and what is left when neither can contribute.
+/// squares: the shares of a gravity that does not point along the world's z axis, of an attitude that
+/// departs from the ground truth's, and what is left when it does not.
 pub fn shares(flight: &Flight, gravity: &Vector3<f64>, pieces: &Pieces) -> [[[f64; 3]; 2]; 4] {
     let share = |all: f64, without: f64| (all * all - without * without).max(0.0).sqrt();
     LENGTHS.map(|seconds| {

@@ -31,6 +31,8 @@ pub fn numbers(chapter: &mut Chapter) {
         chapter.number(name, seconds, "s", if seconds < 1.0 { 1 } else { 0 });
     }
     chapter.number("half_step", 0.5e3 * STEP, "ms", 1);
+    let of_velocity = |part| accepted_value(&format!("v1_velocity_{part}_2"));
+    chapter.number("push_seen", of_velocity("attitude").hypot(of_velocity("rest")), "cm/s", 1);
     let ideal = flight(SECONDS, SEED, None);
     let intervals = ideal.intervals(Rule::Midpoint, 1.0, 0.0);
     chapter.number("live_intervals", intervals.len() as f64, "", 0);
