@@ -215,6 +215,7 @@ fn calibration(flight: &Flight) -> String {
             ("accelerometer", noise.accelerometer),
             ("gyro_walk", noise.gyro_walk),
             ("accelerometer_walk", noise.accelerometer_walk),
+            ("gravity", flight.gravity.norm()),
         ],
     );
     let matrix = rig.body_from_camera.to_homogeneous();

@@ -25,7 +25,7 @@ pub fn residual(deltas: Deltas, first: State, second: State, gravity: Vector3<f6
 /// step. Rows and columns are in the order rotation, velocity, position.
 pub fn by_first(deltas: Deltas, first: State, second: State, gravity: Vector3<f64>) -> Matrix9 {
     let _ = (deltas, first, second, gravity);
-    todo!("nine blocks, three of which are zero")
+    todo!("block by block: which part of the residual knows of which part of the state?")
 }
 
 /// The derivative of something by a step of this state in the book's own convention, in

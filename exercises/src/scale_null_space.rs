@@ -32,6 +32,7 @@ pub fn annihilation(hessian: DMatrix<f64>, direction: DVector<f64>) -> f64 {
 /// A step of all unknowns, laid out as above, that moves every pixel as the step given does, to
 /// first order, and leaves the **distance** between the centres of cameras 0 and 1 as it is,
 /// to first order. The step given does not move camera 0, and neither does the one returned.
+/// Cameras 0 and 1 do not stand in one place.
 pub fn with_distance_held(scene: Scene, step: DVector<f64>) -> DVector<f64> {
     let _ = (scene, step);
     todo!("the step, and as much of what no pixel notices as the distance asks for")

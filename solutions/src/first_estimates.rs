@@ -47,8 +47,8 @@ fn world_from_step(pose: &Pose, steps: Steps) -> Matrix2<f64> {
 /// of the window and of `What`. Columns as the rows of `free_directions`. The derivatives
 /// of a measurement are taken at those estimates of its two variables that `points`
 /// numbers, which is as long as the list of measurements. The residual is predicted less
-/// measured at the latest estimates of all variables; that of an angle lies between −π and
-/// π.
+/// measured at the latest estimates of all variables; the difference of an angle is taken
+/// between −π and π before it is divided.
 pub fn linearized(
     window: Window,
     points: Vec<[usize; 2]>,

@@ -29,7 +29,8 @@ pub fn robust_step(
 }
 
 /// The pose with the least sum of Huber's costs, near the pose to start from: steps until
-/// they are shorter than 1e-10. An infinite threshold makes it the pose of least squares.
+/// the length of their six numbers is below 1e-10. An infinite threshold makes it the pose
+/// of least squares.
 pub fn robust_pose(
     camera: Camera,
     start: Isometry3<f64>,

@@ -73,8 +73,8 @@ crate::signatures! {
     /// The rotation that takes body coordinates to world coordinates, for a body at rest. The world's
     /// third axis points up. `force` is the mean that the accelerometer reads, in the body and in
     /// m/s²; its bias is not known and counts as zero. Seen from above, the body's first axis points
-    /// `heading` radians away from the world's first axis, towards the second one. That axis is never
-    /// vertical. Otherwise the body may stand as it likes, upside down too.
+    /// `heading` radians away from the world's first axis, towards the second one. The body's first axis
+    /// is never vertical. Otherwise the body may stand as it likes, upside down too.
     fn level(force: Vector3<f64>, heading: f64) -> Rotation3<f64>;
     // ANCHOR_END: level
 

@@ -90,8 +90,8 @@ crate::signatures! {
     /// of the window and of `What`. Columns as the rows of `free_directions`. The derivatives
     /// of a measurement are taken at those estimates of its two variables that `points`
     /// numbers, which is as long as the list of measurements. The residual is predicted less
-    /// measured at the latest estimates of all variables; that of an angle lies between −π and
-    /// π.
+    /// measured at the latest estimates of all variables; the difference of an angle is taken
+    /// between −π and π before it is divided.
     fn linearized(
         window: Window,
         points: Vec<[usize; 2]>,

@@ -46,7 +46,8 @@ crate::signatures! {
 
     // ANCHOR: rescuing
     /// The pose with the least sum of Huber's costs, near the pose to start from: steps until
-    /// they are shorter than 1e-10. An infinite threshold makes it the pose of least squares.
+    /// the length of their six numbers is below 1e-10. An infinite threshold makes it the pose
+    /// of least squares.
     fn robust_pose(
         camera: Camera,
         start: Isometry3<f64>,

@@ -43,6 +43,7 @@ crate::signatures! {
     /// A step of all unknowns, laid out as above, that moves every pixel as the step given does, to
     /// first order, and leaves the **distance** between the centres of cameras 0 and 1 as it is,
     /// to first order. The step given does not move camera 0, and neither does the one returned.
+    /// Cameras 0 and 1 do not stand in one place.
     fn with_distance_held(scene: Scene, step: DVector<f64>) -> DVector<f64>;
     // ANCHOR_END: gauge
 }
