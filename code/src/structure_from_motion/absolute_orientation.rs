@@ -23,7 +23,7 @@ pub enum ScaleFreedom {
 
 // ANCHOR: absolute_orientation
 /// The similarity that takes the first of each pair of points to the second with the least sum of
-/// squares of what is left, in closed form [@umeyama1991].
+/// squares of what is left, in closed form [@horn1987; @umeyama1991].
 ///
 /// The translation takes mean to mean. The rotation R makes the sum of bᵀ R a largest, over the points
 /// less their means, whatever the scale is; and the best scale is that sum over the sum of aᵀ a.

@@ -25,7 +25,9 @@ pub fn exhibits(chapter: &mut Chapter) {
         ("derivative of the step dropped", |turn, steps| {
             turn.by_hand(steps, Rule { curved: false, ..RIGHT }).0
         }),
-        ("linearized once", |turn, steps| turn.by_hand(steps, Rule { latest: false, ..RIGHT }).0),
+        ("derivatives taken once", |turn, steps| {
+            turn.by_hand(steps, Rule { latest: false, ..RIGHT }).0
+        }),
         ("step back dropped", |turn, steps| turn.by_hand(steps, Rule { back: false, ..RIGHT }).0),
     ];
     chapter.equation("iterated-step", iterated_step, formula, &mutants);
@@ -63,7 +65,7 @@ struct Rule {
     anchored: bool,
     /// The derivative of that error by a step of the iterate is used.
     curved: bool,
-    /// Measurements are linearized at the last iterate.
+    /// Derivatives of measurements are taken at the last iterate.
     latest: bool,
     /// What has been gone already is taken off the step.
     back: bool,
@@ -145,14 +147,7 @@ impl Turn {
             let unit = if rule.whitened { 1.0 } else { self.sigma };
             let (_, jacobian) = self.linear(if rule.latest { &at } else { &self.estimate });
             let jacobian = unit * jacobian * inverse(derivative);
-            let (residual, _) = match rule.latest {
-                true => self.linear(&at),
-                false => self.linear(&self.estimate),
-            };
-            let residual = match rule.latest {
-                true => unit * residual - jacobian * anchored,
-                false => unit * residual,
-            };
+            let residual = unit * self.linear(&at).0 - jacobian * anchored;
             let expected = jacobian * self.covariance * jacobian.transpose()
                 + SMatrix::<f64, 6, 6>::identity();
             let gain = self.covariance * jacobian.transpose() * inverse(expected);
