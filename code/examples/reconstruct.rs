@@ -256,7 +256,7 @@ impl Truth {
     /// points are judged.
     fn optima(&self) -> Result<([Problem; 2], Vec<bool>), Failure> {
         let mut optimum = self.problem.clone();
-        optimum.fixed[0] = true;
+        optimum.fixed.iter_mut().take(1).for_each(|fixed| *fixed = true);
         optimum.solve(&Options::large_problem())?;
         let is_judged = judged(&optimum);
         let robust = truncated_optimum(&optimum, &is_judged)?;

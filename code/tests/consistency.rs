@@ -122,6 +122,25 @@ fn a_start_before_the_truth_has_no_derivatives_there() {
 }
 
 #[test]
+fn a_truth_that_ends_is_told_and_one_that_grows_is_followed() {
+    let recording = flown(0);
+    let start = Start::at_the_origin(&recording, SIGMAS, 7).unwrap();
+    let mut filter = Msckf::new(options(Policy::Ideal, 0), &start).unwrap();
+    let mut growing = recording.clone();
+    growing.truth.states.truncate(5);
+    for number in 0..5 {
+        filter.follow(&growing, number).unwrap();
+    }
+    let state = *filter.state();
+    assert_eq!(filter.follow(&growing, 5), Err(MsckfError::NoTruth { picture: 5 }));
+    assert_eq!(*filter.state(), state);
+    growing.truth.states.clone_from(&recording.truth.states);
+    for number in 5..20 {
+        assert!(filter.follow(&growing, number).unwrap().is_some(), "{number}");
+    }
+}
+
+#[test]
 fn a_policy_is_read_by_its_name() {
     for policy in Policy::ALL {
         assert_eq!(policy.to_string().parse::<Policy>(), Ok(policy));

@@ -264,6 +264,16 @@ fn a_reading_that_is_no_number_is_refused() {
 }
 
 #[test]
+fn without_gravity_a_stand_says_nothing_of_the_vertical() {
+    let new = Flight::new(Trajectory::hover());
+    let still = flown(&Flight { seconds: 1.0, gravity: Vector3::zeros(), ..new });
+    let sensors = Sensors::of_flight(&still.flight);
+    let options = RestOptions { motion: 5.0, ..RestOptions::default() };
+    let refused = at_rest(&sensors, &still.readings, &still.pictures, &options).unwrap_err();
+    assert_eq!(refused, NotAtRest::Weightless);
+}
+
+#[test]
 fn a_pixel_that_is_no_number_is_refused_with_its_track() {
     let recording = flown(&flight());
     let mut pictures = recording.pictures.clone();
@@ -300,6 +310,15 @@ fn a_pixel_that_is_no_number_is_told_with_the_number_of_its_picture() {
         }
     });
     assert!(told.count() > 2);
+    // A track that stands twice in a picture, as well.
+    let mut pictures = recording.pictures[..16].to_vec();
+    let twice = pictures[15].features[0];
+    pictures[15].features.insert(0, twice);
+    let refused = begin(&sensors, &recording.readings, &pictures, &options).unwrap_err();
+    let with_itself = |error: &ReconstructionError| {
+        matches!(error, ReconstructionError::WithItself { picture: 15, .. })
+    };
+    assert!(matches!(&refused, NoStart::Pictures(error) if with_itself(error)), "{refused:?}");
 }
 
 #[test]

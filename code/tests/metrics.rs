@@ -654,6 +654,9 @@ mod relative {
         let pairs = pairs_by_time(&times, 1.0).unwrap();
         assert!(pairs.iter().all(|(from, to)| to - from == 20));
         assert_eq!(pairs.len(), 480);
+        // Of less than that clock can tell apart, too, no state is a pair with itself.
+        let pairs = pairs_by_time(&times, 1e-6).unwrap();
+        assert!(pairs.iter().all(|(from, to)| to - from == 1));
     }
 
     #[test]

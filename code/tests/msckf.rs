@@ -556,6 +556,14 @@ fn pixels_of_kept_landmarks_count_as_used() {
 /// What rounding leaves in a column may be so small that its square is zero. The rows are turned all
 /// the same, and nothing that they say of the other columns is lost.
 #[test]
+fn no_columns_are_a_system_without_unknowns() {
+    let mut rows = Rows::default();
+    rows.compress();
+    let (jacobian, residual) = rows.system();
+    assert_eq!((jacobian.shape(), residual.len()), ((0, 0), 0));
+}
+
+#[test]
 fn dust_in_a_column_loses_nothing() {
     let mut random = ChaCha8Rng::seed_from_u64(4);
     for dust in [0.0, 1e-170, 1e-158, 1e-320] {

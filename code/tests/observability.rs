@@ -595,9 +595,13 @@ fn a_window_that_does_not_fit_together_can_still_be_moved_without_a_panic() {
     window.states.truncate(2);
     window.angular_velocities.clear();
     let all = [0, 7, 4000].map(Direction::Depth).into_iter().chain([Direction::Scale]);
-    for direction in all.chain([Direction::Tilt(9), Direction::Translation(9), Direction::Yaw]) {
+    let all = all.chain([Direction::Tilt(9), Direction::Translation(9), Direction::Yaw]);
+    for direction in all.chain([Direction::LeverArm(0)]) {
         assert_eq!(window.direction(direction).len(), window.dimension());
     }
     let grown = Similarity { scale: 2.0, ..Similarity::identity() };
-    assert!(window.transformed(&grown).residual().is_err());
+    let moved = window.transformed(&grown);
+    assert!(moved.residual().is_err());
+    let is_moved = |(moved, state): (&NavState, &NavState)| moved.velocity != state.velocity;
+    assert!(moved.states.iter().zip(&window.states).all(is_moved));
 }

@@ -165,10 +165,15 @@ pub enum UniformMotion {
 impl NoStart {
     /// The same, with the numbers that chosen pictures have among all.
     pub(super) fn of_pictures(self, chosen: &[usize]) -> Self {
+        let among_all = |picture| chosen.get(picture).copied().unwrap_or(picture);
         match self {
             Self::Pictures(ReconstructionError::Keypoint { picture, keypoint }) => {
-                let picture = chosen.get(picture).copied().unwrap_or(picture);
+                let picture = among_all(picture);
                 Self::Pictures(ReconstructionError::Keypoint { picture, keypoint })
+            }
+            Self::Pictures(ReconstructionError::WithItself { at, picture }) => {
+                let picture = among_all(picture);
+                Self::Pictures(ReconstructionError::WithItself { at, picture })
             }
             other => other,
         }

@@ -62,6 +62,9 @@ pub fn at_rest(
     pictures: &[Picture],
     options: &RestOptions,
 ) -> Result<Start, NotAtRest> {
+    if sensors.gravity.is_nan() || sensors.gravity <= 0.0 {
+        return Err(NotAtRest::Weightless);
+    }
     let (first, last) = pictures_at_rest(sensors, pictures, options)?;
     let [from, to] = [first, last].map(|picture| sensors.rig.imu_nanoseconds(picture.nanoseconds));
     let between = between(readings, from, to)?;
@@ -227,6 +230,9 @@ pub enum NotAtRest {
         /// What is allowed, in m/s².
         allowed: f64,
     },
+    /// There is no gravity.
+    #[error("without gravity no force at rest says which way is up; begin in motion")]
+    Weightless,
     /// A reading is none.
     #[error("the reading at {nanoseconds} ns has a number that is not finite; leave it out")]
     Reading {

@@ -115,7 +115,7 @@ impl Msckf {
             let variance = DMatrix::from_element(1, 1, sigma * sigma);
             belief.add(Vector1::new(start.rig.time_offset), &variance)
         });
-        let gate = |degrees| chi_square_quantile(options.gate, degrees);
+        let gate = chi_square_quantile(options.gate, 0)?;
         belief.follow(free_directions(&options.gravity, &start.state, belief.dimension()))?;
         Ok(Self {
             options,
@@ -130,7 +130,7 @@ impl Msckf {
             readings: Vec::new(),
             window: Window::default(),
             last: Vec::new(),
-            gates: (0..=2 * options.clones).map(gate).collect::<Result<_, _>>()?,
+            gates: vec![gate],
             stacked: Rows::default(),
             taken: 0,
             truth: None,
@@ -153,10 +153,11 @@ impl Msckf {
         Ok(())
     }
 
-    /// Whether the truth is needed and not known yet.
+    /// Whether the truth of the next picture is needed and not known yet.
     pub(super) fn lacks_truth(&self) -> bool {
         let Linearization { transitions, pixels, .. } = self.options.linearization;
-        [transitions, pixels].contains(&Point::Truth) && self.truth.is_none()
+        let is_known = |truth: &Truth| truth.states.len().min(truth.biases.len()) > self.taken;
+        [transitions, pixels].contains(&Point::Truth) && !self.truth.as_ref().is_some_and(is_known)
     }
 
     /// The estimate of the state.
@@ -370,9 +371,18 @@ impl Msckf {
         self.window.next_serial += 1;
         let picture = self.taken - 1;
         self.window.clones.push(Clone { variable: key.index(), serial, picture, first: pose });
+        self.widen_gates()?;
         Ok(serial)
     }
     // ANCHOR_END: add_clone
+
+    /// Computes the gate for as many rows as the poses of the window can have.
+    fn widen_gates(&mut self) -> Result<(), MsckfError> {
+        for rows in self.gates.len()..=2 * self.window.clones.len() {
+            self.gates.push(chi_square_quantile(self.options.gate, rows)?);
+        }
+        Ok(())
+    }
 
     /// The pose in the window with this number, and where it is linearized.
     pub(super) fn pose(&self, serial: usize) -> Option<(BodyPose, BodyPose)> {

@@ -90,7 +90,7 @@ impl Rows {
     /// Fewer rows than columns stay as they are.
     pub fn compress(&mut self) {
         let (width, count) = (self.width, self.len());
-        if count < width {
+        if count < width.max(1) {
             return;
         }
         let mut sums = vec![0.0; width];
@@ -142,8 +142,11 @@ impl Rows {
     }
     // ANCHOR_END: reflect
 
-    /// The columns before the last one, and the last one.
+    /// The columns before the last one, and the last one; without columns both are empty.
     pub fn system(&self) -> (DMatrix<f64>, DVector<f64>) {
+        if self.width == 0 {
+            return (DMatrix::zeros(0, 0), DVector::zeros(0));
+        }
         let rows = DMatrix::from_row_slice(self.len(), self.width, &self.numbers);
         let residual = rows.column(self.width - 1).into_owned();
         (rows.remove_column(self.width - 1), residual)

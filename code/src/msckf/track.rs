@@ -28,7 +28,6 @@ pub struct Sight {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LinearizedTrack {
     rows: Rows,
-    sights: usize,
 }
 // ANCHOR_END: linearized_track
 
@@ -63,7 +62,6 @@ impl LinearizedTrack {
     ) -> Result<(), TrackError> {
         let width = 3 + 6 * sights.len() + 6 + 1;
         self.rows.clear(width);
-        self.sights = sights.len();
         for (sight, &Sight { pose, linearized_at, pixel }) in sights.iter().enumerate() {
             let seen = BodyPixel { camera, pixel, inverse_sigma: 1.0 / sigma };
             let at = |pose: &BodyPose, landmark: &Vector3<f64>| {

@@ -121,7 +121,7 @@ impl Window {
     fn lever_direction(&self, axis: usize, columns: &Columns) -> DVector<f64> {
         let along = Vector3::ith(axis, 1.0);
         let mut whole = Vec::new();
-        for (state, rate) in self.states.iter().zip(&self.angular_velocities) {
+        for (state, rate) in self.states.iter().zip(self.rates()) {
             let turned = |vector: Vector3<f64>| -(state.world_from_body * vector);
             whole.extend([Vector3::zeros(), turned(rate.cross(&along)), turned(along)]);
         }

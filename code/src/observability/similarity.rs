@@ -1,5 +1,7 @@
 //! Moving, turning and growing a whole window.
 
+use std::iter;
+
 use nalgebra::{Rotation3, Vector3};
 
 use super::Window;
@@ -70,8 +72,8 @@ impl Window {
     pub fn transformed(&self, similarity: &Similarity) -> Self {
         let mut moved = self.clone();
         let lever = &self.rig.body_from_camera.translation.vector;
-        for (state, rate) in moved.states.iter_mut().zip(&self.angular_velocities) {
-            *state = similarity.state(state, lever, rate);
+        for (state, rate) in moved.states.iter_mut().zip(self.rates()) {
+            *state = similarity.state(state, lever, &rate);
         }
         for landmark in &mut moved.landmarks {
             *landmark = similarity.point(landmark);
@@ -86,6 +88,11 @@ impl Window {
         moved
     }
     // ANCHOR_END: transformed
+
+    /// How fast the body turns at each state, in its own frame and rad/s; zero where nobody has said it.
+    pub(super) fn rates(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.angular_velocities.iter().copied().chain(iter::repeat(Vector3::zeros()))
+    }
 
     /// The velocity of the camera at a state, in the world, in m/s.
     pub(super) fn camera_velocity(&self, state: usize) -> Vector3<f64> {

@@ -12,6 +12,8 @@ pub(super) struct Waiting {
     search: StartSearch,
     /// What was found when the search looked at pictures again.
     found: Option<Beginning>,
+    /// The time of the first picture that it looked at, in nanoseconds.
+    since: Option<i64>,
     pub readings: Vec<StampedSample>,
     pub pictures: Vec<Picture>,
 }
@@ -19,7 +21,7 @@ pub(super) struct Waiting {
 impl Waiting {
     pub fn new(options: &OdometryOptions) -> Self {
         let search = StartSearch::new(options.sensors, options.begin.clone());
-        Self { search, found: None, readings: Vec::new(), pictures: Vec::new() }
+        Self { search, found: None, since: None, readings: Vec::new(), pictures: Vec::new() }
     }
 
     // ANCHOR: waiting
@@ -30,7 +32,11 @@ impl Waiting {
             return None;
         }
         self.pictures.push(picture.clone());
-        self.found.take().or_else(|| self.search.look(&self.readings, &self.pictures))
+        let since = *self.since.get_or_insert(picture.nanoseconds);
+        let found =
+            self.found.take().or_else(|| self.search.look(&self.readings, &self.pictures))?;
+        let forgotten = 1e-9 * self.pictures[0].nanoseconds.saturating_sub(since) as f64;
+        Some(Beginning { seconds: found.seconds + forgotten, ..found })
     }
 
     /// What is known of the body while it stands.
@@ -98,8 +104,10 @@ mod tests {
         let mut waiting = Waiting::new(&options);
         waiting.readings.clone_from(readings);
         waiting.pictures = pictures[..=found].to_vec();
+        waiting.since = Some(pictures[0].nanoseconds - 3_000_000_000);
         waiting.keep_from(pictures[0].nanoseconds, &options);
         let kept = waiting.look(&pictures[found + 1], &options).unwrap();
         assert_eq!(kept.known.first, found);
+        assert_eq!(kept.seconds, begun.seconds + 3.0, "what was forgotten counts");
     }
 }

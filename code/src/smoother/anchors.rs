@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use super::window::{Frame, Seen};
 use super::{Smoother, SmootherError};
 use crate::factors::{AnchorChange, PixelAtAnchor, PixelByAnchor, carried};
-use crate::inertial::BodyPose;
 use crate::least_squares::{Kernel, Key, ProblemError};
 
 /// How far the landmark by the old anchor may be from that by the new one: without unit, and in 1/m. A
@@ -58,10 +57,10 @@ impl Smoother {
     ) -> Option<(Frame, Vector3<f64>)> {
         let values = self.problem.values();
         let known = (&values[self.window.extrinsics], &values[seen.landmark]);
-        let from = BodyPose::from(&values[first.state]);
+        let from = self.body(first);
         pixels.rev().find_map(|pixel| {
             let frame = self.window.frames.iter().find(|frame| frame.state == pixel.state)?;
-            let to = BodyPose::from(&values[frame.state]);
+            let to = self.body(frame);
             Some((*frame, carried((&from, &to, known.0, known.1))?))
         })
     }

@@ -73,7 +73,7 @@ impl Smoother {
     }
 
     /// Where the body was when a picture was taken.
-    fn body(&self, frame: &Frame) -> BodyPose {
+    pub(super) fn body(&self, frame: &Frame) -> BodyPose {
         let values = self.problem.values();
         let exposure = Exposure { angular_velocity: &frame.turning };
         exposure.body(&values[frame.state], values[self.window.delay].x)

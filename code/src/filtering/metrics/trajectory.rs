@@ -106,6 +106,7 @@ fn pairs(gained: &[f64], interval: f64) -> Result<Vec<(usize, usize)>, Trajector
     // Sums of steps are round where an interval of so many steps is meant.
     let largest = gained.iter().fold(0.0, |largest: f64, at| largest.max(at.abs()));
     let enough = interval * (1.0 - 1e-9) - 4.0 * f64::EPSILON * largest;
+    let enough = enough.max(f64::MIN_POSITIVE);
     let last = |&start: &f64| gained.partition_point(|at| at - start < enough);
     let pairs = gained.iter().map(last).enumerate().take_while(|(_, last)| *last < gained.len());
     let pairs: Vec<_> = pairs.collect();
