@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{BaError, Camera, Solver, TrialStep};
-use crate::least_squares::NullSpace;
+use crate::least_squares::{LOST_PIVOT, NullSpace};
 
 // ANCHOR: gauge_freedom
 /// How many independent directions of each kind are free: moved along one of them, cameras
@@ -149,10 +149,14 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
         let along = free.map(|entry| entry * entry).tr_mul(&matrix.diagonal());
         let stiffness = along.max().max(f64::MIN_POSITIVE);
         let whole = &free * free.transpose();
-        let Some(regular) = (matrix + stiffness * &whole).cholesky() else {
-            return Err(self.explain());
-        };
-        Ok((regular.inverse() - whole / stiffness, rhs))
+        let regular = matrix + stiffness * &whole;
+        let diagonal = regular.diagonal();
+        let factor = regular.cholesky().ok_or_else(|| self.explain_points())?;
+        let roots = factor.l_dirty().diagonal();
+        if roots.iter().zip(&diagonal).any(|(root, all)| root * root <= LOST_PIVOT * all) {
+            return Err(self.explain_points());
+        }
+        Ok((factor.inverse() - whole / stiffness, rhs))
     }
 
     // ANCHOR: minimal_norm

@@ -105,7 +105,7 @@ impl Covariance {
 
 impl<const D: usize, const C: usize> LandmarkElimination<D, C> {
     /// The covariance of all variables at the point that was linearized last, from that of those
-    /// that have rows.
+    /// that have rows: `D` rows and columns for each of [`LandmarkElimination::rows`].
     ///
     /// # Errors
     ///

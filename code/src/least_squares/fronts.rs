@@ -1,5 +1,6 @@
 //! The normal equations, eliminated variable by variable in any order.
 
+use std::iter::successors;
 use std::ops::Range;
 
 use nalgebra::DMatrix;
@@ -267,14 +268,16 @@ impl Fronts {
         self.is_sharp(&columns, &covariance).then_some(covariance)
     }
 
-    /// The covariance of the columns of a front.
+    /// The covariance of the columns of a front, from the last one back to it.
     fn covariance_at(&self, front: usize) -> DMatrix<f64> {
-        let node = &self.tree.nodes[front];
-        let rest = node.parent.map_or_else(
-            || DMatrix::zeros(0, 0),
-            |parent| self.rest_of(node, parent, &self.covariance_at(parent)),
-        );
-        covariance_of_front(&self.factor[self.tree.panel(front)], node.own.len(), rest)
+        let nodes = &self.tree.nodes;
+        let path: Vec<usize> = successors(Some(front), |at| nodes[*at].parent).collect();
+        path.iter().rev().fold(DMatrix::zeros(0, 0), |covariance, &at| {
+            let node = &nodes[at];
+            let of_parent = |parent| self.rest_of(node, parent, &covariance);
+            let rest = node.parent.map_or_else(|| DMatrix::zeros(0, 0), of_parent);
+            covariance_of_front(&self.factor[self.tree.panel(at)], node.own.len(), rest)
+        })
     }
     // ANCHOR_END: covariance_of
 

@@ -315,6 +315,9 @@ impl FactorGroup for LinearPrior {
             into.write_residual_slice(residual);
             for (slot, variable) in self.variables.iter().enumerate() {
                 let part = self.anchors.coordinates_of(slot).unwrap_or_default();
+                if part.is_empty() {
+                    continue;
+                }
                 let by_step = &mut free[..part.len() * part.len()];
                 let _ = self.anchors.local_jacobian_to(slot, (point, *variable), by_step);
                 let filled = self.filled[slot];

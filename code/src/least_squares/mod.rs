@@ -56,6 +56,7 @@ pub use landmarks::{LandmarkElimination, Singular};
 pub use linear_prior::LinearPrior;
 pub use linearized::Linearized;
 pub use manifold::Manifold;
+pub(crate) use normal_equations::LOST_PIVOT;
 pub use normal_equations::{Dense, NormalEquations, Step};
 pub use null_space::{NullSpace, NullSpaceError, RANK_TOLERANCE, SingularSystem};
 pub use problem::{Columns, Problem, ProblemError};

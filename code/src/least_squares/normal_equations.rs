@@ -8,7 +8,7 @@ use super::solver::{LinearSystem, Prediction, SolveError};
 use super::{Covariance, Values};
 
 /// A pivot of the Hessian, scaled to a unit diagonal, below this is lost in rounding.
-const LOST_PIVOT: f64 = 1e-14;
+pub(crate) const LOST_PIVOT: f64 = 1e-14;
 
 /// A pivot below this asks whether the Jacobian has full rank.
 const SUSPICIOUS_PIVOT: f64 = 1e-8;

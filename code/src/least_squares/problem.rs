@@ -118,7 +118,12 @@ impl Problem {
             return Err(ProblemError::Tied { own, other });
         }
         let (from, to) = (self.leader[variable.index()], self.leader[to.index()]);
-        self.leader.iter_mut().filter(|leader| **leader == from).for_each(|leader| *leader = to);
+        if from != to {
+            self.leader
+                .iter_mut()
+                .filter(|leader| **leader == from)
+                .for_each(|leader| *leader = to);
+        }
         Ok(())
     }
 

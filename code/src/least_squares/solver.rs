@@ -319,9 +319,9 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// A [`SolveError`] when there is nothing to solve, when a residual is undefined or not finite
-    /// at the beginning, or when a Gauss-Newton step is not determined. What goes wrong later ends
-    /// the search and is told by [`Report::stop`].
+    /// A [`SolveError`] when an option is impossible, when there is nothing to solve, when a residual is
+    /// undefined or not finite at the beginning, or when a Gauss-Newton step is not determined. What goes
+    /// wrong later ends the search and is told by [`Report::stop`].
     pub fn solve(&self, options: &Options) -> Result<Solution, SolveError> {
         self.solve_with(Dense::new(self)?, options)
     }

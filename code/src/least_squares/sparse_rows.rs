@@ -67,21 +67,14 @@ impl<T: RealField + Copy> SparseRows<T> {
     /// The columns that some rows name, ascending, and the rows with these alone.
     pub fn dense(&self, numbers: &[usize]) -> (Vec<usize>, Rows<T>) {
         let rows = || numbers.iter().map(|number| self.row(*number));
-        let named = || rows().flatten().map(|(column, _)| *column);
-        let first = named().min().unwrap_or_default();
-        let mut places = vec![usize::MAX; named().max().map_or(0, |last| last + 1 - first)];
-        named().for_each(|column| places[column - first] = 0);
-        let mut columns = Vec::new();
-        for (column, place) in (first..).zip(&mut places).filter(|(_, place)| **place == 0) {
-            *place = columns.len();
-            columns.push(column);
-        }
+        let mut columns: Vec<usize> = rows().flatten().map(|(column, _)| *column).collect();
+        columns.sort_unstable();
+        columns.dedup();
         let mut dense = Rows::zeros(numbers.len(), columns.len());
         for (number, row) in rows().enumerate() {
-            let mut put = |(column, slope): &(usize, T)| {
-                dense.put(number, places[column - first], *slope);
-            };
-            row.iter().for_each(&mut put);
+            for (column, slope) in row {
+                dense.put(number, columns.partition_point(|known| known < column), *slope);
+            }
         }
         (columns, dense)
     }

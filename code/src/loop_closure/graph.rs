@@ -90,7 +90,8 @@ impl<P: GraphPose<D>, const D: usize> PoseGraph<P, D> {
     ///
     /// # Errors
     ///
-    /// A [`LoopClosureError`] when the graph is empty or not connected, or a measurement is none.
+    /// A [`LoopClosureError`] when the graph is empty or not connected, a pose is not finite, a measurement
+    /// is none, or a kernel's parameter is impossible.
     pub fn problem(
         &self,
         kernel: impl Fn(usize) -> Kernel,

@@ -27,9 +27,9 @@ impl Measurement {
         numbers: [usize; 2],
     ) -> Result<Self, LoopClosureError> {
         let values = belief.values();
-        let (Some(from_pose), Some(to_pose)) = (values.get(from), values.get(to)) else {
-            return Err(unsure(numbers));
-        };
+        let known = |key: Key<BodyPose>| values.key::<BodyPose>(key.index());
+        let (Some(from), Some(to)) = (known(from), known(to)) else { return Err(unsure(numbers)) };
+        let (from_pose, to_pose) = (&values[from], &values[to]);
         let own = |key: Key<BodyPose>| values.coordinates_of(key.index()).unwrap_or_default();
         let both: Vec<usize> = own(from).chain(own(to)).collect();
         let covariance = belief.covariance().select_rows(&both).select_columns(&both);
@@ -99,7 +99,7 @@ const MOST_STEPS: usize = 1000;
 pub struct StereoPixels {
     /// The camera.
     pub camera: StereoPinhole,
-    /// The standard deviation of each of the three numbers of a sight.
+    /// The standard deviation of each of the three numbers of a sight, in pixels.
     pub sigma: f64,
     /// Landmarks of less disparity than this in either sight are left out, in pixels: they are too far
     /// away to have a depth.

@@ -1,10 +1,11 @@
 //! A short list without an allocation.
 
+use std::fmt;
 use std::ops::Deref;
 
 // ANCHOR: candidates
 /// At most `N` answers of a solver that has several.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct Candidates<T, const N: usize> {
     values: [T; N],
     count: usize,
@@ -45,3 +46,15 @@ impl<T, const N: usize> Deref for Candidates<T, N> {
     }
 }
 // ANCHOR_END: candidates
+
+impl<T: Copy + PartialEq, const N: usize> PartialEq for Candidates<T, N> {
+    fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
+    }
+}
+
+impl<T: Copy + fmt::Debug, const N: usize> fmt::Debug for Candidates<T, N> {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        self[..].fmt(formatter)
+    }
+}

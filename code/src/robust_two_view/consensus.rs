@@ -394,6 +394,9 @@ fn check<C: Correspondences>(
             return Err(ConsensusError::Probability { name, value });
         }
     }
+    if options.most_draws == 0 {
+        return Err(ConsensusError::Probability { name: "most_draws", value: 0.0 });
+    }
     if options.patience.is_nan() || options.patience <= 0.0 {
         return Err(ConsensusError::Probability { name: "patience", value: options.patience });
     }

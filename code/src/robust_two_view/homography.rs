@@ -53,7 +53,8 @@ fn scaled_basis(rays: &[Vector3<f64>; 4]) -> Result<Matrix3<f64>, HomographyErro
 ///
 /// # Errors
 ///
-/// [`HomographyError`] when there are too few, or no four of which no three lie on a line.
+/// [`HomographyError`] when there are too few, a ray is not finite or does not point forward, or there
+/// are no four of which no three lie on a line.
 pub fn homography_of_many(pairs: &[RayPair]) -> Result<Matrix3<f64>, HomographyError> {
     if pairs.len() < 4 {
         return Err(HomographyError::TooFew { count: pairs.len() });

@@ -44,11 +44,16 @@ pub enum TwoViewModel {
 ///
 /// # Errors
 ///
-/// [`ConsensusError`] of the richest model, when there is no evidence even for that.
+/// [`ConsensusError`] of the richest model, when there is no evidence even for that, and when
+/// [`ConsensusOptions::false_alarms`] is no probability.
 pub fn select_model(
     matches: &Matches,
     options: &ConsensusOptions,
 ) -> Result<TwoViewModel, ConsensusError> {
+    let value = options.false_alarms;
+    if value >= 1.0 {
+        return Err(ConsensusError::Probability { name: "false_alarms", value });
+    }
     let (turned, on_plane) = (OnlyTurned(matches), OnePlane(matches));
     let rotation = consensus(&turned, options).ok();
     let plane = consensus(&on_plane, options).ok();

@@ -177,7 +177,7 @@ impl<'a> Map<'a> {
             .filter_map(|(k, _)| self.poses[self.arranged.picture_of[*k]])
             .map(|pose| centre(&pose))
             .collect();
-        let is_wide = least_parallax == 0.0 || widest(&point, &centres) >= least_parallax;
+        let is_wide = least_parallax == 0.0 || are_apart(&point, &centres, least_parallax);
         let track = &mut self.tracks[track];
         track.fits = fits;
         if centres.len() < 2 || !is_wide {
@@ -193,13 +193,13 @@ pub(super) fn centre(camera_from_world: &Isometry3<f64>) -> Vector3<f64> {
     se3::transform(&camera_from_world.inverse(), &Vector3::zeros())
 }
 
-/// The widest angle at which cameras see a point.
-fn widest(point: &Vector3<f64>, centres: &[Vector3<f64>]) -> f64 {
-    let pairs = centres
+/// Whether any two cameras see a point at an angle of at least so much.
+fn are_apart(point: &Vector3<f64>, centres: &[Vector3<f64>], least: f64) -> bool {
+    let mut pairs = centres
         .iter()
         .enumerate()
         .flat_map(|(at, one)| centres[..at].iter().map(move |other| parallax(point, one, other)));
-    pairs.fold(0.0, f64::max)
+    pairs.any(|angle| angle >= least)
 }
 
 /// The pairs of views with which a track is tried: all of a few, and of many those that are far apart

@@ -270,6 +270,9 @@ pub(super) fn check(options: &ReconstructionOptions) -> Result<f64, Reconstructi
     if let Some((name, value)) = positive.into_iter().find(|(_, value)| !is_positive(*value)) {
         return Err(ReconstructionError::Option { name, value });
     }
+    if options.most_starts == 0 {
+        return Err(ReconstructionError::Option { name: "most_starts", value: 0.0 });
+    }
     let (name, value) = ("inlier_probability", inlier_probability);
     let is_probability = value > 0.0 && value < 1.0;
     let gate = is_probability.then(|| chi_square_quantile(value, 2).ok()).flatten();

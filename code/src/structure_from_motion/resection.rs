@@ -88,7 +88,7 @@ pub fn resect(
         return Err(ResectionError::Sigma { sigma });
     }
     let data = points.iter().copied().zip(pixels.iter().copied());
-    let (problem, pose) = of_points(camera, data, sigma, start)?;
+    let (problem, pose) = of_points(camera, data, sigma, start);
     let solution = problem.solve(&Options::default())?.settled()?;
     let covariance = problem.covariance(&solution.values)?.of(pose);
     let covariance = covariance.ok_or(ResectionError::Degenerate)?;
@@ -107,7 +107,7 @@ pub(super) fn of_points(
     data: impl Iterator<Item = (Vector3<f64>, Vector2<f64>)>,
     sigma: f64,
     start: &Isometry3<f64>,
-) -> Result<(Problem, Key<MovingCamera<PosedPinhole, 6>>), SolveError> {
+) -> (Problem, Key<MovingCamera<PosedPinhole, 6>>) {
     let mut problem = Problem::new();
     let posed = Posed { intrinsics: *camera, camera_from_world: *start };
     let pose = problem.add_variable(MovingCamera(posed));
@@ -118,7 +118,7 @@ pub(super) fn of_points(
             problem.hold(landmark).and_then(|()| problem.add_factor(factor, Kernel::Squared));
         added.expect("the variables are the problem's own");
     }
-    Ok((problem, pose))
+    (problem, pose)
 }
 
 /// That points and pixels belong together and are numbers.

@@ -60,12 +60,12 @@ impl Correspondences for Sightings<'_> {
         data: &[usize],
         effort: Effort,
     ) -> Option<Isometry3<f64>> {
-        let (problem, pose) = of_points(self.camera, self.of(data), self.sigma, start).ok()?;
+        let (problem, pose) = of_points(self.camera, self.of(data), self.sigma, start);
         Some(problem.solve(&effort.options()).ok()?.values[pose].0.camera_from_world)
     }
 
     fn covariance(&self, pose: &Isometry3<f64>, data: &[usize]) -> Option<DMatrix<f64>> {
-        let (problem, pose) = of_points(self.camera, self.of(data), self.sigma, pose).ok()?;
+        let (problem, pose) = of_points(self.camera, self.of(data), self.sigma, pose);
         problem.covariance(problem.values()).ok()?.of(pose)
     }
 }

@@ -165,7 +165,8 @@ pub fn ray_depths(
 ///
 /// # Errors
 ///
-/// [`EssentialError`] when two motions put equally many points in front, or none does any.
+/// Those of [`relative_poses`], and [`EssentialError`] when two motions put equally many points in front,
+/// or none does any.
 pub fn relative_pose(
     essential: &Matrix3<f64>,
     pairs: &[(Vector3<f64>, Vector3<f64>)],
