@@ -1176,6 +1176,32 @@ fn a_point_on_one_ray_only_is_named_when_nothing_damps_it() {
 }
 
 #[test]
+fn a_camera_that_hangs_by_a_thread_has_no_covariance_without_a_gauge_either() {
+    let found = |bend: f64| {
+        let mut problem = Scene::ring(8, 23, 1.0, 20).problem;
+        problem.fixed.fill(false);
+        problem.cameras.push(problem.cameras[3]);
+        problem.fixed.push(false);
+        problem.rig.push(8);
+        // The last camera sees three points on a line that is bent by so much, and nothing else.
+        let line =
+            [-0.3, 0.0, 0.3].map(|x| Vector3::new(x, 0.1, if x == 0.0 { bend } else { 0.0 }));
+        for (number, place) in (23..).zip(line) {
+            problem.points.push(place);
+            for keyframe in 0..9 {
+                let pixel = problem.cameras[keyframe].project(&place).unwrap();
+                problem.factors.push(ReprojFactor { pixel, ..factor(keyframe, number) });
+            }
+        }
+        solver(&problem).minimal_norm_covariance()
+    };
+    assert!(found(0.1).is_ok());
+    for bend in [1e-8, 3e-9, 1e-9] {
+        assert!(found(bend).is_err(), "{bend}");
+    }
+}
+
+#[test]
 fn two_observations_by_one_camera_count_twice() {
     let mut problem = Scene::ring(8, 40, 1.0, 22).problem;
     let again = problem.factors[10];

@@ -249,6 +249,27 @@ fn minimum_degree_is_no_worse_than_a_shuffled_order() {
 }
 
 #[test]
+fn a_long_chain_needs_no_deep_stack() {
+    let known = || {
+        let mut problem = Problem::new();
+        let mut pose = problem.add_variable(Isometry3::identity());
+        hold_near::<_, 6>(&mut problem, pose, 1.0);
+        for _ in 0..3000 {
+            let next = problem.add_variable(Isometry3::identity());
+            let between = Between { poses: [pose, next], measured: Isometry3::identity() };
+            problem.add_factor(between, Kernel::Squared).unwrap();
+            pose = next;
+        }
+        let order: Vec<usize> = (0..problem.values().len()).collect();
+        let mut fronts = Fronts::in_order(&problem, &order).unwrap();
+        fronts.linearize(&problem, Point { values: problem.values(), frozen: None }).unwrap();
+        fronts.covariance_of(&problem, &[1]).is_some()
+    };
+    let small = std::thread::Builder::new().stack_size(1 << 18);
+    assert!(small.spawn(known).unwrap().join().unwrap());
+}
+
+#[test]
 fn what_nothing_measures_has_no_covariance_whatever_was_asked_before() {
     let mut problem = Problem::new();
     let unseen = problem.add_variable(Vector3::<f64>::zeros());

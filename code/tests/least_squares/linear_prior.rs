@@ -1,6 +1,6 @@
 //! Variables that are taken out, and what is kept of what their factors said.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, SVector, Vector3};
 use vislam::factors::Prior;
 use vislam::least_squares::{
     Kernel, Key, LinearPrior, Options, Problem, ProblemError, SolveError, Values, eliminate,
@@ -378,6 +378,19 @@ fn a_factor_that_comes_later_takes_its_derivatives_where_the_prior_did() {
     };
     assert_eq!(problem.rows(), rows + 6);
     assert!(found(known).is_some(), "its derivative stands where the prior was taken");
+}
+
+#[test]
+fn a_prior_may_name_a_variable_without_coordinates() {
+    let mut problem = Problem::new();
+    let nothing = problem.add_variable(SVector::<f64, 0>::zeros());
+    let number = problem.add_variable(SVector::<f64, 1>::zeros());
+    let names = [nothing.index(), number.index()];
+    let (root, offset) = (DMatrix::from_element(1, 1, 2.0), DVector::from_element(1, -6.0));
+    let prior = LinearPrior::of_root(problem.values(), &names, root, offset).unwrap();
+    problem.add_prior(prior).unwrap();
+    let solution = problem.solve(&Options::default()).unwrap();
+    assert!((solution.values[number].x.abs() - 3.0).abs() < 1e-9);
 }
 
 #[test]

@@ -100,6 +100,10 @@ fn an_error_that_two_poses_share_is_none_between_them() {
     let noisy = belief.add_function(start, &DMatrix::identity(6, 12), &little).unwrap();
     let seen = RelativeMeasurement::believed(&belief, [first, noisy], [0, 1]).unwrap();
     assert!((seen.information - 1e4 * Matrix6::<f64>::identity()).amax() < 1e-3);
+    // Keys from before others were dropped name nothing any more.
+    belief.keep(&[second.index(), noisy.index()]).unwrap();
+    let seen = RelativeMeasurement::believed(&belief, [second, noisy], [0, 1]);
+    assert_eq!(seen.unwrap_err(), LoopClosureError::Unsure { first: 0, second: 1 });
 }
 
 #[test]

@@ -138,6 +138,7 @@ fn too_few_repeated_and_impossible_data_are_errors() {
         ("confidence", ConsensusOptions { confidence: 1.0, ..options }),
         ("inlier_probability", ConsensusOptions { inlier_probability: f64::NAN, ..options }),
         ("false_alarms", ConsensusOptions { false_alarms: 0.0, ..options }),
+        ("most_draws", ConsensusOptions { most_draws: 0, ..options }),
     ] {
         let refused = consensus(&GeneralMotion(&matches(&same)), &impossible);
         assert!(

@@ -253,6 +253,11 @@ fn each_of_three_and_four(mut each: impl FnMut(&[f64])) {
 #[test]
 fn where_the_slope_vanishes_there_is_no_root() {
     let roots = |coefficients: [f64; 4]| real_roots(&coefficients).to_vec();
+    // What was in its memory before is no part of a list.
+    let mut emptied = real_roots(&[-1.0, 1.0, 0.0, 0.0]);
+    emptied.pop();
+    assert_eq!(emptied, real_roots(&[1.0, 0.0, 0.0, 0.0]));
+    assert_eq!(format!("{emptied:?}"), "[]");
     assert_eq!(roots([-15.0, 2.0, 1.0, 0.0]), [-5.0, 3.0]);
     assert_eq!(roots([-36.0, 0.0, 1.0, 1.0]), [3.0]);
     assert_eq!(roots([161.0, -33.0, -1.0, 1.0]), [-7.0]);

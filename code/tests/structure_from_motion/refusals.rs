@@ -44,6 +44,7 @@ fn numbers_that_are_none_are_refused_by_name() {
         ReconstructionOptions { inlier_probability: 1.0, ..Default::default() },
         ReconstructionOptions { least_parallax: f64::NAN, ..Default::default() },
         ReconstructionOptions { first_parallax: -1.0, ..Default::default() },
+        ReconstructionOptions { most_starts: 0, ..Default::default() },
     ];
     for options in options {
         let refused = reconstruct(&scene.pictures, &scene.matches, &options);
