@@ -63,7 +63,7 @@ fn run(command: Option<Command>) -> Result<(), String> {
         }
         Some(Command::Reset { name }) => {
             match edition::reset(&folder, selection::named(&name)?.slug)? {
-                None => say(format!("{name} is the skeleton already")),
+                None => say(format!("{name} is the skeleton")),
                 Some(former) => say(format!(
                     "{name} is a skeleton again; the former answer is {}",
                     former.display()

@@ -71,7 +71,8 @@ pub struct Collected {
 /// Whether a folder has something of an answer.
 pub type Holds = fn(&Path) -> bool;
 
-/// The submissions that paths lead to. A path is a submission itself when answers lie at its top,
+/// The submissions that paths lead to. A path is a submission itself when answers lie at its top, or, of other
+/// kinds of answers, when it holds some and no folder in it does,
 /// or a folder of submissions: then each folder in it is one, and so is each link or archive, which
 /// can tell what is wrong. An archive that lies beside what was unpacked from it, and `holds` answers, is none.
 ///
@@ -127,11 +128,14 @@ fn submissions_in(root: PathBuf, holds: Holds) -> Result<Vec<PathBuf>, String> {
             Some(other) => Err(beside(&root, &answers, other)),
         };
     }
+    if holds(&root) && !entries.iter().any(|entry| holds(entry)) {
+        return Ok(vec![root]);
+    }
     match entries.as_slice() {
         [] => Err("there is no submission in it; name a folder of submissions, or give --single \
                    when it is itself the submission of somebody who handed in nothing"
             .to_owned()),
-        [only] if is_download(only) && has_answers(only) => Ok(vec![root]),
+        [only] if is_download(only) && holds(only) => Ok(vec![root]),
         _ => Ok(entries),
     }
 }
@@ -515,7 +519,7 @@ fn in_words(opened: &Opened, folder: Option<&Path>) -> (Words, Vec<String>) {
     let far = opened.roots().flat_map(called_answers).filter(|path| !near.contains(path));
     let (mut words, mut unread) = (Words::new(), BTreeSet::new());
     for path in near.iter().cloned().chain(far) {
-        let Written { words: found, astray } = match answer(&path) {
+        let Written { words: found, cut, astray } = match answer(&path) {
             Ok(None) => continue,
             Ok(Some(Ok(text))) => Written::of(&text),
             Ok(Some(Err(why))) | Err(why) => {
@@ -532,6 +536,14 @@ fn in_words(opened: &Opened, folder: Option<&Path>) -> (Words, Vec<String>) {
                 words::FILE
             ));
         }
+        unread.extend(cut.into_iter().map(|slug| {
+            format!(
+                "the answer to `{slug}` in `{}` is longer than {} characters, and nobody reads what stands behind \
+                 them: shorten it",
+                opened.shown(&path),
+                words::LONGEST
+            )
+        }));
         unread.extend(astray.map(|line| {
             format!(
                 "`{}` has words below no heading of a question, `{line}`: leave the headings as they were handed out",

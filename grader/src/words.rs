@@ -15,7 +15,7 @@ use crate::text::{harmless, harmless_line};
 /// The file that has the questions, and in submissions the answers.
 pub const FILE: &str = "answers.md";
 /// As much of an answer as anybody reads.
-const LONGEST: usize = 6_000;
+pub const LONGEST: usize = 6_000;
 /// What stood above the questions in an older edition.
 const FORMER: &str = "Write below each question. Nobody but a person reads this file.";
 
@@ -54,6 +54,8 @@ pub fn is_file(name: &str) -> bool {
 pub struct Written {
     /// Answers below the headings of questions.
     pub words: Words,
+    /// Answers that are longer than anybody reads.
+    pub cut: Vec<&'static str>,
     /// A line that may belong to an answer, and nobody knows to which.
     pub astray: Option<String>,
 }
@@ -64,16 +66,17 @@ impl Written {
         let questions = questions();
         let asked = sections(&questions);
         let sections = sections(text.trim_start_matches('\u{feff}'));
-        let mut words = Words::new();
+        let (mut words, mut cut) = (Words::new(), Vec::new());
         for (slug, lines) in &sections {
             let asked = asked.get(slug).map_or(&[][..], Vec::as_slice);
             let own = lines.iter().copied().filter(|line| line.is_empty() || !asked.contains(line));
             let own = own.collect::<Vec<_>>().join("\n");
             if let (Some(slug), false) = (slug, own.trim().is_empty()) {
                 words.insert(*slug, harmless(own.trim(), LONGEST));
+                cut.extend(own.trim().chars().nth(LONGEST).map(|_| *slug));
             }
         }
-        Self { words, astray: astray(&sections, &questions) }
+        Self { words, cut, astray: astray(&sections, &questions) }
     }
 }
 

@@ -14,7 +14,7 @@ use grader::fly::answer::{
 };
 use grader::fly::export::{export_drawn, sung};
 use grader::fly::flights::{FLIGHTS, Graded};
-use grader::fly::handed::Handed;
+use grader::fly::handed::{Handed, has_flights};
 use grader::fly::judge::{CHECKS, Course, NEAR, NEAR_AFTER_GAP, SCALE};
 use grader::fly::key::{Exported, Key};
 use grader::fly::run::run_quietly;
@@ -23,6 +23,7 @@ use grader::fly::symptoms::OUTSIDE;
 use grader::marks::COLUMNS;
 use grader::report::Detail;
 use grader::roster::Roster;
+use grader::submission::find;
 use nalgebra::{UnitQuaternion, Vector3};
 use tempfile::tempdir;
 use vislam::odometry::Estimator;
@@ -442,6 +443,20 @@ fn a_zip_file_is_unpacked_and_its_text_is_marked_by_a_person() {
     let order = Order { marks: Some(marks), roster: Some(roster), ..order };
     assert!(!run_in(at.path(), &order).told.contains("these marks"));
     assert_eq!(earned_in(&read("gradebook.csv"), "ada"), before + 12.0);
+}
+
+#[test]
+fn the_flights_of_one_student_are_one_submission() {
+    let at = tempdir().unwrap();
+    let ada = at.path().join("ada");
+    for flight in 0..3 {
+        fs::create_dir_all(ada.join(folder(flight))).unwrap();
+    }
+    let found = |path: &Path| find(&[path.to_owned()], has_flights).unwrap();
+    let names = |path: &Path| found(path).into_iter().map(|it| it.name).collect::<Vec<_>>();
+    assert_eq!(names(&ada), ["ada"]);
+    fs::create_dir_all(at.path().join("bob").join(folder(1))).unwrap();
+    assert_eq!(names(at.path()), ["ada", "bob"]);
 }
 
 #[test]

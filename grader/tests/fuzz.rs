@@ -63,13 +63,13 @@ fn tables() {
             let differences =
                 roster.as_ref().map(|roster| roster.matched(&submissions).differences);
             let doubtful = differences.map_or(0, |differences| differences.doubtful.len().min(2));
-            let Written { words, astray } = Written::of(&text);
+            let Written { words, cut, astray } = Written::of(&text);
             let (one, other) = text.split_once('\n').unwrap_or_default();
             let order = naturally(one, other);
             assert_eq!(naturally(other, one), order.reverse());
             let stem = unpacked(Path::new(one)).len() < one.len();
             let marks = said(&Marks::parse(&text, &points));
-            let words = format!("{} {}", words.len(), astray.is_some());
+            let words = format!("{} {} {}", words.len(), cut.len(), astray.is_some());
             format!("{} {marks} {doubtful} {words} {stem}", said(&roster))
         });
 }

@@ -260,11 +260,26 @@ fn points_of_a_person_are_not_contradicted() {
         exercise.marked = Some(10.0);
         let grade = grade("ada", vec![exercise]);
         let shown = gradescope(&grade, Detail::Full);
-        let told = [shown.to_string(), markdown::feedback(&grade, Detail::Full)];
-        for text in told {
-            assert!(!text.contains("earns nothing") && !text.contains("will look at it"), "{text}");
-        }
+        assert_uncontradicted(&grade);
         assert!(shown["tests"][0].get("status").is_none(), "{shown}");
+    }
+    let open = check("open", false, Verdict::CouldNotGrade);
+    let mut exercise = exercise(0, Outcome::Ran, vec![open]);
+    exercise.marked = Some(7.0);
+    assert_uncontradicted(&grade("ada", vec![exercise]));
+}
+
+/// That no report says of what a person has marked that it earns nothing, or that its points are open.
+fn assert_uncontradicted(grade: &Grade) {
+    let told = [
+        gradescope::json(grade, Detail::Full),
+        markdown::feedback(grade, Detail::Full),
+        junit::xml(grade, Detail::Full).expect("XML"),
+    ];
+    for text in told {
+        for said in ["earns nothing", "will look at it", "are open"] {
+            assert!(!text.contains(said), "{said}: {text}");
+        }
     }
 }
 

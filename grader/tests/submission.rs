@@ -209,6 +209,22 @@ fn words_that_are_not_read_are_told_and_open() {
 }
 
 #[test]
+fn an_answer_in_words_that_is_cut_is_told() {
+    for (letters, cut) in [(5_900, false), (6_100, true)] {
+        let text = format!("## fill_in\n\n{}\n", "a".repeat(letters));
+        let taken =
+            taken(&[("exercises/src/fill_in.rs", FILL_IN), ("exercises/answers.md", &text)]);
+        assert_eq!(taken.unread, cut, "{letters}");
+        let told = |notice: &String| {
+            notice.starts_with(
+                "the answer to `fill_in` in `exercises/answers.md` is longer than 6000",
+            )
+        };
+        assert_eq!(taken.notices.iter().any(told), cut, "{:?}", taken.notices);
+    }
+}
+
+#[test]
 fn a_draft_beside_the_programs_does_not_stand_for_what_is_in_exercises() {
     let program = ("exercises/src/fill_in.rs", FILL_IN);
     let draft = ("exercises/src/answers.md", "## fill_in\n\nA draft.\n");

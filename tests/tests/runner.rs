@@ -90,6 +90,21 @@ fn an_update_that_meets_the_students_lines_leaves_the_file_as_it_is() {
     };
     assert_eq!(text(&folder.answer(SLUG)), mine);
     assert!(text(&merged).contains("mine()") && text(&merged).contains("todo!(\"x\")"));
+    // What was settled there outlives another update.
+    fs::write(&merged, "settled").expect("written");
+    let Ok(Update::Conflict { merged: again, .. }) = edition::update(&folder, SLUG) else {
+        panic!("no conflict");
+    };
+    assert_eq!(text(&merged), "settled");
+    assert!(again != merged && text(&again).contains("mine()"));
+}
+
+#[test]
+fn a_reset_brings_back_a_file_that_is_gone() {
+    let (_temporary, folder) = folder();
+    fs::remove_file(folder.answer(SLUG)).expect("removed");
+    assert_eq!(edition::reset(&folder, SLUG), Ok(None));
+    assert_eq!(text(&folder.answer(SLUG)), FIRST);
 }
 
 #[test]
@@ -124,10 +139,19 @@ fn progress_knows_what_was_tested_as_it_is() {
     fs::write(folder.answer(SLUG), "//! Edition 1.\nfn mine() {}").expect("written");
     assert_eq!(progress::state(&folder, exercise), State::Unknown);
     let mut verdicts = Verdicts::new(SLUG, "//! Edition 1.\nfn mine() {}");
-    verdicts.add("one", &Ok(()));
-    verdicts.add("two", &Err(Failure::new("wrong")));
+    let checks = (exercise.checks)();
+    verdicts.add(checks[0].name, &Ok(()));
     verdicts.keep(&folder).expect("kept");
-    let of = (exercise.checks)().len();
+    assert_eq!(
+        progress::state(&folder, exercise),
+        State::Unknown,
+        "there are checks that nobody asked"
+    );
+    for check in &checks[1..] {
+        verdicts.add(check.name, &Err(Failure::new("wrong")));
+    }
+    verdicts.keep(&folder).expect("kept");
+    let of = checks.len();
     assert_eq!(progress::state(&folder, exercise), State::Judged { passed: 1, of });
     fs::write(folder.answer(SLUG), "//! Edition 1.\nfn changed() {}").expect("written");
     assert_eq!(progress::state(&folder, exercise), State::Unknown);

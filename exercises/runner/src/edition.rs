@@ -4,6 +4,7 @@
 //! what a student has changed is known for ever.
 
 use std::fs;
+use std::iter;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -76,6 +77,10 @@ pub fn skeleton_of(folder: &Folder, slug: &str, answer: &str) -> Option<String> 
 pub fn reset(folder: &Folder, slug: &str) -> Result<Option<PathBuf>, String> {
     let fresh = skeleton(folder, slug, newest(folder, slug)?)?;
     folder.without_pictures(slug);
+    if !folder.answer(slug).exists() {
+        write(&folder.answer(slug), &fresh)?;
+        return Ok(None);
+    }
     if read(&folder.answer(slug)).as_ref() == Ok(&fresh) {
         return Ok(None);
     }
@@ -112,7 +117,14 @@ pub fn update(folder: &Folder, slug: &str) -> Result<Update, String> {
             Ok(Update::Merged { edition: newest, former })
         }
         Err(conflict) => {
-            let name = format!("{slug}.edition-{newest}.rs");
+            // What a student has settled in a file of before is kept.
+            let is_free = |name: &String| {
+                let path = folder.kept(name);
+                !path.exists() || read(&path).as_ref() == Ok(&conflict)
+            };
+            let plain = format!("{slug}.edition-{newest}.rs");
+            let numbered = (2..).map(|count| format!("{slug}.edition-{newest}-{count}.rs"));
+            let name = iter::once(plain).chain(numbered).find(is_free).unwrap_or_default();
             let merged = folder.keep(&name, &conflict).map_err(|error| error.to_string())?;
             Ok(Update::Conflict { edition: newest, merged })
         }

@@ -1,5 +1,6 @@
 //! How far the answers are.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use exercise_spec::check::Failure;
@@ -58,7 +59,7 @@ impl Verdicts {
         Ok(())
     }
 
-    /// Those that were kept, if the answer is still the same.
+    /// Those that were kept, if the answer and the checks are still the same.
     fn kept(folder: &Folder, slug: &str) -> Option<Self> {
         let source = read(&folder.kept(&format!("{slug}.judged"))).ok()?;
         if read(&folder.answer(slug)).ok()? != source {
@@ -72,7 +73,10 @@ impl Verdicts {
                 _ => kept.checks.push((name.to_owned(), word == "passed")),
             }
         }
-        Some(kept)
+        let asked = exercise_spec::exercise(slug).map(|exercise| (exercise.checks)());
+        let asked = asked.iter().flatten().map(|check| check.name).collect::<BTreeSet<_>>();
+        let answered = kept.checks.iter().map(|(name, _)| name.as_str()).collect();
+        (kept.refused.is_some() || asked == answered).then_some(kept)
     }
 }
 

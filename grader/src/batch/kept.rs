@@ -213,7 +213,8 @@ impl Kept {
     }
 
     fn begun(&self, submission: &str) -> PathBuf {
-        self.out.join(BEGUN).join(submission)
+        // No name of a submission is another one while a file beside its place is written.
+        self.out.join(BEGUN).join(format!("{submission}.begun"))
     }
 
     /// Writes a report on one submission.

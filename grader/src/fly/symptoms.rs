@@ -24,8 +24,6 @@ pub struct Symptom {
 macro_rules! symptoms {
     ($($(#[$doc:meta])* $name:ident: $word:literal, $sentence:literal;)*) => {
         $($(#[$doc])* pub const $name: Symptom = Symptom { name: $word, sentence: $sentence };)*
-        /// All of them.
-        pub const SYMPTOMS: &[Symptom] = &[$($name),*];
     };
 }
 

@@ -123,7 +123,7 @@ fn of_checks(exercise: &ExerciseGrade, title: &str, number: usize, detail: Detai
             status,
             name: format!("{title}: {}{hidden}", words(&check.name)),
             number: format!("{number}.{}", index + 1),
-            output: detail.of_check(check).text(),
+            output: detail.of_check(exercise, check).text(),
         }
     };
     exercise.checks.iter().enumerate().map(test).collect()

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-use super::{Detail, Told, passed, points, why_not, words};
+use super::{Detail, MARKED_INSTEAD, Told, passed, points, why_not, words};
 use crate::grade::{CheckGrade, ExerciseGrade, Grade, Outcome, Verdict};
 use crate::text::{harmless, harmless_line};
 
@@ -99,7 +99,7 @@ fn cases(exercise: &ExerciseGrade, detail: Detail, numbers: bool) -> Vec<TestCas
         return vec![TestCase::new("the answer runs", status(kind, what, &told))];
     }
     let case = |check: &CheckGrade| {
-        let mut told = detail.of_check(check);
+        let mut told = detail.of_check(exercise, check);
         if !numbers {
             told.page.clear();
         }
@@ -126,8 +126,13 @@ fn case(exercise: &ExerciseGrade, check: &CheckGrade, mut told: Told) -> TestCas
     }
 }
 
-/// An error and not a failure: it says nothing about the answer.
+/// An error and not a failure: it says nothing about the answer. None where a person has given points.
 fn ungraded(name: &str, exercise: &ExerciseGrade) -> TestCase {
+    if let Some(marked) = exercise.marked {
+        let mut status = TestCaseStatus::skipped();
+        status.set_message(format!("{MARKED_INSTEAD} They are {}.", points(marked)));
+        return TestCase::new(name, status);
+    }
     let sentence = format!(
         "could not be graded, which is no zero: {} ({} points are open)",
         why_not(exercise),

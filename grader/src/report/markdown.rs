@@ -165,10 +165,10 @@ fn on_exercise(exercise: &ExerciseGrade, detail: Detail) -> String {
     let wrong = |check: &&CheckGrade| check.verdict != Verdict::Passed;
     let mut checks: Vec<&CheckGrade> = exercise.checks.iter().filter(wrong).collect();
     while !checks.is_empty() {
-        let told = detail.of_check(checks[0]);
+        let told = detail.of_check(exercise, checks[0]);
         // What would be said over and over is said once.
         let (same, rest): (Vec<_>, Vec<_>) =
-            checks.into_iter().partition(|check| detail.of_check(check) == told);
+            checks.into_iter().partition(|check| detail.of_check(exercise, check) == told);
         text += &on_checks(&same, &told);
         let drawn = same.into_iter().filter(|check| detail.picture(check).is_some());
         for file in drawn.map(|check| picture_file(exercise, check)) {

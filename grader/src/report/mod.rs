@@ -27,6 +27,10 @@ pub enum Detail {
 pub const COULD_NOT_GRADE: &str = "This could not be graded, and it is no zero. Your instructor \
                                    will look at it.";
 
+/// The same where a person has given points instead.
+pub const MARKED_INSTEAD: &str =
+    "This could not be graded by the program, and the points are those that your instructor gave.";
+
 /// How the machine begins to say why it stopped an answer.
 const STOPPED: &str = "the call was stopped: ";
 /// As long as a sentence may be.
@@ -47,10 +51,13 @@ pub struct Told {
 
 impl Detail {
     /// What a student is told of a check.
-    pub fn of_check(self, check: &CheckGrade) -> Told {
+    pub fn of_check(self, exercise: &ExerciseGrade, check: &CheckGrade) -> Told {
         let all = || Told::new(&check.sentence, &check.numbers);
         match (check.verdict, self) {
             (Verdict::Passed, _) => Told::new("", ""),
+            (Verdict::CouldNotGrade, _) if exercise.marked.is_some() => {
+                Told::new(MARKED_INSTEAD, "")
+            }
             (Verdict::CouldNotGrade, _) => Told::new(COULD_NOT_GRADE, ""),
             (Verdict::Failed, _) if !check.hidden => all(),
             (Verdict::Failed, Self::Full) => all(),

@@ -26,8 +26,8 @@ pub struct Exercise {
     pub checks: fn() -> Vec<Check>,
 }
 
-/// What may not be called where rows are to be turned by hand: nalgebra's factorizations but for that
-/// of Cholesky, what is made of them, and the modules of the library that have the answer.
+/// What may not be called where rows are to be turned by hand: nalgebra's factorizations but for those
+/// of Cholesky, LU, LBLᵀ and UDUᵀ, what is made of them, and the modules of the library that have the answer.
 pub(crate) const FACTORIZATIONS: &[&str] = &[
     "Bidiagonal",
     "ColPivQR",
