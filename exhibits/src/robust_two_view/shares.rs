@@ -1,5 +1,7 @@
 //! The error of a motion over the share of wrong matches.
 
+use std::f64::consts::PI;
+
 use vislam::robust_two_view::{ConsensusOptions, general_motion};
 
 use super::scenes::{SIGMA, Scene, World, quantile};
@@ -76,6 +78,7 @@ pub fn numbers(chapter: &mut Chapter) {
     let of = |name: String| accepted(RECORD, &name);
     chapter.number("share_scenes", SCENES as f64, "", 0);
     chapter.number("share_right", RIGHT as f64, "", 0);
+    chapter.number("guess_median", guess_median().to_degrees(), "°", 0);
     chapter.number("share_all_none", median(3, 0), "°", 2);
     chapter.number("share_all_ten", median(3, 10), "°", 0);
     chapter.number("share_oracle", median(0, 60), "°", 2);
@@ -85,4 +88,16 @@ pub fn numbers(chapter: &mut Chapter) {
     chapter.number("share_found_80_most", of(name(1, 80, "most")), "°", 1);
     chapter.number("share_plain_60_most", of(name(2, 60, "most")), "°", 1);
     chapter.number("share_found_60_most", of(name(1, 60, "most")), "°", 1);
+}
+
+/// Below this angle lies half of the errors of motions drawn at random, each the larger one of its rotation's and its
+/// direction's.
+fn guess_median() -> f64 {
+    let below = |angle: f64| (angle - angle.sin()) / PI * (1.0 - angle.cos()) / 2.0;
+    let (mut low, mut high) = (0.0, PI);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if below(middle) < 0.5 { low = middle } else { high = middle }
+    }
+    low
 }
