@@ -10,7 +10,7 @@
 //! | `imu.csv` | the readings, in the form of EuRoC's `imu0/data.csv` |
 //! | `tracks.csv` | a line for each landmark in a picture: time on the camera's clock, track, pixel in the left and in the right image; the latter is empty where there is none |
 //! | `ground_truth.csv` | states and biases at the pictures on the sensor's clock, in the form of EuRoC's `state_groundtruth_estimate0/data.csv` |
-//! | `calibration.toml` | camera, rig, densities of the noise and rates |
+//! | `calibration.toml` | camera, rig, densities of the noise, size of gravity and rates |
 //!
 //! A flight is one of those of `FLIGHTS`: with two cameras and biases, or, with `--flight book --seed 0 --seconds 60`,
 //! the one that runs through the book. A motion is one of those of `MOTIONS`; without one it is the figure-eight.

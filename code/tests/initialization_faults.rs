@@ -270,7 +270,7 @@ fn without_gravity_a_stand_says_nothing_of_the_vertical() {
     let sensors = Sensors::of_flight(&still.flight);
     let options = RestOptions { motion: 5.0, ..RestOptions::default() };
     let refused = at_rest(&sensors, &still.readings, &still.pictures, &options).unwrap_err();
-    assert_eq!(refused, NotAtRest::Weightless);
+    assert_eq!(refused, NotAtRest::Weightless { gravity: 0.0 });
 }
 
 #[test]

@@ -553,8 +553,6 @@ fn pixels_of_kept_landmarks_count_as_used() {
     assert!(used > 20 * gated.max(1), "{used} {gated}");
 }
 
-/// What rounding leaves in a column may be so small that its square is zero. The rows are turned all
-/// the same, and nothing that they say of the other columns is lost.
 #[test]
 fn no_columns_are_a_system_without_unknowns() {
     let mut rows = Rows::default();
@@ -563,6 +561,8 @@ fn no_columns_are_a_system_without_unknowns() {
     assert_eq!((jacobian.shape(), residual.len()), ((0, 0), 0));
 }
 
+/// What rounding leaves in a column may be so small that its square is zero. The rows are turned all
+/// the same, and nothing that they say of the other columns is lost.
 #[test]
 fn dust_in_a_column_loses_nothing() {
     let mut random = ChaCha8Rng::seed_from_u64(4);

@@ -71,10 +71,9 @@ pub struct Collected {
 /// Whether a folder has something of an answer.
 pub type Holds = fn(&Path) -> bool;
 
-/// The submissions that paths lead to. A path is a submission itself when answers lie at its top, or, of other
-/// kinds of answers, when it holds some and no folder in it does,
-/// or a folder of submissions: then each folder in it is one, and so is each link or archive, which
-/// can tell what is wrong. An archive that lies beside what was unpacked from it, and `holds` answers, is none.
+/// The submissions that paths lead to. A path is a submission itself when answers lie at its top, or when it `holds`
+/// answers and no folder in it does. Otherwise it is a folder of submissions: then each folder in it is one, and so
+/// is each link or archive, which can tell what is wrong. An archive that lies beside what was unpacked from it, and `holds` answers, is none.
 ///
 /// # Errors
 ///

@@ -178,7 +178,8 @@ impl<C: Camera<D>, const D: usize> Solver<C, D> {
     }
     // ANCHOR_END: minimal_norm
 
-    /// The error that says why points cannot be eliminated, whatever is free beside them.
+    /// The error that says why points cannot be eliminated, or what rounding has lost of the cameras, whatever is
+    /// free beside them.
     pub(super) fn explain_points(&self) -> BaError {
         self.free().map_or_else(|error| error, |free| free.lost_to_rounding().into())
     }

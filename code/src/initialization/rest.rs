@@ -63,7 +63,7 @@ pub fn at_rest(
     options: &RestOptions,
 ) -> Result<Start, NotAtRest> {
     if sensors.gravity.is_nan() || sensors.gravity <= 0.0 {
-        return Err(NotAtRest::Weightless);
+        return Err(NotAtRest::Weightless { gravity: sensors.gravity });
     }
     let (first, last) = pictures_at_rest(sensors, pictures, options)?;
     let [from, to] = [first, last].map(|picture| sensors.rig.imu_nanoseconds(picture.nanoseconds));
@@ -230,9 +230,14 @@ pub enum NotAtRest {
         /// What is allowed, in m/s².
         allowed: f64,
     },
-    /// There is no gravity.
-    #[error("without gravity no force at rest says which way is up; begin in motion")]
-    Weightless,
+    /// The size of gravity is not positive.
+    #[error(
+        "gravity is {gravity} m/s²; give its size, which is positive, or begin in motion where there is none"
+    )]
+    Weightless {
+        /// The size that was given, in m/s².
+        gravity: f64,
+    },
     /// A reading is none.
     #[error("the reading at {nanoseconds} ns has a number that is not finite; leave it out")]
     Reading {

@@ -429,7 +429,7 @@ impl Odometry {
     }
 
     /// How the flight that is followed began; `None` before it did, and when it was told by
-    /// [`Odometry::begun`]. Its seconds count from the first picture that was waited with, and its numbers
+    /// [`Odometry::begun`]. Its seconds count from the first picture at which a beginning was looked for, and its numbers
     /// of pictures from the oldest one that was still kept.
     pub fn beginning(&self) -> Option<&Beginning> {
         self.beginning.as_ref()

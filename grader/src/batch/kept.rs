@@ -213,7 +213,7 @@ impl Kept {
     }
 
     fn begun(&self, submission: &str) -> PathBuf {
-        // No name of a submission is another one while a file beside its place is written.
+        // With this ending no submission's file has the name of the temporary file of another one.
         self.out.join(BEGUN).join(format!("{submission}.begun"))
     }
 

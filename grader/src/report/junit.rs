@@ -126,7 +126,7 @@ fn case(exercise: &ExerciseGrade, check: &CheckGrade, mut told: Told) -> TestCas
     }
 }
 
-/// An error and not a failure: it says nothing about the answer. None where a person has given points.
+/// An error and not a failure: it says nothing about the answer. Where a person has given points, it is skipped.
 fn ungraded(name: &str, exercise: &ExerciseGrade) -> TestCase {
     if let Some(marked) = exercise.marked {
         let mut status = TestCaseStatus::skipped();

@@ -18,7 +18,7 @@ pub struct Exercise {
     /// Its types of arguments and outputs that an answer may import. Everything else of this crate
     /// belongs to the checks, which know what they expect.
     pub types: &'static [&'static str],
-    /// Items of the library that would be the answer, and may not be called.
+    /// Items of the library, and of nalgebra, that would be the answer, and may not be called.
     pub forbidden: &'static [&'static str],
     /// Hints as Markdown, from a question to a nudge to the idea.
     pub hints: &'static str,
@@ -27,7 +27,7 @@ pub struct Exercise {
 }
 
 /// What may not be called where rows are to be turned by hand: nalgebra's factorizations but for those
-/// of Cholesky, LU, LBLᵀ and UDUᵀ, what is made of them, and the modules of the library that have the answer.
+/// of Cholesky, LU with pivots of rows alone, LBLᵀ and UDUᵀ, what is made of them, and the modules of the library that have the answer.
 pub(crate) const FACTORIZATIONS: &[&str] = &[
     "Bidiagonal",
     "ColPivQR",
