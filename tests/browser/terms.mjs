@@ -36,7 +36,7 @@ export const terms = {
     "gauge freedom": "least_squares.html#gauge-freedom-and-null-spaces",
     "null space": "least_squares.html#gauge-freedom-and-null-spaces",
     "robust kernel": "least_squares.html#robust-kernels-and-outliers",
-    "Huber": "least_squares.html#iteratively-reweighted-least-squares",
+    "Huber": "least_squares.html#sec:kernel-reweighted",
     "fill-in": "least_squares.html#elimination-order-fill-in-and-sparse-solvers",
     "marginal covariance": "least_squares.html#marginal-covariances",
     "marginalization": "least_squares.html#taking-a-state-out-a-marginalization-prior",
