@@ -215,6 +215,15 @@ pub fn altered<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     value
 }
 
+/// How far a condition holds on the way from a number where it does to one where it does not, by halves.
+pub fn as_far_as(mut holds: f64, mut fails: f64, condition: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..200 {
+        let middle = 0.5 * (holds + fails);
+        if condition(middle) { holds = middle } else { fails = middle }
+    }
+    0.5 * (holds + fails)
+}
+
 /// The derivative at zero of a function of `C` numbers, column by column, by central differences.
 pub fn differences<const R: usize, const C: usize>(
     step: f64,

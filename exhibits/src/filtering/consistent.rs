@@ -6,7 +6,7 @@ use vislam::inertial::NavState;
 
 use super::{STATES, draws};
 use crate::chapter::Chapter;
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, as_far_as};
 use crate::random::Random;
 
 pub fn exhibits(chapter: &mut Chapter) {
@@ -169,10 +169,6 @@ fn searched(estimate: &[NavState], truth: &[NavState]) -> Rotation3<f64> {
     let slope = |angle: f64| cost(angle + 1e-4) - cost(angle - 1e-4);
     let angles = (0..360).map(|degree| f64::from(degree).to_radians());
     let best = angles.min_by(|one, other| cost(*one).total_cmp(&cost(*other))).unwrap_or(0.0);
-    let (mut low, mut high) = (best - 0.03, best + 0.03);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if slope(middle) > 0.0 { high = middle } else { low = middle }
-    }
-    Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5 * (low + high))
+    let lowest = as_far_as(best - 0.03, best + 0.03, |angle| slope(angle) <= 0.0);
+    Rotation3::from_axis_angle(&Vector3::z_axis(), lowest)
 }

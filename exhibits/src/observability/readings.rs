@@ -12,7 +12,7 @@ use super::oracle::{force_on, path_of, similar_path};
 use super::worked::{TURN, row_of, swaying, window};
 use super::{STATES, draws};
 use crate::chapter::Chapter;
-use crate::comparison::{Comparison, differences};
+use crate::comparison::{Comparison, as_far_as, differences};
 use crate::random::Random;
 
 const WINDOWS: usize = 40;
@@ -325,11 +325,8 @@ fn false_scale(formula: False) -> Comparison {
             if excess(left) < excess(right) { high = right } else { low = left }
         }
         let least = 0.5 * (low + high);
-        let (mut inside, mut outside) = (least, least + 4.0 * (least - 1.0));
-        for _ in 0..200 {
-            let middle = 0.5 * (inside + outside);
-            if excess(middle) < 0.0 { inside = middle } else { outside = middle }
-        }
-        (formula(&acceleration, &GRAVITY), 0.5 * (inside + outside))
+        let outside = least + 4.0 * (least - 1.0);
+        let again = as_far_as(least, outside, |scale| excess(scale) < 0.0);
+        (formula(&acceleration, &GRAVITY), again)
     })
 }

@@ -7,6 +7,7 @@ use vislam::robust_two_view::{ConsensusOptions, general_motion};
 use super::scenes::{SIGMA, Scene, World, quantile};
 use super::worked::fitting_all;
 use crate::chapter::Chapter;
+use crate::comparison::as_far_as;
 use crate::random::Random;
 use crate::record::{RecordValue, accepted};
 
@@ -94,10 +95,5 @@ pub fn numbers(chapter: &mut Chapter) {
 /// direction's.
 fn guess_median() -> f64 {
     let below = |angle: f64| (angle - angle.sin()) / PI * (1.0 - angle.cos()) / 2.0;
-    let (mut low, mut high) = (0.0, PI);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if below(middle) < 0.5 { low = middle } else { high = middle }
-    }
-    low
+    as_far_as(0.0, PI, |angle| below(angle) < 0.5)
 }
